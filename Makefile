@@ -1,0 +1,64 @@
+# Everything sets up what is missing by itself (Debian 12, root or sudo); the second run starts at once.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+VENV := .venv
+UV := build/uv/bin/uv
+BIN := $(VENV)/bin
+ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
+
+.PHONY: help setup demo demo-all test test-boot check bench format clean debian ros kill-matrix kill-matrix-full
+
+help: ## what can be made
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
+
+setup: debian $(VENV)/.synced ros ## ROS from Debian, the Python environment, the messages
+
+demo: setup ## the paper's three scenarios on real ROS, with Figs. 7 to 9
+	@$(ROS_ENV) && eehal demo -o runs/demo
+
+demo-all: setup ## the same, then a cancel, a release that fails, unlock and lock
+	@$(ROS_ENV) && eehal demo --all -o runs/demo
+
+test: setup ## all tests
+	@$(ROS_ENV) && pytest -q
+
+test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
+	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/deploy/test_boot.py
+
+check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
+	@$(BIN)/ruff check . && $(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+	@$(BIN)/vulture
+	@$(BIN)/codespell
+
+bench: setup ## measure it: latencies against their floor, CPU, memory
+	@$(ROS_ENV) && python benchmarks/run.py
+
+kill-matrix: setup ## kill, stop and end every process in the states that tell most (5 minutes)
+	@$(ROS_ENV) && python tests/kill_matrix/run.py
+
+kill-matrix-full: setup ## the same in every state (15 minutes)
+	@$(ROS_ENV) && python tests/kill_matrix/run.py --full
+
+format: $(VENV)/.synced
+	@$(BIN)/ruff check -q --fix . ; $(BIN)/ruff format -q .
+
+clean: ## forget everything that was built or recorded
+	rm -rf build runs $(VENV)
+
+debian:
+	@deploy/debian.sh
+
+ros: debian $(VENV)/.synced
+	@ros/build.sh
+
+$(UV): | debian
+	@/usr/bin/python3 -m venv build/uv
+	@build/uv/bin/pip install -q --disable-pip-version-check 'uv>=0.5,<1'
+
+# Debian's interpreter and its packages, or rospy is missing; the environment's own packages win
+$(VENV)/.synced: pyproject.toml uv.lock $(UV)
+	@test -x $(BIN)/python || $(UV) venv -q --system-site-packages -p /usr/bin/python3 $(VENV)
+	@VIRTUAL_ENV= $(UV) sync -q --frozen -p /usr/bin/python3
+	@touch $@
