@@ -1,0 +1,95 @@
+"""Where a piece of model text stands: every fault of a model is told as ``file:line:column``."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class Chunk(NamedTuple):
+    """A run of characters of a text that stand side by side on one line of the file."""
+
+    offset: int  # in the text
+    line: int
+    column: int
+    byte: int  # in the file
+
+
+class Text:
+    """The text of one XML element, which remembers where each character stands in the file.
+
+    Entities (``&lt;``), CDATA and line ends make a text shorter than its place in the file, hence the chunks.
+    """
+
+    def __init__(self, content: str, file: str, chunks: list[Chunk], encoding: str = "utf-8") -> None:
+        self.content, self.file, self.encoding = content, file, encoding
+        self._chunks = chunks or [Chunk(0, 1, 1, 0)]
+        self._offsets = [chunk.offset for chunk in self._chunks]
+
+    @classmethod
+    def plain(cls, content: str, file: str) -> Text:
+        """A text that stands in no file: a query typed by a user, a test."""
+        chunks, offset, byte = [], 0, 0
+        for number, line in enumerate(content.split("\n"), start=1):
+            chunks.append(Chunk(offset, number, 1, byte))
+            offset += len(line) + 1
+            byte += len(line.encode()) + 1
+        return cls(content, file, chunks)
+
+    def __repr__(self) -> str:
+        return f"<Text {self.content[:40]!r} at {self.where(0)}>"
+
+    def _chunk(self, offset: int) -> Chunk:
+        return self._chunks[max(0, bisect_right(self._offsets, offset) - 1)]
+
+    def where(self, offset: int) -> str:
+        """``file:line:column`` of a character; both count from one."""
+        chunk = self._chunk(offset)
+        return f"{self.file}:{chunk.line}:{chunk.column + offset - chunk.offset}"
+
+    def byte(self, offset: int) -> int:
+        """Byte offset in the file of a character, for splicing."""
+        chunk = self._chunk(offset)
+        return chunk.byte + len(self.content[chunk.offset : offset].encode(self.encoding))
+
+    def cut(self, start: int, end: int) -> Text:
+        """A part as a text of its own, which stands where it stood."""
+        chunks = [
+            Chunk(max(0, chunk.offset - start), chunk.line, column, byte)
+            for chunk, following in zip(
+                self._chunks, [*self._offsets[1:], len(self.content) + 1], strict=True
+            )
+            if chunk.offset < end and following > start
+            for shift in [max(0, start - chunk.offset)]
+            for column, byte in [(chunk.column + shift, self.byte(chunk.offset + shift))]
+        ]
+        return Text(self.content[start:end], self.file, chunks, self.encoding)
+
+    @property
+    def whole(self) -> Span:
+        """All of it."""
+        return Span(self, 0, len(self.content))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Span:
+    """A part of a text: what a node of the syntax tree was read from."""
+
+    text: Text
+    start: int
+    end: int
+
+    @property
+    def where(self) -> str:
+        """``file:line:column`` of its first character."""
+        return self.text.where(self.start)
+
+    @property
+    def snippet(self) -> str:
+        """The source itself on one line, cut to what a message can carry."""
+        source = " ".join(self.text.content[self.start : self.end].split())
+        return source if len(source) <= 60 else source[:57] + "..."
+
+    def __repr__(self) -> str:
+        return f"<{self.where} {self.snippet!r}>"

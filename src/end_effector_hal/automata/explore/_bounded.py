@@ -1,0 +1,101 @@
+"""Bounded responses: ``A[] p imply x <= c`` says that p never lasts longer than c since x was set."""
+
+from __future__ import annotations
+
+from end_effector_hal.automata import _ast as ast
+from end_effector_hal.automata._network import Network
+from end_effector_hal.automata.explore._bound import INFINITY, at_most, below
+from end_effector_hal.automata.explore._cases import Cases
+from end_effector_hal.automata.explore._formula import (
+    Formula,
+    compile_clock,
+    compile_formula,
+    compile_integer,
+    limits_of,
+    mentions_deadlock,
+)
+from end_effector_hal.automata.explore._limits import NEVER, Limit, merged
+from end_effector_hal.automata.explore._query import Query
+from end_effector_hal.automata.explore._reach import Node
+from end_effector_hal.automata.explore._symbolic import Place
+from end_effector_hal.automata.explore._verdict import Extreme
+from end_effector_hal.automata.explore._zone import constrained
+
+
+class Bounded:
+    """A bounded response, and the largest value that its clock was seen to have.
+
+    Attributes:
+        clock: its number.
+        most: the bound, a constant.
+        supremum: the query for the exact value.
+        limits: that the zones must keep.
+    """
+
+    def __init__(self, premise: Formula, clock: int, most: int, *, strict: bool, supremum: Query) -> None:
+        self.clock, self.most, self.supremum = clock, most, supremum
+        self.limits = {clock: Limit(max(most, 0), NEVER)}
+        merged(self.limits, limits_of(premise))
+        self._cases = Cases(premise)
+        self._bound = below(most) if strict else at_most(most)
+        self._largest = -INFINITY
+
+    def of(self, place: Place) -> bool:
+        """Whether the premise can hold in a discrete state."""
+        return bool(self._cases.of(place))
+
+    def see(self, node: Node) -> None:
+        """Take a symbolic state into account."""
+        place, n = node.place, node.place.n
+        at = place.index[self.clock] * n
+        for constraints, _ in self._cases.of(place):
+            part = constrained(node.zone, n, constraints)
+            if part is not None and part[at] > self._largest:
+                self._largest = part[at]
+
+    @property
+    def holds(self) -> bool:
+        """Whether it held in all states seen."""
+        return self._largest <= self._bound
+
+    @property
+    def met(self) -> bool:
+        """Whether the premise held in any."""
+        return self._largest != -INFINITY
+
+    @property
+    def longest(self) -> Extreme | None:
+        """The supremum, None if it lies beyond the bound."""
+        if not self.met:
+            return Extreme(None, attained=True)
+        return Extreme(self._largest >> 1, bool(self._largest & 1)) if self.holds else None
+
+
+def bounded(network: Network, query: Query) -> Bounded | None:
+    """A query as a bounded response; None if it is something else.
+
+    Raises:
+        ModelError: the query is not well-formed.
+    """
+    match query:
+        case Query(
+            kind="A[]",
+            condition=ast.Binary(
+                op="imply", left=premise, right=ast.Binary(op="<=" | "<" as op, left=left, right=right)
+            ),
+        ):
+            if not isinstance(left, ast.Name | ast.Member) or not _is_constant(network, right):
+                return None
+            clock, formula = compile_clock(network, left), compile_formula(network, premise)
+            if clock is None or mentions_deadlock(formula):
+                return None
+            most = compile_integer(network, right)(network.initial.values, network.initial.locations)
+            supremum = Query("sup", query.text, premise, targets=(left,))
+            return Bounded(formula, clock, most, strict=op == "<", supremum=supremum)
+    return None
+
+
+def _is_constant(network: Network, node: ast.Expression) -> bool:
+    if isinstance(node, ast.Name):
+        return node.name in network.constants
+    return isinstance(node, ast.Number)

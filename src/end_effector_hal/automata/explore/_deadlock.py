@@ -1,0 +1,68 @@
+"""Deadlock: no transition is enabled, now or after any time that the invariant allows."""
+
+from __future__ import annotations
+
+from end_effector_hal.automata.explore._bound import INFINITY
+from end_effector_hal.automata.explore._discrete import Move
+from end_effector_hal.automata.explore._symbolic import Place
+from end_effector_hal.automata.explore._zone import (
+    Constraint,
+    Zone,
+    constrained,
+    constraints_of,
+    down,
+    everything,
+    subtract,
+)
+
+
+def enabling(place: Place, move: Move) -> tuple[Constraint, ...] | None:
+    """What the clocks must satisfy at the instant of a move: guard, invariant here, invariant there."""
+    found = [*place.constraints(move.guard), *place.invariant]
+    if move.target is not None:
+        for clock, op, value in move.target.invariant:
+            if clock not in move.resets:
+                found += place.constraints(((clock, op, value),))  # type: ignore[arg-type]
+            elif not (move.resets[clock] < value or (op == "<=" and move.resets[clock] == value)):
+                return None
+    return tuple(found)
+
+
+class Deadlocks:
+    """Finds the valuations without a way on; what lets a state go on is computed once per discrete state."""
+
+    def __init__(self) -> None:
+        self._ways: dict[Place, tuple[tuple[Constraint, ...], ...]] = {}
+
+    def ways(self, place: Place) -> tuple[tuple[Constraint, ...], ...]:
+        """Zones, as constraints, from which a transition is taken now or later."""
+        found = self._ways.get(place)
+        if found is None:
+            zones = {zone for move in place.discrete.moves if (zone := self._way(place, move)) is not None}
+            found = tuple(tuple(constraints_of(zone, place.n)) for zone in zones)
+            if () in found:
+                found = ((),)
+            self._ways[place] = found
+        return found
+
+    @staticmethod
+    def _way(place: Place, move: Move) -> Zone | None:
+        needed = enabling(place, move)
+        if needed is None:
+            return None
+        zone = constrained(everything(place.n), place.n, needed)
+        return down(zone, place.n) if zone is not None and place.discrete.delays else zone
+
+    def of(self, place: Place, zone: Zone) -> list[Zone]:
+        """The parts of a zone (inside the invariant) that are deadlocked."""
+        left, n = [zone], place.n
+        for way in self.ways(place):
+            left = [piece for part in left for piece in subtract(part, way, n)]
+            if not left:
+                break
+        return left
+
+
+def ends_time(place: Place, zone: Zone) -> bool:
+    """Whether time cannot pass without end from some valuation of the zone."""
+    return not place.discrete.delays or any(bound != INFINITY for bound in zone[place.n :: place.n])

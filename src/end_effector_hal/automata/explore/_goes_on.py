@@ -1,0 +1,43 @@
+"""Discrete states in which nothing can be stuck whatever the clocks say: they need no search for deadlocks."""
+
+from __future__ import annotations
+
+from end_effector_hal.automata.explore._deadlock import enabling
+from end_effector_hal.automata.explore._symbolic import Place
+from end_effector_hal.automata.explore._zone import (
+    Constraint,
+    Zone,
+    constrained,
+    down,
+    everything,
+    included,
+)
+
+
+class GoesOn:
+    """Whether one transition is enabled, now or later, from every valuation that the invariant allows."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[int, bool, tuple[Constraint, ...], tuple[Constraint, ...]], bool] = {}
+
+    def __call__(self, place: Place) -> bool:
+        """Sufficient, not necessary: several transitions may do so together."""
+        for move in place.discrete.moves:
+            needed = enabling(place, move)
+            if needed is None:
+                continue
+            key = (place.n, place.discrete.delays, place.invariant, needed)
+            always = self._known.get(key)
+            if always is None:
+                always = self._known[key] = _always(*key)
+            if always:
+                return True
+        return False
+
+
+def _always(n: int, delays: bool, invariant: tuple[Constraint, ...], needed: tuple[Constraint, ...]) -> bool:
+    inside: Zone | None = constrained(everything(n), n, invariant)
+    way: Zone | None = constrained(everything(n), n, needed)
+    if inside is None or way is None:
+        return inside is None
+    return included(inside, down(way, n) if delays else way)

@@ -1,0 +1,249 @@
+"""Everything about a network in one exploration: what reachability answers, worst cases, coverage, progress of time.
+
+Made for the usual case that all is well: it keeps nothing that only a counterexample needs. What it does not show to
+hold is to be asked of :class:`Explorer`, which finds the shortest run.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, cast
+
+from end_effector_hal.automata import _ast as ast
+from end_effector_hal.automata._network import Network
+from end_effector_hal.automata.explore._bounded import Bounded, bounded
+from end_effector_hal.automata.explore._cases import Cases
+from end_effector_hal.automata.explore._coverage import open_channels
+from end_effector_hal.automata.explore._deadlock import Deadlocks
+from end_effector_hal.automata.explore._discrete import DiscreteSpace
+from end_effector_hal.automata.explore._formula import Data, compile_formula, limits_of
+from end_effector_hal.automata.explore._goes_on import GoesOn
+from end_effector_hal.automata.explore._happened import Missing, missing
+from end_effector_hal.automata.explore._limits import Limit
+from end_effector_hal.automata.explore._located import Asked, LocatedLimits, location_of, tested_clocks
+from end_effector_hal.automata.explore._query import Query
+from end_effector_hal.automata.explore._reach import Node
+from end_effector_hal.automata.explore._response import Response
+from end_effector_hal.automata.explore._sharp import SharpSpace
+from end_effector_hal.automata.explore._sliced import SlicedSemantics
+from end_effector_hal.automata.explore._symbolic import Place
+from end_effector_hal.automata.explore._watch import Watch
+from end_effector_hal.automata.explore._widest_first import WidestFirst
+from end_effector_hal.automata.explore._zeno import arc, zeno_cycle
+from end_effector_hal.automata.explore._zone import constrained
+
+Told = Callable[[int], None]
+_EVERY = 1000  # states between two words on progress
+
+
+@dataclass(frozen=True, slots=True)
+class Overview:
+    """What one exploration says.
+
+    Attributes:
+        states: symbolic states that were stored.
+        answers: for each query whether it holds; None: it may not, or is of a kind that is not answered here.
+        unmet: numbers of the queries ``A[] p imply q`` and ``p --> q`` whose p holds nowhere.
+        bounded: the queries ``A[] p imply x <= c`` by number, each with the longest time seen.
+        missing: what cannot happen.
+        open_channels: channels with one end, in words.
+        stuck: whether there may be a state without any transition, now or later.
+        stopped: whether there may be one in which time cannot go on either.
+        zeno: whether there may be a cycle on which no time needs to pass.
+    """
+
+    states: int
+    answers: tuple[bool | None, ...]
+    unmet: frozenset[int]
+    bounded: Mapping[int, Bounded]
+    missing: Missing
+    open_channels: tuple[str, ...]
+    stuck: bool
+    stopped: bool
+    zeno: bool
+
+
+def overview(
+    network: Network, queries: Sequence[Query], told: Told | None = None, *, stop: bool = False
+) -> Overview:
+    """Explore a network once.
+
+    Args:
+        network: a loaded network.
+        queries: any; those of other kinds than ``A[]``, ``E<>`` and ``-->`` are left open.
+        told: called with the number of states now and then.
+        stop: at the first ``A[]`` that may not hold; the rest then says nothing.
+
+    Raises:
+        ModelError: a query is not well-formed.
+        OutOfRangeError: a value leaves its range in a run; without the run.
+    """
+    with _without_collector():
+        exploration = _Exploration(network, queries)
+        exploration.run(told or (lambda _: None), stop=stop)
+        return exploration.result()
+
+
+class _Exploration:
+    def __init__(self, network: Network, queries: Sequence[Query]) -> None:
+        self.network, self.queries = network, queries
+        self._watch: Watch[tuple[int, bool]] = Watch(network)  # number of the query; False: only its premise
+        self._cases: dict[int, Cases] = {}
+        self._bounded: dict[int, Bounded] = {}
+        self._responses: dict[int, Response] = {}
+        self._about_deadlock: set[int] = set()
+        self._happened: set[tuple[int, bool]] = set()
+        self._clocked: dict[Place, tuple[int, ...]] = {}
+        self._goes_on, self._deadlocks, self._doubtful = GoesOn(), Deadlocks(), set[Place]()
+        self._stuck = self._stopped = self._ended = False
+        self._asked = [
+            Asked(self._ask(number, query), _where(network, query)) for number, query in enumerate(queries)
+        ]
+        discrete = DiscreteSpace(network)
+        discrete.semantics = cast(Any, SlicedSemantics(network, [str(query) for query in queries]))
+        self.space = SharpSpace(discrete, LocatedLimits(network, self._asked))
+        asked_for = {clock for asked in self._asked for clock in asked.limits}
+        self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)))
+
+    def _ask(self, number: int, query: Query) -> Mapping[int, Limit]:
+        """Prepare for a query; the limits of clocks that it needs."""
+        if query.kind == "-->":
+            response = self._responses[number] = Response(self.network, query)
+            return response.limits
+        if query.kind not in ("A[]", "E<>") or query.condition is None:
+            return {}
+        if _is_no_deadlock(query):
+            self._about_deadlock.add(number)
+            return {}
+        if (bound := bounded(self.network, query)) is not None:
+            self._bounded[number] = bound
+            return bound.limits
+        invariance = query.kind == "A[]"
+        wanted = compile_formula(self.network, query.condition, negated=invariance)
+        if not isinstance(wanted, Data):
+            self._cases[number] = Cases(wanted)
+            return limits_of(wanted)
+        self._watch.add((number, True), query.condition, wanted=not invariance)
+        if invariance and isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
+            self._watch.add((number, False), query.condition.left)
+        return {}
+
+    def run(self, told: Told, *, stop: bool) -> None:
+        """Explore."""
+        clocked = self._clocked
+        for count, node in enumerate(self.search.nodes(), start=1):
+            place = node.place
+            if place not in clocked:
+                self._happened.update(self._watch(place.discrete.state))
+                clocked[place] = tuple(self._concerned(place))
+                if not self._goes_on(place):
+                    self._doubtful.add(place)
+            for number in clocked[place]:
+                self._see(number, node)
+            if place in self._doubtful and not self._stopped:
+                self._doubt(node)
+            if not count % _EVERY:
+                told(count)
+            if stop and self._refuted:
+                self._ended = True
+                return
+
+    @property
+    def _refuted(self) -> bool:
+        invariants = (
+            number for number, whole in self._happened if whole and self.queries[number].kind == "A[]"
+        )
+        late = any(not bound.holds for bound in self._bounded.values())
+        return late or (self._stuck and bool(self._about_deadlock)) or any(True for _ in invariants)
+
+    def _concerned(self, place: Place) -> Iterator[int]:
+        """The queries about clocks that depend on the zones of a place."""
+        yield from (number for number, cases in self._cases.items() if cases.of(place))
+        yield from (number for number, bound in self._bounded.items() if bound.of(place))
+        yield from (number for number, response in self._responses.items() if response.of(place))
+
+    def _see(self, number: int, node: Node) -> None:
+        if number in self._bounded:
+            self._bounded[number].see(node)
+        elif number in self._responses:
+            self._responses[number].see(node)
+        elif (number, True) not in self._happened and self._cases[number].part(node.place, node.zone):
+            self._happened.add((number, True))
+
+    def _doubt(self, node: Node) -> None:
+        """Look whether a state is stuck. Zones are too large here, never too small."""
+        place, discrete = node.place, node.place.discrete
+        inside = constrained(node.zone, place.n, place.invariant)
+        if inside is not None and self._deadlocks.of(place, inside):
+            self._stuck = True
+            self._stopped = not discrete.delays or bool(discrete.invariant)
+
+    def result(self) -> Overview:
+        """What was found."""
+        arcs, taken = [], set[int]()
+        for place in [] if self._ended else self.space.places:
+            for plan, target, move in place.steps if place.passed else ():
+                if any(plan(node.zone) is not None for node in place.passed):
+                    arcs.append(arc(place, target, move))
+                    taken.update(map(id, (edge.drawn for edge in move.edges)))
+        visited = (place.discrete.state.locations for place in self.space.places if place.passed)
+        return Overview(
+            states=self.search.states,
+            answers=tuple(map(self._answer, range(len(self.queries)))),
+            unmet=frozenset(self._unmet()),
+            bounded=self._bounded,
+            missing=missing(self.network, visited, taken),
+            open_channels=tuple(open_channels(self.network)),
+            stuck=self._stuck,
+            stopped=self._stopped,
+            zeno=zeno_cycle(arcs) is not None,
+        )
+
+    def _answer(self, number: int) -> bool | None:
+        if number in self._about_deadlock:
+            return None if self._stuck else True
+        if number in self._bounded:
+            return self._bounded[number].holds or None
+        if number in self._responses:
+            limits = LocatedLimits(self.network, self._asked, symmetric=True)
+            return self._responses[number].holds(self.space.discrete, limits) or None
+        if self.queries[number].kind == "A[]":
+            return None if (number, True) in self._happened else True
+        return (number, True) in self._happened if self.queries[number].kind == "E<>" else None
+
+    def _unmet(self) -> Iterator[int]:
+        yield from (number for number, whole in self._watch.open if not whole)
+        yield from (number for number, bound in self._bounded.items() if not bound.met)
+        yield from (number for number, response in self._responses.items() if not response.met)
+
+
+def _where(network: Network, query: Query) -> tuple[int, int] | None:
+    """The location in which a query asks for clocks; None: it names none."""
+    match query:
+        case Query(kind="A[]", condition=ast.Binary(op="imply", left=premise)):
+            return location_of(network, premise)
+        case Query(kind="E<>"):
+            return location_of(network, query.condition)
+    return None
+
+
+def _is_no_deadlock(query: Query) -> bool:
+    match query:
+        case Query(kind="A[]", condition=ast.Unary(op="!", operand=ast.Name(name="deadlock"))):
+            return True
+    return False
+
+
+@contextmanager
+def _without_collector() -> Iterator[None]:
+    """Nothing that is kept can be collected, and looking for it takes a third of the time."""
+    collected = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collected:
+            gc.enable()

@@ -1,0 +1,66 @@
+"""``p --> q`` after an exploration of everything: only what follows the states of p is looked at."""
+
+from __future__ import annotations
+
+from end_effector_hal.automata import _ast as ast
+from end_effector_hal.automata._faults import refused
+from end_effector_hal.automata._network import Network
+from end_effector_hal.automata.explore._cases import Cases
+from end_effector_hal.automata.explore._delay import Only, Within
+from end_effector_hal.automata.explore._discrete import DiscreteSpace
+from end_effector_hal.automata.explore._formula import Formula, compile_formula, limits_of, mentions_deadlock
+from end_effector_hal.automata.explore._limits import Limit, Limits, merged
+from end_effector_hal.automata.explore._liveness import Start, Staying
+from end_effector_hal.automata.explore._query import Query
+from end_effector_hal.automata.explore._reach import Node
+from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
+
+
+class Response:
+    """One such query.
+
+    Attributes:
+        limits: that the zones must keep.
+    """
+
+    def __init__(self, network: Network, query: Query) -> None:
+        assert query.condition is not None
+        assert query.then is not None
+        first = _compiled(network, query.condition)
+        inside, outside = _compiled(network, query.then, negated=True), _compiled(network, query.then)
+        self.limits: dict[int, Limit] = {}
+        for formula in (first, inside, outside):
+            merged(self.limits, limits_of(formula))
+        self._first, self._within = Cases(first), Within(Cases(inside), Cases(outside))
+        self._nodes: list[Node] = []
+
+    def of(self, place: Place) -> bool:
+        """Whether p can hold in a discrete state."""
+        return bool(self._first.of(place))
+
+    def see(self, node: Node) -> None:
+        """Note a symbolic state in which p may hold."""
+        self._nodes.append(node)
+
+    @property
+    def met(self) -> bool:
+        """Whether p held anywhere."""
+        only = Only(self._first)
+        return any(only(node.place, node.zone) for node in self._nodes)
+
+    def holds(self, discrete: DiscreteSpace, limits: Limits) -> bool:
+        """Whether q follows. Zones are too large here, never too small: False may be wrong, True is not."""
+        space, only = SymbolicSpace(discrete, limits, delays=False), Only(self._first)
+        starts = (
+            Start(space.place(node.place.discrete), stay.zone, ())
+            for node in self._nodes
+            for stay in only(node.place, node.zone)
+        )
+        return Staying(space, self._within).lasso(starts) is None
+
+
+def _compiled(network: Network, node: ast.Expression, *, negated: bool = False) -> Formula:
+    formula = compile_formula(network, node, negated=negated)
+    if mentions_deadlock(formula):
+        raise refused(node.span, f"'{node.span.snippet}', 'deadlock' outside of A[] and E<>")
+    return formula
