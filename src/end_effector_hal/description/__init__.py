@@ -1,0 +1,52 @@
+"""What an end-effector is made of: YAML in, frozen typed objects out; pure."""
+
+from ._actuators import Actuator, ActuatorPart, CylinderActuator, VacuumActuator
+from ._devices import Lines, Link, Supply, ToolChanger
+from ._examine import Examination, examine, examine_text
+from ._fault import CODES, Fault, did_you_mean
+from ._fitting import Carried, not_fitted, unproven
+from ._load import load
+from ._markdown import markdown
+from ._model import Description, camel_case
+from ._part import Ending, Part
+from ._paths import profile_path, run_directory, socket_path
+from ._policy import Automata, Bounds, Endings, GrippingEndings, HeldEndings, Interlocks
+from ._schema import schema, schema_path, schema_text
+
+__all__ = [
+    "CODES",
+    "Actuator",
+    "ActuatorPart",
+    "Automata",
+    "Bounds",
+    "Carried",
+    "CylinderActuator",
+    "Description",
+    "Ending",
+    "Endings",
+    "Examination",
+    "Fault",
+    "GrippingEndings",
+    "HeldEndings",
+    "Interlocks",
+    "Lines",
+    "Link",
+    "Part",
+    "Supply",
+    "ToolChanger",
+    "VacuumActuator",
+    "camel_case",
+    "did_you_mean",
+    "examine",
+    "examine_text",
+    "load",
+    "markdown",
+    "not_fitted",
+    "profile_path",
+    "run_directory",
+    "schema",
+    "schema_path",
+    "schema_text",
+    "socket_path",
+    "unproven",
+]

@@ -1,0 +1,72 @@
+"""Everything else that hangs on the wires, and the wires themselves."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ._part import Kilopascal, LineName, Name, Part, RosName, Samples, Seconds
+
+
+class ToolChanger(Part):
+    """The tool changer; an inactive line is locked (ISO 11593)."""
+
+    line: LineName = Field(description="name of the GPIO line; active means unlock")
+    pin: str = Field(default="", description="where it is found on the board; for people")
+    locked_bit: Name = Field(default="locked", description="bit of the link that proves locked")
+    unlocked_bit: Name = Field(default="unlocked", description="bit of the link that proves unlocked")
+    latching: bool = Field(default=False, description="the unlock output may stay active (IL-03 off)")
+    unlock_max_s: Seconds = Field(
+        default=3.0, description="IL-03: longest time that the unlock output is active"
+    )
+    prove_s: Seconds = Field(default=2.0, description="IL-04: a lock or unlock is proven within")
+    proven_s: Seconds = Field(default=0.1, description="IL-04: bits stand for at least this long")
+    fault_s: Seconds = Field(
+        default=0.5, description="IL-04: both bits or neither for this long: sensor fault"
+    )
+    service: RosName = Field(default="SetToolChanger", description="ROS service")
+
+
+class Supply(Part):
+    """The compressed-air supply (IL-06)."""
+
+    channel: Name = Field(default="supply", description="pressure channel of the link")
+    nominal_kpa: Kilopascal = Field(default=600.0, description="taken where the channel is not carried")
+    warn_kpa: Kilopascal = Field(default=450.0, description="less than this: a warning")
+    refuse_kpa: Kilopascal = Field(default=400.0, description="less than this: a new grip is refused")
+    hysteresis_kpa: Kilopascal = Field(default=20.0, description="granted again this far above refuse_kpa")
+
+
+class Lines(Part):
+    """How the output lines are reached."""
+
+    backend: Literal["gpiod", "virtual"] = Field(
+        default="gpiod", description="gpiod: the kernel's character device; virtual: a file, no hardware"
+    )
+    path: str | None = Field(default=None, description="virtual: the file that stands for the chip")
+    socket: str | None = Field(
+        default=None, description="Unix socket of the line owner; default: in the run directory"
+    )
+
+
+class Link(Part):
+    """The sensor link."""
+
+    port: str = Field(min_length=1, description="serial device")
+    baudrate: int | None = Field(
+        default=None, ge=300, le=4_000_000, description="bits per second; default: that of the codec"
+    )
+    codec: str = Field(
+        default="ees1-ascii", min_length=1, description="format of the frames; also `legacy-nibble`"
+    )
+    stale_s: Seconds = Field(
+        default=0.15, description="a reading is stale after this or stale_periods, the longer"
+    )
+    stale_periods: Samples = Field(
+        default=3, description="periods of the codec after which a reading is stale"
+    )
+    down_s: Seconds = Field(
+        default=1.0, description="the link is down after this or down_periods, the longer"
+    )
+    down_periods: Samples = Field(default=7, description="periods of the codec after which the link is down")

@@ -1,0 +1,120 @@
+"""From text to a description, or to every fault that it has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ._explain import explain, likely_kind, no_kind
+from ._facts import Facts
+from ._fault import Fault
+from ._model import Description
+from ._order import order_faults
+from ._places import Keys, Places
+from ._rules import rule_faults
+from ._shape import KINDS, fields_of
+from ._source import read_text
+from ._wires import shared_faults
+from ._yaml import Reader
+
+
+@dataclass(frozen=True)
+class Examination:
+    """What came of reading a file: a description, or faults in the order of the file."""
+
+    name: str
+    description: Description | None
+    faults: tuple[Fault, ...]
+
+    def lines(self) -> list[str]:
+        """The faults, ready to print."""
+        return [fault.render(self.name) for fault in self.faults]
+
+
+def examine(path: str | Path) -> Examination:
+    """Read a file; never raises for what stands in it."""
+    text = read_text(Path(path))
+    if isinstance(text, Fault):
+        return Examination(str(path), None, (text,))
+    return examine_text(text, path)
+
+
+def examine_text(text: str, path: str | Path) -> Examination:
+    """The same for a text that came from ``path``; files that it names are looked for beside it."""
+    places = Places(Path(path).absolute(), str(path))
+    description, faults = _examine(text, places)
+    return Examination(str(path), None if faults else description, tuple(sorted(set(faults))))
+
+
+def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]]:
+    reader = Reader(text, places)
+    tree, faults = reader.read(), reader.faults
+    if any(fault.code == "EE-202" for fault in faults):
+        return None, faults
+    if tree is None:
+        empty = Fault(0, 0, "EE-201", "the file is empty", "", "a description", "eehal schema lists its keys")
+        return None, faults or [empty]
+    if not isinstance(tree, dict):
+        place = places.value()
+        return None, [
+            *faults,
+            Fault.at(place, "EE-203", "this is not a description", expected="keys with values"),
+        ]
+    broken = set(reader.refused)
+    kinds, guessed = _kinds(tree, places, broken)
+    description, found = _validate(tree, places, broken)
+    faults += [
+        *kinds,
+        *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed)),
+    ]
+    facts = Facts(tree, places, broken)
+    return description, [*faults, *order_faults(facts), *rule_faults(facts), *shared_faults(facts)]
+
+
+def _kinds(tree: dict[str, Any], places: Places, broken: set[Keys]) -> tuple[list[Fault], set[str]]:
+    """Faulty kinds of actuators, and actuators whose kind is a guess.
+
+    The likely kind is put in, so that the rest of the stanza is examined too.
+    """
+    faults: list[Fault] = []
+    guessed: set[str] = set()
+    actuators = tree.get("actuators")
+    for name, stanza in actuators.items() if isinstance(actuators, dict) else ():
+        kind = stanza.get("kind") if isinstance(stanza, dict) else "vacuum"
+        if not (isinstance(kind, str) and kind in KINDS):
+            faults.append(no_kind(name, stanza, places))
+            broken.add(("actuators", name, "kind"))
+            stanza["kind"], sure = likely_kind(stanza)
+            guessed |= set() if sure else {name}
+    return faults, guessed
+
+
+def _validate(
+    tree: dict[str, Any], places: Places, broken: set[Keys]
+) -> tuple[Description | None, list[tuple[Keys, Fault]]]:
+    try:
+        description = Description.model_validate(tree, by_alias=True, by_name=False)
+    except ValidationError as error:
+        explained = [explain(each, places) for each in error.errors(include_url=False)]
+    else:
+        description._places = places
+        return description, []
+    broken |= {path for path, _ in explained}
+    hinted = {(path[:-1], fault.hint) for path, fault in explained if fault.code == "EE-205"}
+    # A misspelt key is one fault, not two: what it means is not missing as well.
+    return None, [
+        (path, fault)
+        for path, fault in explained
+        if not (fault.code == "EE-206" and (path[:-1], f"did you mean {path[-1]!r}?") in hinted)
+    ]
+
+
+def _follows(path: Keys, fault: Fault, refused: set[Keys], guessed: set[str]) -> bool:
+    """Whether a fault only follows from another that is reported: a value refused before, a kind guessed."""
+    if any(path[: len(each)] == each for each in refused):
+        return True
+    own_key = fault.code == "EE-205" and any(str(path[-1]) in fields_of(model) for model in KINDS.values())
+    return own_key and path[0] == "actuators" and path[1] in guessed

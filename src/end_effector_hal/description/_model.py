@@ -1,0 +1,98 @@
+"""What an end-effector is made of: passive, frozen, typed; the nouns of the YAML file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from pydantic import Field, PrivateAttr
+
+from ._actuators import Actuator
+from ._devices import Lines, Link, Supply, ToolChanger
+from ._part import Name, Names, Part
+from ._paths import profile_path
+from ._places import Place, Places
+from ._policy import Automata, Bounds, Endings, Interlocks
+
+
+class Description(Part):
+    """A whole end-effector."""
+
+    name: Name = Field(description="of the tool; names its socket and its recordings")
+    summary: str = Field(default="", description="one sentence, for people")
+    lines: Lines = Field(default=Lines(), description="how the output lines are reached")
+    link: Link = Field(description="the sensor link")
+    sequence: Names = Field(min_length=1, description="actuators in the order of a grip")
+    release_order: Names | None = Field(default=None, description="default: the sequence reversed")
+    actuators: dict[Name, Actuator] = Field(description="by name")
+    tool_changer: ToolChanger | None = Field(default=None, description="absent: none is fitted")
+    supply: Supply = Field(default=Supply(), description="the compressed air")
+    endings: Endings = Field(default=Endings(), description="what each ending does to the outputs")
+    interlocks: Interlocks = Field(default=Interlocks(), description="true: enforced")
+    bounds: Bounds = Field(default=Bounds(), description="what the proof assumes and shows")
+    automata: Automata = Field(default=Automata(), description="the UPPAAL file")
+
+    _places: Places = PrivateAttr(default_factory=lambda: Places(Path("<description>")))
+
+    @property
+    def source(self) -> Path:
+        """The file that it was loaded from, as an absolute path; ``<description>`` if it was made in code."""
+        return self._places.file
+
+    def where(self, *keys: str | int) -> str:
+        """``file:line:column`` of a value, or of the nearest stanza that is written; for errors elsewhere."""
+        return self._places.where(*keys)
+
+    def place(self, *keys: str | int) -> Place:
+        """The same with the offending text, for a :class:`Fault`."""
+        return self._places.value(*keys)
+
+    @property
+    def ordered(self) -> tuple[tuple[str, Actuator], ...]:
+        """Name and actuator of each step, in the order of a grip."""
+        return tuple((name, self.actuators[name]) for name in self.sequence)
+
+    @property
+    def releasing(self) -> tuple[str, ...]:
+        """Names of the actuators in the order of a release."""
+        return self.release_order if self.release_order is not None else self.sequence[::-1]
+
+    def service_of(self, name: str) -> str:
+        """ROS service of an actuator (relative name); raises KeyError for an unknown one."""
+        return self.actuators[name].service or "Set" + camel_case(name)
+
+    def topic_of(self, name: str) -> str:
+        """ROS topic of an actuator's pressure (relative name); raises KeyError for an unknown one."""
+        return self.actuators[name].topic or "Pressure" + camel_case(name)
+
+    @property
+    def automata_path(self) -> Path:
+        """The UPPAAL file, absolute: beside the description, or the shipped one.
+
+        The shipped one is taken only if the description names none and none stands beside it.
+        """
+        beside = self.source.parent / self.automata.file
+        named = "file" in self.automata.model_fields_set
+        return (
+            beside.absolute() if named or beside.is_file() else profile_path().with_name("end_effector.xml")
+        )
+
+    def with_virtual(
+        self, lines_path: str | Path, port: str, socket: str | Path | None = None
+    ) -> Description:
+        """The same tool on virtual lines and another serial port."""
+        lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
+        return self.model_copy(update={"lines": lines, "link": self.link.model_copy(update={"port": port})})
+
+    def fingerprint(self) -> str:
+        """Twelve hex digits of the content; layout, order of keys and omitted defaults do not change them."""
+        content = json.dumps(
+            self.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":")
+        )
+        return hashlib.sha256(content.encode()).hexdigest()[:12]
+
+
+def camel_case(name: str) -> str:
+    """``bottom_vacuum`` to ``BottomVacuum``."""
+    return "".join(word.capitalize() for word in name.split("_"))

@@ -1,0 +1,104 @@
+"""Rules of order: thresholds and times that only make sense one below the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ._facts import Facts
+from ._fault import Fault
+from ._places import Keys
+from ._units import number
+
+Pair = tuple[str, str, str]
+
+# A signal rises through gone, lost at once, lost, confirmed, secure; equal where two may be one.
+VACUUM: tuple[Pair, ...] = (
+    ("gone_kpa", "<", "lost_at_once_kpa"),
+    ("lost_at_once_kpa", "<=", "lost_kpa"),
+    ("lost_kpa", "<", "confirmed_kpa"),
+    ("confirmed_kpa", "<=", "secure_kpa"),
+)
+# What takes longer than its time-out can never happen.
+CYLINDER: tuple[Pair, ...] = (("extended_s", "<", "timeout_s"), ("retracted_s", "<", "release_s"))
+SUPPLY: tuple[Pair, ...] = (("refuse_kpa", "<", "warn_kpa"), ("warn_kpa", "<", "nominal_kpa"))
+LINK: tuple[Pair, ...] = (("stale_s", "<", "down_s"), ("stale_periods", "<", "down_periods"))
+CHANGER: tuple[Pair, ...] = (("proven_s", "<", "prove_s"),)
+
+
+def order_faults(facts: Facts) -> Iterator[Fault]:
+    """Every pair of numbers that stands in the wrong order."""
+    yield from _pairs(facts, ("supply",), SUPPLY)
+    yield from _pairs(facts, ("link",), LINK)
+    if isinstance(facts.get("tool_changer"), dict):
+        yield from _pairs(facts, ("tool_changer",), CHANGER)
+    for name, kind in facts.actuators():
+        yield from _pairs(facts, ("actuators", name), VACUUM if kind == "vacuum" else CYLINDER)
+        yield from _secure(facts, name) if kind == "vacuum" else _retracted(facts, name)
+    yield from _supply_returns(facts)
+
+
+def _pairs(facts: Facts, stanza: Keys, pairs: tuple[Pair, ...]) -> Iterator[Fault]:
+    for low, relation, high in pairs:
+        less, more = facts.get(*stanza, low), facts.get(*stanza, high)
+        if less is None or more is None or less < more or (relation == "<=" and less == more):
+            continue
+        # The one that is written is at fault; of two, the one that ought to be the higher.
+        if facts.written(*stanza, high):
+            key, size, words, other = high, "small", "more than" if relation == "<" else "at least", low
+        else:
+            key, size, words, other = low, "large", "less than" if relation == "<" else "at most", high
+        place = facts.places.value(*stanza, key)
+        expected = f"{words} {_quote(facts, *stanza, other)}"
+        yield Fault.at(place, "EE-222", f"{key!r} is too {size}", expected=expected)
+
+
+def _secure(facts: Facts, name: str) -> Iterator[Fault]:
+    """A grip stops being secure before it is lost, so that there is a warning."""
+    keys = ("secure_hysteresis_kpa", "secure_kpa", "lost_kpa", "confirmed_kpa")
+    paths = [("actuators", name, key) for key in keys]
+    hysteresis, secure, lost, confirmed = (facts.get(*path) for path in paths)
+    # If secure is not the highest anyhow, that is the fault.
+    if None in (hysteresis, secure, lost, confirmed) or not lost < confirmed <= secure:
+        return
+    if secure - hysteresis <= lost:
+        expected = f"secure_kpa - secure_hysteresis_kpa = {number(secure - hysteresis)} above"
+        what = "a grip would be lost before it is no longer secure"
+        yield _of_several(facts, paths, what, f"{expected} {_quote(facts, *paths[2])}")
+
+
+def _retracted(facts: Facts, name: str) -> Iterator[Fault]:
+    """At the least supply pressure that is allowed, extended must still lie above retracted."""
+    paths: list[Keys] = [("actuators", name, "retracted_kpa"), ("actuators", name, "extended_fraction")]
+    paths.append(("supply", "refuse_kpa"))
+    retracted, fraction, refuse = (facts.get(*path) for path in paths)
+    if None not in (retracted, fraction, refuse) and retracted >= fraction * refuse:
+        product = f"extended_fraction * supply.refuse_kpa = {number(fraction * refuse)}"
+        expected = f"{_quote(facts, *paths[0])} below {product}"
+        yield _of_several(facts, paths, f"{name!r} would be extended and retracted at once", expected)
+
+
+def _supply_returns(facts: Facts) -> Iterator[Fault]:
+    """After a refusal the nominal pressure must be enough to grip again."""
+    keys = ("hysteresis_kpa", "refuse_kpa", "nominal_kpa", "warn_kpa")
+    paths = [("supply", key) for key in keys]
+    hysteresis, refuse, nominal, warn = (facts.get(*path) for path in paths)
+    # If the three are not in order anyhow, that is the fault.
+    if None in (hysteresis, refuse, nominal, warn) or not refuse < warn < nominal:
+        return
+    if nominal <= refuse + hysteresis:
+        expected = (
+            f"refuse_kpa + hysteresis_kpa = {number(refuse + hysteresis)} below {_quote(facts, *paths[2])}"
+        )
+        yield _of_several(facts, paths, "a grip, once refused, would never be granted again", expected)
+
+
+def _of_several(facts: Facts, paths: Sequence[Keys], what: str, expected: str) -> Fault:
+    """A fault of several numbers together; it stands at the first of them that is written."""
+    path = next(each for each in paths if facts.written(*each))
+    place = facts.places.value(*path)
+    return Fault.at(place, "EE-222", what, found=f"{path[-1]}: {place.text}", expected=expected)
+
+
+def _quote(facts: Facts, *path: str | int) -> str:
+    default = "" if facts.written(*path) else " (default)"
+    return f"{path[-1]} = {number(facts.get(*path))}{default}"

@@ -1,0 +1,30 @@
+"""What every stanza is made of: a frozen base and the types of its values.
+
+Pressures are gauge kPa; a vacuum is given as kPa *below* ambient, a positive number. Times are seconds unless
+the key says otherwise.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Seconds = Annotated[float, Field(gt=0, le=600)]
+Kilopascal = Annotated[float, Field(gt=0, le=2000)]
+Vacuum = Annotated[float, Field(gt=0, le=100)]
+Samples = Annotated[int, Field(ge=1, le=1000)]
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
+RosName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*$", max_length=80)]
+LineName = Annotated[str, Field(min_length=1, max_length=64)]
+Ending = Literal["hold", "release"]
+
+# A YAML sequence is a list; frozen objects hold tuples.
+Names = Annotated[tuple[Name, ...], Field(strict=False)]
+Texts = Annotated[tuple[str, ...], Field(strict=False)]
+
+
+class Part(BaseModel):
+    """One stanza of a description."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)

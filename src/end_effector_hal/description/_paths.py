@@ -1,0 +1,50 @@
+"""Where things stand on the machine: shipped profiles, the run directory, the line owner's socket."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from ._model import Description
+
+PROFILES = Path(__file__).resolve().parent.parent / "profiles"
+
+
+def profile_path(name: str = "verdin_gripper") -> Path:
+    """The YAML file of a shipped profile.
+
+    Raises:
+        UsageError: no profile has that name.
+    """
+    path = PROFILES / name / "end_effector.yaml"
+    shipped = sorted(each.parent.name for each in PROFILES.glob("*/end_effector.yaml"))
+    if name not in shipped:
+        raise UsageError(f"no profile is named {name!r}.", todo=f"Shipped: {', '.join(shipped)}.")
+    return path
+
+
+def run_directory() -> Path:
+    """Where sockets of running programs stand; it is not created here.
+
+    ``$EEHAL_RUN_DIR``, else ``/run/eehal`` if it can be written, else ``$XDG_RUNTIME_DIR/eehal``, else
+    ``/tmp/eehal-<uid>``.
+    """
+    if chosen := os.environ.get("EEHAL_RUN_DIR"):
+        return Path(chosen)
+    system = Path("/run/eehal")
+    if os.access(system if system.exists() else system.parent, os.W_OK):
+        return system
+    if runtime := os.environ.get("XDG_RUNTIME_DIR"):
+        return Path(runtime) / "eehal"
+    return Path(f"/tmp/eehal-{os.getuid()}")
+
+
+def socket_path(description: Description) -> Path:
+    """The Unix socket of the line owner: the description's, or ``<name>.sock`` in the run directory."""
+    if description.lines.socket:
+        return Path(description.lines.socket)
+    return run_directory() / f"{description.name}.sock"

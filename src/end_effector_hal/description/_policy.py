@@ -1,0 +1,92 @@
+"""What the tool does when something ends, what it refuses, and what is proved about it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import ConfigDict, Field
+
+from ._part import Ending, Part, Seconds, Texts
+
+Milliseconds = Annotated[int, Field(ge=1, le=10_000)]
+
+
+class GrippingEndings(Part):
+    """What an ending does before GRIPPED, when nothing is held yet (release: unwind in reverse order)."""
+
+    cancel: Ending = Field(default="release", description="a grip is cancelled; hold: latched GRIP_ERROR")
+    sigterm: Ending = Field(default="release", description="the program is told to end")
+    process_death: Ending = Field(default="release", description="the program dies; the line owner does this")
+
+
+class HeldEndings(Part):
+    """What an ending does while a part is held; `release` needs IL-09 switched off."""
+
+    sigterm: Ending = Field(default="hold", description="the program is told to end")
+    process_death: Ending = Field(default="hold", description="the program dies; the line owner does this")
+
+
+class Endings(Part):
+    """What endings do: safe is not 'all off'; while a part is held, safe is to hold."""
+
+    gripping: GrippingEndings = Field(
+        default=GrippingEndings(), description="before GRIPPED: nothing is held yet"
+    )
+    held: HeldEndings = Field(default=HeldEndings(), description="while a part is held")
+
+
+class Interlocks(Part):
+    """Interlocks that can be switched off, here and nowhere else."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, populate_by_name=True)
+
+    il_01: bool = Field(
+        default=True, alias="IL-01", description="unlock only when nothing is gripped or held"
+    )
+    il_05: bool = Field(default=True, alias="IL-05", description="no gripping unless the tool is locked")
+    il_06: bool = Field(
+        default=True, alias="IL-06", description="no new grip under the least supply pressure"
+    )
+    il_07: bool = Field(default=True, alias="IL-07", description="no grip with feedback present or invalid")
+    il_09: bool = Field(default=True, alias="IL-09", description="only an explicit Drop releases a held part")
+
+
+class Bounds(Part):
+    """What the environment keeps and what the integrator requires; the proof covers it."""
+
+    reaction_ms: Milliseconds = Field(default=50, description="D: longest lateness")
+    sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
+    command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
+    grip_s: Seconds = Field(default=58.0, description="every grip is over within")
+    release_s: Seconds = Field(default=6.2, description="every release is over within")
+    cancel_s: Seconds = Field(default=6.2, description="every cancelled grip is unwound within")
+
+
+class Automata(Part):
+    """The UPPAAL file and which of its processes are executed, by the program that executes them."""
+
+    file: str = Field(
+        default="end_effector.xml",
+        min_length=1,
+        description="relative to the description; default: the shipped one where none stands beside it",
+    )
+    grip: Texts = Field(
+        default=("Gripper", "Actuator"), description="processes that the grip program executes"
+    )
+    tool_change: Texts = Field(
+        default=("Changer",), description="processes that the tool-change program executes"
+    )
+    interface: Texts = Field(
+        default=(
+            "evidence",
+            "tool",
+            "supply_ok",
+            "adopted",
+            "adopted_unlock",
+            "ee",
+            "valve",
+            "changer",
+            "unlock_valve",
+        ),
+        description="variables that the executed processes share with the rest",
+    )

@@ -1,0 +1,67 @@
+"""Which keys a stanza may have, read from the model."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+from pydantic.fields import FieldInfo
+
+from ._actuators import ActuatorPart, CylinderActuator, VacuumActuator
+from ._model import Description
+from ._part import Part
+
+KINDS: dict[str, type[ActuatorPart]] = {"vacuum": VacuumActuator, "cylinder": CylinderActuator}
+
+
+def fields_of(model: type[Part]) -> dict[str, FieldInfo]:
+    """Fields by the key that stands in the file."""
+    return {each.alias or name: each for name, each in model.model_fields.items()}
+
+
+def stanza_at(path: tuple[str | int, ...], kind: str = "vacuum") -> type[Part] | None:
+    """The model of the stanza at a path; None where no stanza can stand. ``kind`` picks the actuator's."""
+    model: type[Part] | None = Description
+    if len(path) >= 2 and path[0] == "actuators":
+        model, path = KINDS[kind], path[2:]
+    for key in path:
+        field = fields_of(model).get(str(key)) if model else None
+        model = part_in(field.annotation) if field else None
+    return model
+
+
+def part_in(annotation: Any) -> type[Part] | None:
+    """The stanza in an annotation such as ``ToolChanger | None``; not that in a dictionary."""
+    if isinstance(annotation, type) and issubclass(annotation, Part):
+        return annotation
+    return next(
+        (each for each in get_args(annotation) if isinstance(each, type) and issubclass(each, Part)), None
+    )
+
+
+def homes_of(key: str) -> list[str]:
+    """Stanzas that have this key, as ``link`` or ``actuators.<name>`` (with the kind, if only one has it)."""
+    homes = [stanza for stanza, model in stanzas().items() if key in fields_of(model)]
+    kinds = [each for each in homes if each.startswith("actuators")]
+    return (
+        ["actuators.<name>", *[each for each in homes if each not in kinds]]
+        if len(kinds) == len(KINDS)
+        else homes
+    )
+
+
+def stanzas() -> dict[str, type[Part]]:
+    """Every stanza by its dotted path; the whole description has the path ``""``."""
+    found: dict[str, type[Part]] = {}
+
+    def walk(path: str, model: type[Part]) -> None:
+        found[path] = model
+        for key, field in fields_of(model).items():
+            below = f"{path}.{key}" if path else key
+            if part := part_in(field.annotation):
+                walk(below, part)
+            elif below == "actuators":
+                for kind, actuator in KINDS.items():
+                    walk(f"actuators.<{kind}>", actuator)
+
+    walk("", Description)
+    return found

@@ -1,0 +1,55 @@
+"""Rules of ownership: a wire, a sensor and a ROS name belong to one device."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ._facts import Facts
+from ._fault import Fault
+from ._model import camel_case
+from ._places import Keys
+
+ROS = {"service": "Set", "topic": "Pressure"}
+
+
+def shared_faults(facts: Facts) -> Iterator[Fault]:
+    """Every second device on a line, channel, bit, service or topic."""
+    changer: list[Keys] = [("tool_changer",)] if isinstance(facts.get("tool_changer"), dict) else []
+    actuators: list[Keys] = [("actuators", name) for name, _ in facts.actuators()]
+    cylinders: list[Keys] = [("actuators", name) for name, kind in facts.actuators() if kind == "cylinder"]
+    supply: list[Keys] = [("supply",)]
+    bits = (
+        *_claims(changer, "locked_bit", "unlocked_bit"),
+        *_claims(cylinders, "extended_bit", "retracted_bit"),
+    )
+    yield from _second(facts, "line", _claims([*changer, *actuators], "line"))
+    yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))
+    yield from _second(facts, "bit", bits)
+    yield from _second(facts, "service", _claims([*changer, *actuators], "service"))
+    yield from _second(facts, "topic", _claims(actuators, "topic"))
+
+
+def _claims(stanzas: list[Keys], *keys: str) -> tuple[Keys, ...]:
+    return tuple((*stanza, key) for stanza in stanzas for key in keys)
+
+
+def _second(facts: Facts, what: str, claims: tuple[Keys, ...]) -> Iterator[Fault]:
+    owners: dict[object, Keys] = {}
+    for path in sorted(claims, key=lambda each: facts.places.value(*each).order):
+        value = facts.get(*path) or _ros_default(facts, path)
+        if value is None:
+            continue
+        if value not in owners:
+            owners[value] = path
+            continue
+        owner = owners[value]
+        device = owner[1] if owner[0] == "actuators" else owner[0]
+        written = f"{path[-1]}: {value}" + ("" if facts.written(*path) else " (default)")
+        place, sentence = facts.places.value(*path), f"{what} {value!r} already belongs to {str(device)!r}"
+        yield Fault.at(place, "EE-221", sentence, found=written, expected=f"a {what} of its own")
+
+
+def _ros_default(facts: Facts, path: Keys) -> str | None:
+    if path[0] != "actuators" or path[-1] not in ROS or path in facts.broken:
+        return None
+    return ROS[str(path[-1])] + camel_case(str(path[1]))

@@ -1,0 +1,170 @@
+"""Text that is not YAML, or YAML that a description does not use; files that cannot be read."""
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.description import examine_text, load
+from end_effector_hal.errors import DescriptionError
+
+BOMB = "".join(
+    f"{key}: &{key} [{', '.join([each] * 10)}]\n"
+    for key, each in zip("abcde", ["x", "*a", "*b", "*c", "*d"], strict=True)
+)
+EMPTY = "tool.yaml: the file is empty, expected a description; eehal schema lists its keys [EE-201]"
+
+SYNTAX = {
+    "a tab": ("name: tool\nlink:\n\tport: x\n", "3:1: not YAML: a tab (port: x), expected spaces to indent [EE-202]"),
+    "two colons": ("name: a: b\n", "1:8: not YAML: a ':' too many (name: a: b), expected quotes around a text with ': ' in it [EE-202]"),
+    "no colon": ("name: tool\nlink\nsequence: [a]\n", "2:1: not YAML: a line without ':' (link), expected key: value [EE-202]"),
+    "indentation": ("link:\n  port: x\n baudrate: 5\n", "3:2: not YAML: the indentation fits no line above (baudrate: 5), expected the keys of a stanza in one column [EE-202]"),
+    "quote": ("name: 'tool\nlink: 5\n", "1:7: not YAML: a quote is not closed (name: 'tool), expected the closing quote [EE-202]"),
+    "cut in a quote": ('link:\n  port: "/dev', '2:9: not YAML: a quote is not closed (port: "/dev), expected the closing quote [EE-202]'),
+    "bracket": ("sequence: [cup, rod\nname: x\n", "1:11: not YAML: a bracket is not closed, or a comma is missing (sequence: [cup, rod), expected [a, b, c] [EE-202]"),
+    "brace": ("link: {port: x\nname: y\n", "1:7: not YAML: a brace is not closed, or a comma is missing (link: {port: x), expected {key: value, …} [EE-202]"),
+    "cut in a brace": ("name: tool\nlink: {", "2:8: not YAML: the file ends too early (link: {), expected the rest of it [EE-202]"),
+    "alias": ("name: *no\n", "1:7: not YAML: an alias that no anchor defines (name: *no), expected an &anchor above it [EE-202]"),
+    "documents": ("name: a\n---\nname: b\n", "2:1: not YAML: a second document (---), expected one; '---' stands at the top only [EE-202]"),
+    "percent": ("name: %x\n", "1:7: not YAML: a text begins with '%' (name: %x), expected quotes around it [EE-202]"),
+    "at": ("name: @x\n", "1:7: not YAML: a text begins with a reserved character (name: @x), expected quotes around it [EE-202]"),
+    "escape": ('name: "a\\q"\n', '1:10: not YAML: an unknown escape in a quoted text (name: "a\\q"), expected single quotes [EE-202]'),
+    "control": ("name: a\x07b\n", "1:8: not YAML: a character that cannot be printed (U+0007), expected text [EE-202]"),
+    "deep": ("[" * 30, f"1:21: not YAML: nested too deep ({'[' * 30}), expected a few levels [EE-202]"),
+    "a list": ("- a\n- b\n", "1:1: this is not a description (- a…), expected keys with values [EE-203]"),
+    "a word": ("hello", "1:1: this is not a description (hello), expected keys with values [EE-203]"),
+}  # fmt: skip
+
+UNUSED = {
+    "a tag": ({"L1": "name: !thing tool"}, "1:7: tags mean nothing here (!thing tool), expected a plain value [EE-203]"),
+    "python": ({"L1": "name: !!python/object/apply:os.system [ls]"}, "1:7: tags mean nothing here (!!python/object/apply:os.system [ls]), expected a plain value [EE-203]"),
+    "a tagged stanza": ({"L2": "link: !a"}, "2:7: tags mean nothing here (!a…), expected a plain value [EE-203]"),
+    "version": ({"L1": "%YAML 1.1\n---\nname: tool"}, "1:1: another version of YAML (%YAML 1.1), expected %YAML 1.2 [EE-203]"),
+    "merge": ({"L6": "  cup: &cup", "L13": "    channel: cylinder\n    <<: *cup"}, "14:5: merge keys are not part of YAML 1.2 (<<), expected the keys themselves [EE-203]"),
+    "key": ({"L3": "  port: x\n  ? [a]\n  : b"}, "4:5: a key is not a word ([a]), expected key: value [EE-203]"),
+    "alias in itself": ({"L1": "name: tool\nsummary: &a [*a]"}, "2:10: an alias stands inside of what it names (&a [*a]), expected a copy of the stanza [EE-203]"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SYNTAX)
+def test_text_that_is_no_description(faults: Callable[..., list[str]], name: str) -> None:
+    text, expected = SYNTAX[name]
+    assert faults(text) == [f"tool.yaml:{expected}"]
+
+
+@pytest.mark.parametrize("name", UNUSED)
+def test_yaml_that_is_not_used_is_one_fault_among_the_others(
+    faults: Callable[..., list[str]], name: str
+) -> None:
+    changes, expected = UNUSED[name]
+    assert f"tool.yaml:{expected}" in faults(**changes)
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "~", "---\n", "\ufeff"])
+def test_an_empty_file(faults: Callable[..., list[str]], text: str) -> None:
+    assert faults(text) == [EMPTY]
+
+
+def test_aliases_that_unfold_without_end_are_refused_quickly(faults: Callable[..., list[str]]) -> None:
+    found = [line for line in faults(BOMB) if "EE-203" in line]
+    assert found == [
+        "tool.yaml:1:32: the aliases unfold to too much (x), expected at most 20000 values [EE-203]"
+    ]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"L9": "    channel: bottom\n    timeout_s: &t 4", "L13": "    channel: cylinder\n    timeout_s: *t"},
+        {"L3": "  port: x\n  baudrate: 0x2580"},
+        {"L1": "\"name\": 'tool'"},
+        {"L1": "%YAML 1.2\n---\nname: tool"},
+        {"L1": "name: !!str tool"},
+        {"L8": "    line: !!str 208"},
+        {"L8": "    line: off"},
+        {"L8": "    line: 2020-01-01"},
+        {"L4": "sequence:\n- cup\n- rod"},
+        {"L14": "tool_changer: ~", "L15": ""},
+    ],
+)
+def test_yaml_that_is_good(faults: Callable[..., list[str]], changes: dict[str, str]) -> None:
+    assert faults(**changes) == []
+
+
+def test_words_of_yaml_1_1_are_text(changed: Callable[..., str]) -> None:
+    description = examine_text(changed(L8="    line: off", L12="    line: 1_0"), "tool.yaml").description
+    assert description is not None
+    assert [actuator.line for _, actuator in description.ordered] == ["off", "1_0"]
+
+
+@pytest.mark.parametrize(
+    "form", [lambda text: text.replace("\n", "\r\n"), lambda text: "\ufeff" + text, str.rstrip]
+)
+def test_line_ends_and_byte_order_marks_do_not_matter(
+    faults: Callable[..., list[str]], changed: Callable[..., str], form: Callable[[str], str]
+) -> None:
+    text = form(changed())
+    assert faults(text) == []
+    assert faults(text.replace("/dev/ttyS0", "5"))[0].startswith("tool.yaml:3:9: ")
+
+
+def test_bytes_that_are_not_text(faults: Callable[..., list[str]]) -> None:
+    broken = ["tool.yaml:2:9: this is not text (byte 0xFF), expected YAML in UTF-8 [EE-201]"]
+    assert faults(b"name: tool\nsummary:\xff") == broken
+    assert faults(b"\x7fELF\x02\x01\x01\x00")[0].startswith(
+        "tool.yaml:1:1: not YAML: a character that cannot be printed (U+007F)"
+    )
+    assert (
+        faults("name: tool\n".encode("utf-16"))[0]
+        == "tool.yaml:1:1: this is not text (byte 0xFF), expected YAML in UTF-8 [EE-201]"
+    )
+
+
+def refusal(path: str | Path) -> str:
+    with pytest.raises(DescriptionError) as caught:
+        load(path)
+    assert len(caught.value.faults) == 1
+    assert caught.value.exit_code == 2
+    return caught.value.faults[0]
+
+
+def test_files_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("tool.yaml").touch()
+    Path("folder").mkdir()
+    Path("large.yaml").write_bytes(b"#" * 300_000)
+    assert (
+        refusal("toool.yaml")
+        == "toool.yaml: there is no such file, expected the path of a description; did you mean 'tool.yaml'? [EE-201]"
+    )
+    assert (
+        refusal("nowhere/x.yaml")
+        == "nowhere/x.yaml: there is no such file, expected the path of a description [EE-201]"
+    )
+    assert refusal("folder") == "folder: this is a directory, expected the path of a description [EE-201]"
+    assert (
+        refusal("tool.yaml/x")
+        == "tool.yaml/x: the file cannot be read: Not a directory, expected the path of a description [EE-201]"
+    )
+    assert (
+        refusal("large.yaml")
+        == "large.yaml: the file is too large, expected a description of at most 256 KiB [EE-201]"
+    )
+    assert "cannot be read" in refusal("a\0b")
+    (tmp_path / "folder" / "end_effector.yaml").touch()
+    assert refusal("folder").endswith("; write folder/end_effector.yaml [EE-201]")
+
+
+def test_a_file_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, os.strerror(13))
+
+    # root reads everything, so the refusal is played
+    monkeypatch.setattr(Path, "open", refuse)
+    assert refusal(tmp_path / "x.yaml").endswith(
+        "x.yaml: the file may not be read, expected read permission for this user [EE-201]"
+    )
