@@ -1,0 +1,62 @@
+"""The wires of an end-effector: lines (binary outputs), links (sensor frames), codecs, and the line owner.
+
+Pure, for those who must not touch a clock or a socket: `wires.frame`, `wires.codecs`, `wires.will`.
+"""
+
+from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires.codecs import Codec, Decoder, codec_names, get_codec
+from end_effector_hal.wires.frame import Frame, Kind, Value
+from end_effector_hal.wires.lines import (
+    ChipState,
+    ChipWatcher,
+    Edge,
+    GpiodLines,
+    LineBackend,
+    LineState,
+    VirtualChip,
+    VirtualLines,
+    read_chip,
+)
+from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState, PtyPair, open_port
+from end_effector_hal.wires.owner import (
+    Exclusion,
+    LineOwner,
+    OwnerClient,
+    Policy,
+    Written,
+    serve,
+)
+from end_effector_hal.wires.will import Will, WillStep
+
+__all__ = [
+    "ChipState",
+    "ChipWatcher",
+    "Codec",
+    "Decoder",
+    "Edge",
+    "Exclusion",
+    "Frame",
+    "GpiodLines",
+    "Kind",
+    "LineBackend",
+    "LineOwner",
+    "LineState",
+    "LinkHealth",
+    "LinkReader",
+    "LinkState",
+    "OwnerClient",
+    "Policy",
+    "PtyPair",
+    "Value",
+    "VirtualChip",
+    "VirtualLines",
+    "Will",
+    "WillStep",
+    "Written",
+    "codec_names",
+    "get_codec",
+    "now_us",
+    "open_port",
+    "read_chip",
+    "serve",
+]

@@ -1,0 +1,62 @@
+"""An exclusive claim that ends with its process, and can say who has it."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from pathlib import Path
+
+from end_effector_hal.errors import LineBusyError, WireError
+
+
+class Claim:
+    """A lock (flock) on a side file, which holds the pid and the program of the one who has it.
+
+    Args:
+        path: the side file; it stays behind, only the lock counts.
+        what: what is claimed, for the error.
+
+    Raises:
+        LineBusyError: somebody else has it.
+        WireError: the file cannot be written.
+    """
+
+    def __init__(self, path: str | Path, what: str) -> None:
+        try:
+            self._fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o660)
+        except OSError as error:
+            raise WireError(
+                f"{what} cannot be claimed: {error.strerror}.",
+                where=str(path),
+                todo="Give a path in a directory that exists and can be written.",
+            ) from error
+        try:
+            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            holder = os.pread(self._fd, 200, 0).decode(errors="replace").strip() or "another process"
+            os.close(self._fd)
+            raise LineBusyError(
+                f"{what} is held by {holder}.",
+                where=str(path),
+                todo="Stop that process, or wait for its end.",
+            ) from error
+        os.ftruncate(self._fd, 0)
+        os.pwrite(self._fd, f"pid {os.getpid()} ({program_name()})\n".encode(), 0)
+
+    def release(self) -> None:
+        """Give it back; nothing happens the second time."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+
+def program_name(pid: int | str = "self") -> str:
+    """How a process was called, for people; "?" when it has gone."""
+    try:
+        words = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+    except OSError:
+        return "?"
+    text = [word.decode(errors="replace") for word in words if word]
+    if text and Path(text[0]).name.startswith("python") and len(text) > 1:
+        text = text[1:]
+    return " ".join([Path(text[0]).name, *text[1:3]])[:80] if text else "?"

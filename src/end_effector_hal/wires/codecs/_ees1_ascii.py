@@ -1,0 +1,146 @@
+"""``ees1-ascii``: the default format; a line of text with a CRC, readable in any terminal.
+
+``$EES1,<seq>,<t_ms>,<bottom>,<cylinder>,<top>,<supply>,<din hex2>,<status hex2>*<crc hex4>\\r\\n``,
+CRC-16/CCITT-FALSE over what stands between ``$`` and ``*``; pressures are integer Pa gauge, an empty field is
+invalid.
+"""
+
+from __future__ import annotations
+
+import re
+from binascii import crc_hqx
+from collections import Counter
+from collections.abc import Mapping
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.codecs._codec import Decoder
+from end_effector_hal.wires.codecs._sequence import Sequence
+from end_effector_hal.wires.frame import Frame, Kind, Value
+
+PRESSURES = ("bottom", "cylinder", "top", "supply")
+BITS = (
+    "locked",
+    "unlocked",
+    "tool_present",
+    "in_stand",
+    "cylinder_extended",
+    "cylinder_retracted",
+    "estop_ok",
+)
+CHANNELS = dict.fromkeys(PRESSURES, Kind.PRESSURE) | dict.fromkeys(BITS, Kind.BIT)
+# From below the lowest possible vacuum to above any shop-air supply: outside of it a sensor is broken.
+LOWEST_PA, HIGHEST_PA = -110_000, 2_000_000
+LONGEST = 96
+_LINE = re.compile(
+    rb"\$(?P<body>EES1,([0-9]{1,5}),([0-9]{1,10})" + rb",(-?[0-9]{1,7})?" * 4 + rb",([0-9A-Fa-f]{2})"
+    rb",([0-9A-Fa-f]{2}))\*(?P<crc>[0-9A-Fa-f]{4})\r\n"
+)
+
+
+class Ees1Ascii:
+    """The codec ``ees1-ascii``: four pressures and seven bits, 50 Hz at 115200 baud."""
+
+    name = "ees1-ascii"
+    channels: Mapping[str, Kind] = CHANNELS
+    period_us = 20_000
+    baudrate = 115_200
+
+    def decoder(self) -> Decoder:
+        """A new decoder."""
+        return Ees1AsciiDecoder()
+
+    def encode(self, frame: Frame) -> bytes:
+        """One line; ``seq`` and ``device_ms`` wrap around, None counts as 0, a missing bit as false."""
+        values = frame.values
+        fields = [_pressure_text(name, values.get(name)) for name in PRESSURES]
+        din = sum(1 << bit for bit, name in enumerate(BITS) if values.get(name))
+        status = sum(1 << bit for bit, text in enumerate(fields) if not text)
+        seq, clock = (frame.seq or 0) % (1 << 16), (frame.device_ms or 0) % (1 << 32)
+        body = f"EES1,{seq},{clock},{','.join(fields)},{din:02X},{status:02X}".encode()
+        return b"$%s*%04X\r\n" % (body, crc_hqx(body, 0xFFFF))
+
+
+class Ees1AsciiDecoder:
+    """Keeps at most one unfinished line (96 bytes); every ``$`` begins anew, so that noise costs no frame."""
+
+    def __init__(self) -> None:
+        self.bytes = 0
+        self.frames = 0
+        self.errors: Counter[str] = Counter()
+        self._sequence = Sequence(seq_bits=16, clock_bits=32)
+        self._rest = b""
+
+    @property
+    def lost(self) -> int:
+        """Frames missing by their sequence numbers."""
+        return self._sequence.lost
+
+    @property
+    def reboots(self) -> int:
+        """Jumps back of the device."""
+        return self._sequence.reboots
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frames that end in ``data``."""
+        self.bytes += len(data)
+        *lines, rest = (self._rest + data).split(b"\n")
+        frames = [frame for line in lines if (frame := self._line(line + b"\n", at))]
+        self._rest = self._from_dollar(rest)
+        if len(self._rest) > LONGEST:
+            self.errors["noise"] += len(self._rest)
+            self._rest = b""
+        self.frames += len(frames)
+        return frames
+
+    def _from_dollar(self, line: bytes) -> bytes:
+        """What can still be a frame: from the last ``$`` on, which stands nowhere inside of one."""
+        start = line.rfind(b"$")
+        noise = len(line) if start < 0 else start
+        if noise:
+            self.errors["noise"] += noise
+        return line[noise:]
+
+    def _line(self, line: bytes, at: int) -> Frame | None:
+        line = self._from_dollar(line)
+        if not line:
+            return None
+        match = _LINE.fullmatch(line)
+        if match is None:
+            self.errors["format"] += 1
+            return None
+        if int(match["crc"], 16) != crc_hqx(match["body"], 0xFFFF):
+            self.errors["crc"] += 1
+            return None
+        _, seq, clock, *texts, din, status, _ = match.groups()
+        if int(seq) >= 1 << 16 or int(clock) >= 1 << 32:
+            self.errors["range"] += 1
+            return None
+        if not self._sequence.is_new(int(seq), int(clock)):
+            self.errors["duplicate"] += 1
+            return None
+        invalid, bits = int(status, 16), int(din, 16)
+        values: dict[str, Value] = {
+            name: None if invalid >> i & 1 else self._pressure(text)
+            for i, (name, text) in enumerate(zip(PRESSURES, texts, strict=True))
+        }
+        values |= {name: bool(bits >> i & 1) for i, name in enumerate(BITS)}
+        return Frame(at, int(seq), int(clock), values)
+
+    def _pressure(self, text: bytes | None) -> int | None:
+        if not text:
+            return None
+        if LOWEST_PA <= int(text) <= HIGHEST_PA:
+            return int(text)
+        self.errors["range"] += 1
+        return None
+
+
+def _pressure_text(name: str, value: Value) -> str:
+    if value is None:
+        return ""
+    if not LOWEST_PA <= value <= HIGHEST_PA:
+        raise UsageError(
+            f"the pressure {name} = {value} Pa does not fit ees1-ascii",
+            todo=f"Give gauge Pa from {LOWEST_PA} to {HIGHEST_PA}.",
+        )
+    return str(int(value))

@@ -1,0 +1,162 @@
+"""The ``gpiod`` line back-end: real lines, found by name (libgpiod's v2 API, PyPI ``gpiod``)."""
+
+from __future__ import annotations
+
+import errno
+import glob
+import importlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
+from end_effector_hal.wires.lines._not_found import line_not_found
+
+CONSUMER = "end-effector-hal"
+
+
+class GpiodLines:
+    """A `LineBackend` on ``/dev/gpiochip*``; one request for all lines of a chip.
+
+    Args:
+        pattern: where the chips are.
+    """
+
+    def __init__(self, pattern: str = "/dev/gpiochip*") -> None:
+        self._pattern = pattern
+        self._requests: list[tuple[Any, dict[str, int]]] = []
+
+    def request(self, names: Sequence[str]) -> dict[str, bool]:
+        """Claim and adopt; see `LineBackend.request`."""
+        self._gpiod = _load_gpiod()
+        by_chip: dict[str, dict[str, int]] = {}
+        for name, (chip, offset) in self._find(names).items():
+            by_chip.setdefault(chip, {})[name] = offset
+        try:
+            for chip, offsets in by_chip.items():
+                self._requests.append((self._adopt(chip, offsets), offsets))
+        except BaseException:
+            self.close()
+            raise
+        return self.levels()
+
+    def levels(self) -> dict[str, bool]:
+        """The levels of the claimed lines, read back from the kernel."""
+        active = self._gpiod.line.Value.ACTIVE
+        levels: dict[str, bool] = {}
+        for request, offsets in self._requests:
+            values = request.get_values(list(offsets.values()))
+            levels |= {name: value == active for name, value in zip(offsets, values, strict=True)}
+        return levels
+
+    def set(self, levels: Mapping[str, bool]) -> None:
+        """Write some of the claimed lines; those of one chip at once."""
+        for request, offsets in self._requests:
+            values = {offsets[name]: self._value(level) for name, level in levels.items() if name in offsets}
+            if values:
+                request.set_values(values)
+
+    def close(self) -> None:
+        """Give the claim back; whether the levels stay is up to the kernel's driver (gpio-mxc keeps them)."""
+        while self._requests:
+            self._requests.pop()[0].release()
+
+    def _value(self, level: bool) -> Any:
+        value = self._gpiod.line.Value
+        return value.ACTIVE if level else value.INACTIVE
+
+    def _find(self, names: Sequence[str]) -> dict[str, tuple[str, int]]:
+        """Chip and offset of each name; on other boards the same names stand on other chips."""
+        found: dict[str, list[tuple[str, int]]] = {}
+        chips = self._chips()
+        for path in chips:
+            with self._open(path) as chip:
+                for offset in range(chip.get_info().num_lines):
+                    found.setdefault(chip.get_line_info(offset).name, []).append((path, offset))
+        missing = [name for name in names if name not in found]
+        if missing:
+            raise line_not_found(missing, list(found), looked_at=chips)
+        for name in names:
+            if len(found[name]) > 1:
+                places = " and ".join(f"{path} line {offset}" for path, offset in found[name])
+                raise LineNotFoundError(
+                    f"the line name {name} is ambiguous: {places}.",
+                    todo="Give the lines unique names in the device tree.",
+                )
+        return {name: found[name][0] for name in names}
+
+    def _chips(self) -> list[str]:
+        paths = sorted({str(Path(path).resolve()) for path in glob.glob(self._pattern)})
+        chips = [path for path in paths if self._gpiod.is_gpiochip_device(path)]
+        if not chips:
+            raise WireError(
+                f"there is no GPIO chip on this machine ({self._pattern} matches none).",
+                todo="The kernel needs CONFIG_GPIO_CDEV and a driver; a container needs "
+                "--device /dev/gpiochip0. Without hardware use the virtual back-end.",
+            )
+        return chips
+
+    def _open(self, path: str) -> Any:
+        try:
+            return self._gpiod.Chip(path)
+        except PermissionError as error:
+            raise WireError(
+                "the GPIO chip cannot be opened: permission denied.",
+                where=path,
+                todo="Add the user to the group gpio, then log in again; in a container: --group-add gpio.",
+            ) from error
+        except OSError as error:
+            raise WireError(f"the GPIO chip cannot be opened: {error.strerror}.", where=path) from error
+
+    def _adopt(self, path: str, offsets: Mapping[str, int]) -> Any:
+        """Claim as it is, read direction and level, then claim as outputs with these levels.
+
+        Two requests, because reconfiguring one would reset what it does not mention, and because the level of
+        a line can be read by its holder only.
+        """
+        line, settings = self._gpiod.line, self._gpiod.LineSettings
+        with self._open(path) as chip:
+            try:
+                as_is = {tuple(offsets.values()): settings(direction=line.Direction.AS_IS)}
+                with chip.request_lines(config=as_is, consumer=CONSUMER) as request:
+                    values = dict(
+                        zip(offsets.values(), request.get_values(list(offsets.values())), strict=True)
+                    )
+                    kept = {
+                        offset: chip.get_line_info(offset).direction == line.Direction.OUTPUT
+                        and values[offset] == line.Value.ACTIVE
+                        for offset in values
+                    }
+                outputs = {
+                    offset: settings(direction=line.Direction.OUTPUT, output_value=self._value(level))
+                    for offset, level in kept.items()
+                }
+                return chip.request_lines(config=outputs, consumer=CONSUMER)
+            except OSError as error:
+                if error.errno == errno.EBUSY:
+                    raise LineBusyError(
+                        f"{self._holders(chip, offsets)}.", where=path, todo="Stop the program that holds it."
+                    ) from error
+                raise WireError(f"the lines cannot be claimed: {error.strerror}.", where=path) from error
+
+    def _holders(self, chip: Any, offsets: Mapping[str, int]) -> str:
+        infos = {name: chip.get_line_info(offset) for name, offset in offsets.items()}
+        held = [
+            f"{name} is held by {info.consumer or 'the kernel'}" for name, info in infos.items() if info.used
+        ]
+        return ", ".join(held) or "a line is held by another program"
+
+
+def _load_gpiod() -> Any:
+    """The module, imported late; Debian's ``python3-libgpiod`` 1.6 has the same name and another API."""
+    try:
+        gpiod = importlib.import_module("gpiod")
+    except ImportError as error:
+        raise WireError(f"gpiod cannot be imported: {error}.", todo="pip install 'gpiod>=2.1,<3'.") from error
+    version = str(getattr(gpiod, "api_version", "1"))
+    if not version.startswith("2."):
+        raise WireError(
+            f"gpiod has the API {version}, needed is 2.",
+            todo="pip install 'gpiod>=2.1,<3' into this environment.",
+        )
+    return gpiod

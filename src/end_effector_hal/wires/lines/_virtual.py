@@ -1,0 +1,90 @@
+"""The ``virtual`` line back-end: writes the file of a virtual chip."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from end_effector_hal.errors import WireError
+from end_effector_hal.wires._claim import Claim
+from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires.lines._chip_log import Edge, record
+from end_effector_hal.wires.lines._not_found import line_not_found
+from end_effector_hal.wires.lines._virtual_chip import VirtualChip
+
+
+class VirtualLines:
+    """A `LineBackend` on a virtual chip; each request or write is one write to the file, atomic for watchers.
+
+    Args:
+        path: the file of the chip.
+        clock: µs, stamps the records.
+    """
+
+    def __init__(self, path: str | Path, *, clock: Callable[[], int] = now_us) -> None:
+        self._chip = VirtualChip(path)
+        self._clock = clock
+        self._claim: Claim | None = None
+        self._fd = -1
+        self._levels: dict[str, bool] = {}
+
+    def request(self, names: Sequence[str]) -> dict[str, bool]:
+        """Claim and adopt; see `LineBackend.request`."""
+        self._chip.read()
+        claim = self._chip.claim()
+        try:
+            found = self._chip.read().lines
+            missing = [name for name in names if name not in found]
+            if missing:
+                raise line_not_found(missing, list(found), looked_at=[str(self._chip.path)])
+            self._fd = os.open(self._chip.path, os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC)
+            self._levels = {name: found[name].direction == "out" and found[name].level for name in names}
+            self._write({name: False for name in names if found[name].direction == "in"}, begin=b"\n")
+        except BaseException as error:
+            claim.release()
+            self.close()
+            if isinstance(error, PermissionError):
+                raise WireError(
+                    "the virtual chip cannot be written: permission denied.",
+                    where=str(self._chip.path),
+                    todo="Delete the file, or run as the user who made it.",
+                ) from error
+            raise
+        self._claim = claim
+        return self.levels()
+
+    def levels(self) -> dict[str, bool]:
+        """The levels of the claimed lines."""
+        return dict(self._levels)
+
+    def set(self, levels: Mapping[str, bool]) -> None:
+        """Write some of the claimed lines; only a change becomes a record."""
+        self._write({name: level for name, level in levels.items() if self._levels[name] != level})
+
+    def close(self) -> None:
+        """Give the claim back; the chip keeps its levels."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+        if self._claim:
+            self._claim.release()
+            self._claim = None
+
+    def _write(self, changes: Mapping[str, bool], begin: bytes = b"") -> None:
+        """One write; the first begins with a newline, so that a record torn by a predecessor's death ends."""
+        if not changes:
+            return
+        at, pid = self._clock(), os.getpid()
+        text = begin + b"".join(record(Edge(at, name, "out", level, pid)) for name, level in changes.items())
+        try:
+            written = os.write(self._fd, text)
+        except OSError as error:
+            raise WireError(
+                f"the virtual chip cannot be written: {error.strerror}.",
+                where=str(self._chip.path),
+                todo="Make room on the disk.",
+            ) from error
+        if written != len(text):
+            raise WireError("the virtual chip cannot be written: no space.", where=str(self._chip.path))
+        self._levels |= changes

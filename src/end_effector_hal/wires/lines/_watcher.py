@@ -1,0 +1,117 @@
+"""Sees every change of a virtual chip, as a testbench sees the pins: by events, never by polling."""
+
+from __future__ import annotations
+
+import logging
+import os
+import select
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+from inotify_simple import INotify, flags  # type: ignore[import-untyped]
+
+from end_effector_hal.errors import WireError
+from end_effector_hal.wires.lines._chip_log import ChipLog, ChipState, Edge
+
+_log = logging.getLogger("end_effector_hal.wires")
+
+
+class ChipWatcher:
+    """Calls ``on_edge`` in its own thread for every record, in order, with the time of its writer.
+
+    A chip created anew at the same path (power-up) gives an edge for each line whose state that changes.
+
+    Args:
+        path: the file of the chip; its directory must exist, the file may come later.
+        on_edge: must not block for long; an exception is logged.
+    """
+
+    def __init__(self, path: str | Path, on_edge: Callable[[Edge], None]) -> None:
+        self._path = Path(path)
+        self._on_edge = on_edge
+        self._chip = ChipLog()
+        self._fd = -1
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> ChipState:
+        """Begin; every record after the returned state becomes an edge.
+
+        Raises:
+            WireError: the directory does not exist.
+        """
+        self._inotify = INotify()
+        try:
+            self._inotify.add_watch(self._path.parent, flags.CREATE | flags.MOVED_TO | flags.ONLYDIR)
+        except OSError as error:
+            self._inotify.close()
+            raise WireError(
+                f"the virtual chip cannot be watched: {error.strerror}.",
+                where=str(self._path.parent),
+                todo="Make the directory first.",
+            ) from error
+        self._wake_read, self._wake = os.pipe()
+        self._open()
+        self._read()
+        state = self._chip.state
+        self._thread = threading.Thread(target=self._run, name=f"chip {self._path.name}", daemon=True)
+        self._thread.start()
+        return state
+
+    @property
+    def state(self) -> ChipState:
+        """As of the last edge."""
+        return self._chip.state
+
+    def close(self) -> None:
+        """End; no edge comes after it (unless called from ``on_edge``)."""
+        thread, self._thread = self._thread, None
+        if thread is None:
+            return
+        os.write(self._wake, b"x")
+        if thread is not threading.current_thread():
+            thread.join()
+
+    def __enter__(self) -> ChipWatcher:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _run(self) -> None:
+        while self._wake_read not in select.select([self._inotify, self._wake_read], [], [])[0]:
+            again = any(event.name == self._path.name for event in self._inotify.read(timeout=0))
+            self._report(self._read())
+            if again:
+                self._open()
+                self._report(self._read())
+        self._inotify.close()
+        for fd in (self._wake_read, self._wake, self._fd):
+            if fd >= 0:
+                os.close(fd)
+
+    def _open(self) -> None:
+        """Follow the file that stands at the path now; the directory is watched already: nothing slips by."""
+        try:
+            fd = os.open(self._path, os.O_RDONLY | os.O_CLOEXEC)
+        except OSError:
+            return
+        self._inotify.add_watch(f"/proc/self/fd/{fd}", flags.MODIFY)
+        if self._fd >= 0:
+            os.close(self._fd)
+        self._fd = fd
+        self._chip.begin_anew()
+
+    def _read(self) -> list[Edge]:
+        edges: list[Edge] = []
+        while self._fd >= 0 and (data := os.read(self._fd, 1 << 16)):
+            edges += self._chip.feed(data)
+        return edges
+
+    def _report(self, edges: list[Edge]) -> None:
+        for edge in edges:
+            try:
+                self._on_edge(edge)
+            except Exception:  # noqa: BLE001 a callback may raise anything; the next edge counts
+                _log.exception("a watcher of %s failed at %s", self._path, edge)

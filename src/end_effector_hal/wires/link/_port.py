@@ -1,0 +1,75 @@
+"""Opens a serial port, and says in a sentence why it cannot."""
+
+from __future__ import annotations
+
+import errno
+import glob
+import os
+import re
+
+import serial
+
+from end_effector_hal.errors import LinkError
+from end_effector_hal.wires._claim import program_name
+
+_USUAL = ("/dev/verdin-uart*", "/dev/tty[A-Z]*[0-9]", "/dev/ttymxc*", "/dev/serial[0-9]")
+
+
+def open_port(path: str, baudrate: int, *, write_timeout_s: float = 1.0) -> serial.Serial:
+    """The port, raw, 8N1, exclusive, input flushed; a read takes what is there and does not wait.
+
+    Raises:
+        LinkError: it is missing, busy (says who), not permitted, or no serial port.
+    """
+    try:
+        return serial.Serial(
+            path, baudrate, timeout=0, write_timeout=write_timeout_s, exclusive=True, inter_byte_timeout=None
+        )
+    except (OSError, ValueError) as error:
+        raise _explained(path, baudrate, error) from error
+
+
+def _explained(path: str, baudrate: int, error: OSError | ValueError) -> LinkError:
+    number = getattr(error, "errno", None)
+    if number == errno.ENOENT:
+        ports = sorted({port for pattern in _USUAL for port in glob.glob(pattern)})
+        return LinkError(
+            "the port does not exist.",
+            where=path,
+            todo=f"Ports here: {', '.join(ports) or 'none'}. Is the device plugged in, the testbench up?",
+        )
+    if number in (errno.EACCES, errno.EPERM):
+        return LinkError(
+            "the port may not be opened: permission denied.",
+            where=path,
+            todo="Add the user to the group dialout (sudo usermod -aG dialout $USER), then log in again.",
+        )
+    if number in (errno.EBUSY, errno.EAGAIN):
+        return LinkError(
+            f"the port is used by {_holders(path) or 'another program'}.",
+            where=path,
+            todo="Stop that program: two readers would steal each other's bytes.",
+        )
+    # pyserial wraps termios' error in a text.
+    if re.search(rf"\b({errno.ENOTTY}|{errno.EINVAL}|{errno.EISDIR})\b", str(error)):
+        return LinkError(
+            "this is not a serial port.",
+            where=path,
+            todo="Give the device of the UART, such as /dev/verdin-uart1.",
+        )
+    return LinkError(f"the port cannot be opened at {baudrate} baud: {error}.", where=path)
+
+
+def _holders(path: str) -> str:
+    """Who has the port open, as far as /proc lets this user see."""
+    device, found = os.path.realpath(path), []
+    for link in glob.iglob("/proc/[0-9]*/fd/*"):
+        pid = link.split("/")[2]
+        try:
+            same = os.readlink(link) == device
+        except OSError:
+            continue
+        text = f"pid {pid} ({program_name(pid)})"
+        if same and text not in found:
+            found.append(text)
+    return " and ".join(found)

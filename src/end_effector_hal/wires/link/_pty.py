@@ -1,0 +1,78 @@
+"""A pair of pseudo terminals: a serial cable on one machine."""
+
+from __future__ import annotations
+
+import os
+import tty
+from pathlib import Path
+
+from end_effector_hal.errors import LinkError
+
+
+class PtyPair:
+    """Keeps the master end; the slave end gets a name of one's own, for ``port:`` in a description.
+
+    Like a UART it does not wait for a reader: what finds the buffer full is lost. The slave stays open here:
+    readers may come and go.
+
+    Args:
+        link: a symbolic link to the slave is made here, in the place of an older one.
+
+    Raises:
+        LinkError: it cannot be made.
+    """
+
+    def __init__(self, link: str | Path) -> None:
+        self.link = Path(link)
+        self.master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self.master, False)
+        self.slave_name = os.ttyname(self._slave)
+        try:
+            if self.link.exists() and not self.link.is_symlink():
+                raise FileExistsError(0, "there is a file of that name")
+            fresh = self.link.with_name(f".{self.link.name}.{os.getpid()}")
+            fresh.symlink_to(self.slave_name)
+            fresh.replace(self.link)
+        except OSError as error:
+            self._close_ends()
+            raise LinkError(
+                f"the pty cannot be linked: {error.strerror}.", where=str(link), todo="Give another path."
+            ) from error
+
+    def write(self, data: bytes) -> int:
+        """Send; returns how many bytes found room."""
+        try:
+            return os.write(self.master, data)
+        except BlockingIOError:
+            return 0
+
+    def read(self, most: int = 4096) -> bytes:
+        """What the other end has sent, b"" if nothing."""
+        try:
+            return os.read(self.master, most)
+        except BlockingIOError:
+            return b""
+
+    def fileno(self) -> int:
+        """Of the master, for select."""
+        return self.master
+
+    def close(self) -> None:
+        """End; a reader of the slave gets an end of file. The link goes, unless another pair has taken it."""
+        if self.master < 0:
+            return
+        if self.link.is_symlink() and os.readlink(self.link) == self.slave_name:
+            self.link.unlink(missing_ok=True)
+        self._close_ends()
+
+    def __enter__(self) -> PtyPair:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _close_ends(self) -> None:
+        os.close(self.master)
+        os.close(self._slave)
+        self.master = -1

@@ -1,0 +1,269 @@
+"""The client of the line owner, for whoever writes lines."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from end_effector_hal.errors import EndEffectorError, LineBusyError, LineRefusedError, OwnerError, UsageError
+from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires.owner._protocol import LONGEST, read_message, write_message
+from end_effector_hal.wires.will import Will, WillStep, read_will
+
+_log = logging.getLogger("end_effector_hal.owner")
+_ERRORS: dict[str, type[EndEffectorError]] = {
+    error.code: error for error in (UsageError, LineBusyError, LineRefusedError, OwnerError)
+}
+RENEW_S = 0.25
+VALID = 0.9
+"""Share of the time-out during which a write may be executed: never once it was given up."""
+
+
+class Written(NamedTuple):
+    """What became of a write: the levels of all lines now, and µs until it is applied (0: it is; IL-10)."""
+
+    levels: dict[str, bool]
+    delay_us: int
+
+
+class _WillRunsError(LineBusyError):
+    retry_s = 0.0
+
+
+class OwnerClient:
+    """Writes some lines through the owner; thread-safe. A thread renews the lease while ``alive`` holds.
+
+    When the connection is lost, one call fails with OwnerError, at the latest the next one: levels may have
+    changed, for the owner may have executed the will. The calls after it work again, once the owner does.
+
+    Args:
+        socket_path: of the owner.
+        client: own name, as others are told it.
+        lines: that it writes; none: it reads only.
+        will: until the first `set` leaves another.
+        alive: asked before each renewal, every 0.25 s.
+        on_lost: called in the thread of the renewals when that is where the loss is seen.
+        timeout_s: longest wait for a reply.
+        patience_s: how long to wait for an owner to appear, now.
+
+    Raises:
+        OwnerError: there is no owner, or it does not answer.
+        LineBusyError: another client writes one of the lines; says who.
+    """
+
+    def __init__(
+        self,
+        socket_path: str | Path,
+        client: str,
+        lines: Iterable[str] = (),
+        *,
+        will: Iterable[WillStep | Mapping[str, object]] = (),
+        alive: Callable[[], bool] = lambda: True,
+        on_lost: Callable[[OwnerError], None] | None = None,
+        timeout_s: float = 1.0,
+        patience_s: float = 5.0,
+    ) -> None:
+        self._path, self._client, self._lines = str(socket_path), client, list(lines)
+        self._will: Will = read_will(will)
+        self._alive, self._on_lost, self._timeout_s = alive, on_lost, timeout_s
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._socket: socket.socket | None = None
+        self._rest = b""
+        self._number = 0
+        self._lost: OwnerError | None = None
+        self._connect_patiently(patience_s)
+        self._thread = threading.Thread(target=self._renew_for_ever, name=f"lease of {client}", daemon=True)
+        if self._lines:
+            self._thread.start()
+
+    def levels(self) -> dict[str, bool]:
+        """Of all lines of the owner, read back: they prove the claim, not the actuator."""
+        return dict(self._call("levels")["levels"])
+
+    def set(
+        self, levels: Mapping[str, bool], will: Iterable[WillStep | Mapping[str, object]] | None = None
+    ) -> Written:
+        """Write some of the lines, at once.
+
+        Args:
+            levels: True is active.
+            will: what the owner does should this client die from now on; None: as before.
+
+        Raises:
+            LineRefusedError: an interlock refuses, its id first in the sentence; nothing has changed.
+            OwnerError: the owner is gone or does not answer; read the levels before anything else.
+        """
+        steps = None if will is None else read_will(will)
+        fields: dict[str, object] = {"levels": {line: bool(level) for line, level in levels.items()}}
+        # given up after the time-out: not to be executed later
+        fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
+        if steps is not None:
+            fields["will"] = [step.as_json() for step in steps]
+        try:
+            reply = self._call("set", **fields)
+        except OwnerError:
+            # Perhaps it was executed: whoever connects again leaves the will that goes with it.
+            self._will = self._will if steps is None else steps
+            raise
+        self._will = self._will if steps is None else steps
+        return Written(reply["levels"], reply["delay_us"])
+
+    def status(self) -> dict[str, Any]:
+        """The owner's pid, clients with lease and will, and the activations that it ended (IL-03)."""
+        return dict(self._call("status")["status"])
+
+    def close(self, will: Iterable[WillStep | Mapping[str, object]] | None = None) -> None:
+        """Leave in order: ``will`` is executed at once; none: the lines stay as they are.
+
+        Raises:
+            OwnerError: ``will`` was given and could not be delivered.
+        """
+        if self._ended.is_set():
+            return
+        steps = read_will(will or ())
+        self._ended.set()
+        try:
+            if self._lines:
+                with self._lock:
+                    # Whatever was lost before: without a bye the owner would take this for a death.
+                    self._request("bye", will=[step.as_json() for step in steps])
+        except EndEffectorError:
+            if steps:
+                raise
+        finally:
+            self._abandon()
+
+    def __enter__(self) -> OwnerClient:
+        return self
+
+    def __exit__(self, error: object, *_: object) -> None:
+        if error is None:
+            self.close()
+        else:
+            # No bye: an application that fails is dead, its will counts.
+            self._ended.set()
+            self._abandon()
+
+    def _abandon(self) -> None:
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join()
+        with self._lock:
+            self._disconnect()
+
+    def _renew_for_ever(self) -> None:
+        while not self._ended.wait(RENEW_S):
+            try:
+                if self._alive() and (lost := self._renew()) and self._on_lost:
+                    self._on_lost(lost)
+            except Exception:  # noqa: BLE001 the application's alive or on_lost
+                _log.exception("a callback of the client %s failed", self._client)
+
+    def _renew(self) -> OwnerError | None:
+        """The error if the connection was lost just now; later failures to come back are no news."""
+        with self._lock:
+            connected = self._socket is not None
+            try:
+                if not self._ended.is_set():
+                    self._request("renew")
+            except EndEffectorError as error:
+                if connected:
+                    self._lost = error if isinstance(error, OwnerError) else OwnerError(str(error))
+                    return self._lost
+        return None
+
+    def _call(self, op: str, **fields: object) -> dict[str, Any]:
+        with self._lock:
+            lost, self._lost = self._lost, None
+            if lost:
+                raise lost
+            return self._request(op, **fields)
+
+    def _connect_patiently(self, patience_s: float) -> None:
+        until = time.monotonic() + patience_s
+        while True:
+            try:
+                with self._lock:
+                    return self._connect()
+            except _WillRunsError as error:
+                # The end of a will is certain, so it is waited for whatever the patience.
+                wait_s = error.retry_s + 0.001
+            except OwnerError:
+                wait_s = 0.05
+                if time.monotonic() + wait_s > until:
+                    raise
+            self._ended.wait(wait_s)
+
+    def _connect(self) -> None:
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self._socket.settimeout(self._timeout_s)
+        self._rest = b""
+        try:
+            self._socket.connect(self._path)
+        except OSError as error:
+            self._disconnect()
+            raise OwnerError(
+                f"the line owner cannot be reached: {error.strerror or error}.",
+                where=self._path,
+                todo="Start it with eehal owner.",
+            ) from error
+        if self._lines:
+            try:
+                will = [step.as_json() for step in self._will]
+                self._exchange("hello", client=self._client, lines=self._lines, will=will)
+            except EndEffectorError:
+                self._disconnect()
+                raise
+
+    def _disconnect(self) -> None:
+        if self._socket:
+            self._socket.close()
+            self._socket = None
+
+    def _request(self, op: str, **fields: object) -> dict[str, Any]:
+        if self._socket is None:
+            self._connect()
+        return self._exchange(op, **fields)
+
+    def _exchange(self, op: str, **fields: object) -> dict[str, Any]:
+        self._number += 1
+        try:
+            reply = self._send_and_receive({"id": self._number, "op": op, **fields})
+        except (OSError, UsageError) as error:
+            self._disconnect()
+            text = "does not answer" if isinstance(error, TimeoutError) else f"was lost: {error}"
+            raise OwnerError(
+                f"the line owner {text}.", where=self._path, todo="Levels may have changed: read them."
+            ) from error
+        if reply.get("ok"):
+            return reply
+        if reply.get("id") is None:
+            self._disconnect()
+        raise self._error(reply)
+
+    def _send_and_receive(self, message: Mapping[str, object]) -> dict[str, Any]:
+        assert self._socket
+        # A closed connection may still hold the owner's last words.
+        with contextlib.suppress(BrokenPipeError):
+            self._socket.sendall(write_message(message))
+        while b"\n" not in self._rest:
+            data = self._socket.recv(LONGEST)
+            if not data:
+                raise OSError("it closed the connection")
+            self._rest += data
+        line, self._rest = self._rest.split(b"\n", 1)
+        return read_message(line)
+
+    def _error(self, reply: Mapping[str, Any]) -> EndEffectorError:
+        text, retry_us = str(reply.get("error")), reply.get("retry_us")
+        if retry_us is not None:
+            error = _WillRunsError(text)
+            error.retry_s = retry_us / 1e6
+            return error
+        return _ERRORS.get(str(reply.get("code")), OwnerError)(text)

@@ -1,0 +1,256 @@
+"""The rules of the line owner, without sockets: time is an argument, in µs.
+
+A client's writes are applied in the order in which they came. One that would change a line within
+``min_switch_us`` of its last change waits, as a whole, and what the client writes after it waits behind it;
+so do the steps of a will.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import NamedTuple
+
+from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
+from end_effector_hal.wires.lines import LineBackend
+from end_effector_hal.wires.owner._policy import Policy
+from end_effector_hal.wires.will import Will
+
+_log = logging.getLogger("end_effector_hal.owner")
+MOST_WAITING = 64
+
+
+class WillRunsError(LineBusyError):
+    """The will of the one who had these lines is not over yet; ``retry_us`` says when it is."""
+
+    def __init__(self, what: str, retry_us: int) -> None:
+        super().__init__(what)
+        self.retry_us = retry_us
+
+
+class Write(NamedTuple):
+    """Levels that are applied together, not before ``due``."""
+
+    due: int
+    levels: Mapping[str, bool]
+
+
+@dataclass(eq=False)
+class Session:
+    """One client that writes lines. ``ended``: it has gone, what is queued is still to be done."""
+
+    client: str
+    pid: int
+    lines: frozenset[str]
+    will: Will
+    lease_until: int
+    ended: bool = False
+    queue: deque[Write] = field(default_factory=deque)
+
+
+class Keeper:
+    """Claims the lines, and applies what its clients may write.
+
+    ``at`` must not decrease. After each call, `deadline` says when `expire` and `advance` are due.
+    """
+
+    def __init__(self, backend: LineBackend, policy: Policy, at: int) -> None:
+        self.policy = policy
+        self.sessions: list[Session] = []
+        self.trips: deque[tuple[int, str]] = deque(maxlen=100)
+        self._backend = backend
+        self.levels = backend.request(list(policy.lines))
+        self._changed = dict.fromkeys(policy.lines, at)
+        for line in policy.lines:
+            if self.levels[line] and any(self.levels[partner] for partner, _ in policy.partners(line)):
+                _log.error("%s was found active together with a line that excludes it", policy.called(line))
+
+    # What clients ask for
+
+    def hello(self, client: str, pid: int, lines: Sequence[str], will: Will, at: int) -> Session:
+        """A client comes, to write these lines.
+
+        Raises:
+            UsageError: there is no such line, or the will names another one.
+            WillRunsError: the will of the one before is not over; say hello again after ``retry_us``.
+            LineBusyError: another client writes one of them, or has the same name; says who.
+        """
+        self.advance(at)
+        for line in lines:
+            if line not in self.levels:
+                close = get_close_matches(line, self.levels, n=1)
+                hint = f" (did you mean {close[0]}?)" if close else ""
+                raise UsageError(f"this owner has no line {line}{hint}; it has {', '.join(self.levels)}.")
+        for other in self.sessions:
+            shared = other.lines.intersection(lines)
+            if not shared and other.client != client:
+                continue
+            if other.ended:
+                left = max(0, self._end(other) - at)
+                raise WillRunsError(f"the will of {other.client} is being executed.", left)
+            raise LineBusyError(
+                f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} (pid {other.pid})."
+            )
+        session = Session(client, pid, frozenset(lines), (), at + self.policy.lease_us)
+        self._bequeath(session, will)
+        self.sessions.append(session)
+        _log.info("%s (pid %d) writes %s", client, pid, ", ".join(lines))
+        return session
+
+    def write(self, session: Session, levels: Mapping[str, bool], will: Will | None, at: int) -> int:
+        """Set some lines at once, and leave a will (None: as before).
+
+        Returns:
+            µs until it is applied; 0: it is.
+
+        Raises:
+            LineRefusedError: an interlock refuses; nothing has changed.
+            UsageError: not a line of this client.
+            WireError: the hardware cannot be written.
+        """
+        self.advance(at)
+        self.renew(session, at)
+        self._own(session, levels)
+        for line, level in levels.items():
+            if level and not self._expected(session, line):
+                self._check_activation(session, line, levels)
+        if len(session.queue) >= MOST_WAITING:
+            raise LineRefusedError(f"IL-10: {MOST_WAITING} writes wait already for their lines to settle.")
+        if will is not None:
+            self._bequeath(session, will)
+        session.queue.append(Write(at, dict(levels)))
+        self._apply_due(session, at)
+        return max(0, self._end(session) - at) if session.queue else 0
+
+    def renew(self, session: Session, at: int) -> None:
+        """The client lives."""
+        session.lease_until = at + self.policy.lease_us
+
+    def bye(self, session: Session, will: Will, at: int) -> None:
+        """The client leaves in order; ``will`` is executed now, the one left before is void."""
+        self._own(session, {step.line: False for step in will})
+        _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
+        self._end_session(session, will, at)
+
+    # What happens
+
+    def dead(self, session: Session, why: str, at: int) -> None:
+        """The client died: nothing that waits is activated any more, its will is executed."""
+        will = session.will
+        _log.warning("%s died (%s); its will: %s", session.client, why, _told(will))
+        waiting = [
+            Write(due, {name: level for name, level in w.items() if not level}) for due, w in session.queue
+        ]
+        session.queue = deque(write for write in waiting if write.levels)
+        self._end_session(session, will, at)
+
+    def expire(self, at: int) -> list[Session]:
+        """Ends the sessions whose lease is over, and returns them. Call it when every message was read."""
+        over = [session for session in self.sessions if not session.ended and session.lease_until <= at]
+        for session in over:
+            self.dead(session, f"not heard of for {self.policy.lease_us} µs", at)
+        return over
+
+    def advance(self, at: int) -> None:
+        """Does what is due: waiting writes, wills, and the ends of activations."""
+        for session in list(self.sessions):
+            try:
+                self._apply_due(session, at)
+            except WireError as error:
+                _log.error("a write of %s failed: %s", session.client, error)
+        self.sessions = [session for session in self.sessions if session.queue or not session.ended]
+        for line in self.policy.max_active_us:
+            if (end := self._trip_at(line)) is not None and end <= at:
+                _log.warning("IL-03: %s was active for its longest time", self.policy.called(line))
+                self.trips.append((at, line))
+                try:
+                    self._set({line: False}, at)
+                except WireError as error:
+                    # Tried again one longest time later; a loop would starve the clients.
+                    self._changed[line] = at
+                    _log.error("%s stays active: %s", line, error)
+
+    @property
+    def deadline(self) -> int | None:
+        """When the next thing is due, or None."""
+        times = [session.lease_until for session in self.sessions if not session.ended]
+        times += [self._ready(session.queue[0]) for session in self.sessions if session.queue]
+        times += [end for line in self.policy.max_active_us if (end := self._trip_at(line)) is not None]
+        return min(times, default=None)
+
+    def _end_session(self, session: Session, will: Will, at: int) -> None:
+        session.ended = True
+        session.queue.extend(Write(at + step.after_us, {step.line: step.level}) for step in will)
+        self.advance(at)
+
+    def _own(self, session: Session, levels: Mapping[str, object]) -> None:
+        foreign = [line for line in levels if line not in session.lines]
+        if foreign:
+            raise UsageError(
+                f"{session.client} does not write {', '.join(foreign)}: it was not in its hello."
+            )
+
+    def _bequeath(self, session: Session, will: Will) -> None:
+        self._own(session, {step.line: False for step in will})
+        session.will = will
+
+    def _check_activation(self, session: Session, line: str, levels: Mapping[str, bool]) -> None:
+        for partner, interlock in self.policy.partners(line):
+            if levels.get(partner, self._may_be_active(partner)):
+                called = self.policy.called
+                raise LineRefusedError(
+                    f"{interlock}: {called(line)} is not activated while {called(partner)} is active."
+                )
+
+    def _expected(self, session: Session, line: str) -> bool:
+        """The level once everything that waits is applied."""
+        waiting = [write.levels[line] for write in session.queue if line in write.levels]
+        return waiting[-1] if waiting else self.levels[line]
+
+    def _may_be_active(self, line: str) -> bool:
+        """Now, or at any time before everything that waits is applied."""
+        return self.levels[line] or any(
+            write.levels.get(line) for session in self.sessions for write in session.queue
+        )
+
+    def _trip_at(self, line: str) -> int | None:
+        return self._changed[line] + self.policy.max_active_us[line] if self.levels[line] else None
+
+    def _ready(self, write: Write) -> int:
+        settle = self.policy.min_switch_us
+        switched = [line for line, level in write.levels.items() if self.levels[line] != level]
+        return max([write.due, *(self._changed[line] + settle for line in switched)])
+
+    def _end(self, session: Session) -> int:
+        """When the last of what waits is applied, if each is in time."""
+        levels, changed, time = dict(self.levels), dict(self._changed), 0
+        for due, wanted in session.queue:
+            switched = {line: level for line, level in wanted.items() if levels[line] != level}
+            time = max([time, due, *(changed[line] + self.policy.min_switch_us for line in switched)])
+            levels |= switched
+            changed |= dict.fromkeys(switched, time)
+        return time
+
+    def _apply_due(self, session: Session, at: int) -> None:
+        while session.queue and self._ready(session.queue[0]) <= at:
+            self._set(session.queue.popleft().levels, at)
+
+    def _set(self, levels: Mapping[str, bool], at: int) -> None:
+        changes = {line: level for line, level in levels.items() if self.levels[line] != level}
+        if not changes:
+            return
+        try:
+            self._backend.set(changes)
+        except WireError:
+            raise
+        except OSError as error:
+            raise WireError(f"the lines cannot be written: {error.strerror}.") from error
+        self.levels |= changes
+        self._changed |= dict.fromkeys(changes, at)
+
+
+def _told(will: Will) -> str:
+    return ", ".join(f"{step.line} off after {step.after_us} µs" for step in will) or "hold"

@@ -1,0 +1,98 @@
+r"""Messages between the line owner and its clients: a JSON object per line, on a Unix stream socket.
+
+Requests have ``op``, and an ``id`` that the reply repeats::
+
+    {"id": 1, "op": "hello", "client": "grip", "lines": ["SODIMM_208"], "will": []}
+    {"id": 2, "op": "set", "levels": {"SODIMM_208": true},
+                           "will": [{"line": "SODIMM_208", "level": false, "after_us": 0}],
+                           "until_us": 815000000}
+    {"id": 3, "op": "renew"}
+    {"id": 4, "op": "levels"}
+    {"id": 5, "op": "status"}
+    {"id": 6, "op": "bye", "will": []}
+
+``hello`` names the lines that the client will write; each line has one writing client. It is answered with
+the code EE-402 and ``retry_us`` while the will of the one before is executed: a will runs to its end first,
+so that the next client adopts lines that stand still. ``set`` is atomic, and leaves a will (left out: the one
+before stays valid); an empty will holds. After ``until_us`` (monotonic clock; left out: whenever it comes) it
+is refused as a whole: its sender has given it up, and nobody knows of it any more. ``renew`` keeps the lease;
+any ``set`` does, too. ``bye`` ends in order: the will in it is executed at once, the one left before is void.
+A socket that is closed without it, or a lease that ends, is the death of the client: its will is executed.
+``levels`` and ``status`` need no hello.
+
+Replies: ``{"id", "ok", "error", "levels"}``, levels of all lines, active is true. ``error`` is a sentence,
+with ``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further
+keys: ``delay_us`` of ``set`` (until it is applied, IL-10), ``retry_us``, ``status``. A reply with the id null
+belongs to no request: the owner ends the connection and says why.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.will import Will, read_will
+
+LONGEST = 1 << 16
+OPS = ("hello", "set", "renew", "levels", "status", "bye")
+
+
+class Request(NamedTuple):
+    """A request that is well formed."""
+
+    op: str
+    id: int | str | None
+    client: str = ""
+    lines: tuple[str, ...] = ()
+    levels: Mapping[str, bool] = {}
+    will: Will | None = None
+    until_us: int | None = None
+
+
+def read_message(line: bytes) -> dict[str, Any]:
+    """The object in a line.
+
+    Raises:
+        UsageError: it is none.
+    """
+    try:
+        message = json.loads(line)
+    except (ValueError, RecursionError):
+        raise UsageError("this is no JSON object.") from None
+    if not isinstance(message, dict):
+        raise UsageError("this is no JSON object.")
+    return message
+
+
+def read_request(message: dict[str, Any]) -> Request:
+    """Checks every field.
+
+    Raises:
+        UsageError: says which one is wrong.
+    """
+    op, number = message.get("op"), message.get("id")
+    client, lines, levels = message.get("client", ""), message.get("lines", []), message.get("levels", {})
+    if op not in OPS:
+        raise UsageError(f"op is one of {', '.join(OPS)}.")
+    if op == "hello" and not (isinstance(client, str) and 0 < len(client) <= 64):
+        raise UsageError("client is a name of at most 64 letters.")
+    if op == "hello" and not (isinstance(lines, list) and lines and all(isinstance(n, str) for n in lines)):
+        raise UsageError("lines is a list of line names.")
+    if op == "set" and not (
+        isinstance(levels, dict)
+        and (levels or "will" in message)
+        and all(isinstance(level, bool) for level in levels.values())
+    ):
+        raise UsageError("levels is an object of line names, each true or false.")
+    until_us = message.get("until_us")
+    if until_us is not None and type(until_us) is not int:
+        raise UsageError("until_us is a time in µs.")
+    will = None if message.get("will") is None else read_will(message["will"])
+    return Request(op, number, client, tuple(lines) if op == "hello" else (), levels, will, until_us)
+
+
+def write_message(message: Mapping[str, object]) -> bytes:
+    """As a line."""
+    return json.dumps(message, separators=(",", ":")).encode() + b"\n"

@@ -1,0 +1,234 @@
+"""What every line back-end must do: the virtual one, gpiod on a fake kernel and on a real one."""
+
+import errno
+import glob
+from types import SimpleNamespace
+
+import gpiod
+import pytest
+
+from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
+from end_effector_hal.wires.lines import GpiodLines, VirtualChip, VirtualLines
+
+A, B, C = "SODIMM_206", "SODIMM_208", "SODIMM_210"
+
+
+class BackendConformance:
+    """``make`` gives a back-end on the same chip each time; B has a pull-up; all lines begin as inputs."""
+
+    def test_inputs_become_inactive_outputs(self, make):
+        backend = make()
+        assert backend.request([A, B]) == {A: False, B: False}
+        assert backend.levels() == {A: False, B: False}
+        backend.close()
+
+    def test_outputs_keep_their_level(self, make):
+        first = make()
+        first.request([A, B])
+        first.set({A: True})
+        first.close()
+        second = make()
+        assert second.request([C, A, B]) == {A: True, B: False, C: False}
+        second.close()
+
+    def test_set_changes_what_it_names(self, make):
+        backend = make()
+        backend.request([A, B, C])
+        backend.set({A: True, C: True})
+        assert backend.levels() == {A: True, B: False, C: True}
+        backend.set({C: False})
+        assert backend.levels() == {A: True, B: False, C: False}
+        backend.close()
+
+    def test_a_second_owner_is_refused(self, make):
+        first, second = make(), make()
+        first.request([A])
+        with pytest.raises(LineBusyError, match="held by"):
+            second.request([A, B])
+        first.close()
+        second.request([A, B])
+        second.close()
+
+    def test_missing_names_are_all_named(self, make):
+        with pytest.raises(LineNotFoundError, match=r"SODIMM_21 \(did you mean SODIMM_210\?\), y") as caught:
+            make().request([A, "SODIMM_21", "y"])
+        assert "gpioinfo" in str(caught.value)
+        assert "chip" in caught.value.where
+        backend = make()
+        backend.request([A])
+        backend.close()
+
+    def test_close_twice(self, make):
+        backend = make()
+        backend.request([A])
+        backend.close()
+        backend.close()
+
+
+class TestVirtual(BackendConformance):
+    @pytest.fixture
+    def make(self, tmp_path):
+        path = VirtualChip.create(tmp_path / "chip", [A, B, C], {B: "up"}).path
+        return lambda: VirtualLines(path)
+
+
+class FakeKernel:
+    """The documented API of gpiod 2 on lines that behave like gpio-mxc's: registers outlive requests."""
+
+    line, LineSettings, api_version = gpiod.line, gpiod.LineSettings, "2.3"
+
+    def __init__(self, **chips):
+        self.chips = {
+            path: [{"name": name, "out": False, "level": name == B, "by": ""} for name in names]
+            for path, names in chips.items()
+        }
+        self.requests = []
+
+    def is_gpiochip_device(self, path):
+        return path in self.chips
+
+    def Chip(self, path):
+        return FakeChip(self, path)
+
+
+class FakeContext:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.release()
+
+    def release(self):
+        pass
+
+
+class FakeChip(FakeContext):
+    def __init__(self, kernel, path):
+        self.kernel, self.path, self.lines = kernel, path, kernel.chips[path]
+
+    def get_info(self):
+        return SimpleNamespace(num_lines=len(self.lines))
+
+    def get_line_info(self, offset):
+        line, direction = self.lines[offset], gpiod.line.Direction
+        return SimpleNamespace(
+            name=line["name"],
+            used=bool(line["by"]),
+            consumer=line["by"],
+            direction=direction.OUTPUT if line["out"] else direction.INPUT,
+        )
+
+    def request_lines(self, config, consumer):
+        flat = {
+            offset: settings
+            for key, settings in config.items()
+            for offset in (key if isinstance(key, tuple) else (key,))
+        }
+        if any(self.lines[offset]["by"] for offset in flat):
+            raise OSError(errno.EBUSY, "Device or resource busy")
+        self.kernel.requests.append((self.path, sorted(flat), consumer))
+        for offset, settings in flat.items():
+            self.lines[offset]["by"] = consumer
+            if settings.direction == gpiod.line.Direction.OUTPUT:
+                level = settings.output_value == gpiod.line.Value.ACTIVE
+                self.lines[offset] |= {"out": True, "level": level}
+        return FakeRequest(self, list(flat))
+
+
+class FakeRequest(FakeContext):
+    def __init__(self, chip, offsets):
+        self.chip, self.offsets = chip, offsets
+
+    def get_values(self, offsets):
+        value = gpiod.line.Value
+        return [value.ACTIVE if self.chip.lines[offset]["level"] else value.INACTIVE for offset in offsets]
+
+    def set_values(self, values):
+        for offset, value in values.items():
+            assert offset in self.offsets
+            assert self.chip.lines[offset]["out"]
+            self.chip.lines[offset]["level"] = value == gpiod.line.Value.ACTIVE
+
+    def release(self):
+        for offset in self.offsets:
+            self.chip.lines[offset]["by"] = ""
+
+
+@pytest.fixture
+def kernel(monkeypatch, tmp_path):
+    """Puts a fake kernel under the back-end: ``kernel(chip=[names])`` gives it, and what makes back-ends."""
+
+    def build(**chips):
+        for name in chips:
+            (tmp_path / name).touch()
+        fake = FakeKernel(**{str(tmp_path / name): names for name, names in chips.items()})
+        monkeypatch.setitem(__import__("sys").modules, "gpiod", fake)
+        return fake, lambda: GpiodLines(f"{tmp_path}/*")
+
+    return build
+
+
+class TestGpiodOnFakeKernel(BackendConformance):
+    @pytest.fixture
+    def make(self, kernel):
+        return kernel(gpiochip0=[A, B, "", "other", "", C])[1]
+
+
+def test_adoption_is_one_request_of_outputs_by_the_name_of_the_product(kernel, tmp_path):
+    fake, make = kernel(gpiochip0=[A, B, "", C])
+    make().request([B, A])
+    chip = str(tmp_path / "gpiochip0")
+    assert fake.requests == [(chip, [0, 1], "end-effector-hal")] * 2
+    assert [line["out"] for line in fake.chips[chip]] == [True, True, False, False]
+
+
+def test_lines_on_two_chips(kernel):
+    _, make = kernel(gpiochip0=[A], gpiochip1=["x", B])
+    lines = make()
+    assert lines.request([A, B]) == {A: False, B: False}
+    lines.set({A: True, B: True})
+    assert lines.levels() == {A: True, B: True}
+
+
+def test_busy_on_the_second_chip_gives_the_first_back(kernel, tmp_path):
+    fake, make = kernel(gpiochip0=[A], gpiochip1=["x", B])
+    fake.chips[str(tmp_path / "gpiochip1")][1]["by"] = "gpioset"
+    with pytest.raises(LineBusyError, match="SODIMM_208 is held by gpioset"):
+        make().request([A, B])
+    assert fake.chips[str(tmp_path / "gpiochip0")][0]["by"] == ""
+
+
+def test_ambiguous_name(kernel, tmp_path):
+    _, make = kernel(gpiochip0=[A], gpiochip1=["", A])
+    with pytest.raises(LineNotFoundError, match=r"gpiochip0 line 0 and .*gpiochip1 line 1"):
+        make().request([A])
+
+
+def test_no_chip(tmp_path):
+    with pytest.raises(WireError, match="no GPIO chip") as caught:
+        GpiodLines(f"{tmp_path}/gpiochip*").request([A])
+    assert "CONFIG_GPIO_CDEV" in str(caught.value)
+
+
+def test_permission_denied(kernel, monkeypatch):
+    fake, make = kernel(gpiochip0=[A])
+
+    def deny(path):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(fake, "Chip", deny)
+    with pytest.raises(WireError, match="group gpio"):
+        make().request([A])
+
+
+def test_debians_old_gpiod_is_refused(kernel, monkeypatch):
+    fake, make = kernel(gpiochip0=[A])
+    monkeypatch.setattr(fake, "api_version", "1.6.3")
+    with pytest.raises(WireError, match=r"API 1\.6\.3, needed is 2"):
+        make().request([A])
+
+
+@pytest.mark.skipif(not glob.glob("/dev/gpiochip*"), reason="no GPIO chip on this machine")
+def test_the_real_kernel_names_its_chips():
+    with pytest.raises(LineNotFoundError, match="gpiochip"):
+        GpiodLines().request(["no such line, surely"])

@@ -1,0 +1,235 @@
+import os
+import subprocess
+import sys
+import threading
+import time
+from itertools import groupby
+
+import pytest
+
+from end_effector_hal.errors import LinkError
+from end_effector_hal.wires import Frame, LinkReader, LinkState, PtyPair, get_codec, now_us, open_port
+from end_effector_hal.wires.link import _port, _reader
+
+CODEC = get_codec("ees1-ascii")
+
+
+def line(seq):
+    return CODEC.encode(Frame(0, seq, 20 * seq, {"bottom": seq}))
+
+
+class Heard:
+    """Collects what a reader reports; a test waits for a condition on it."""
+
+    def __init__(self):
+        self.frames, self.changes = [], []
+        self._changed = threading.Condition()
+
+    def frame(self, frame):
+        with self._changed:
+            self.frames.append(frame)
+            self._changed.notify_all()
+
+    def change(self, health):
+        with self._changed:
+            self.changes.append(health)
+            self._changed.notify_all()
+
+    def wait(self, condition):
+        with self._changed:
+            assert self._changed.wait_for(condition, 10), (self.frames, self.changes)
+
+    def wait_state(self, state, count=1):
+        self.wait(lambda: [change.state for change in self.changes].count(state) >= count)
+
+    def wait_frames(self, count):
+        self.wait(lambda: len(self.frames) >= count)
+
+    @property
+    def states(self):
+        return [change.state for change in self.changes]
+
+
+@pytest.fixture
+def heard():
+    return Heard()
+
+
+@pytest.fixture
+def port(tmp_path):
+    return str(tmp_path / "uart")
+
+
+def reader(port, heard):
+    return LinkReader(port, "ees1-ascii", None, heard.frame, heard.change)
+
+
+def test_frames_come_with_the_time_of_reading(port, heard):
+    with PtyPair(port) as pty, reader(port, heard) as link:
+        heard.wait_state(LinkState.SILENT)
+        before = now_us()
+        pty.write(b"noise" + line(1) + line(2)[:20])
+        heard.wait_frames(1)
+        pty.write(line(2)[20:])
+        heard.wait_frames(2)
+        assert [frame.values["bottom"] for frame in heard.frames] == [1, 2]
+        assert before <= heard.frames[0].at <= heard.frames[1].at <= now_us()
+        assert heard.states == [LinkState.SILENT, LinkState.UP]
+        health = link.health
+        assert (health.state, health.frames, health.errors, health.opened) == (
+            LinkState.UP,
+            2,
+            {"noise": 5},
+            1,
+        )
+        assert health.since <= heard.frames[0].at + 100_000
+
+
+def test_every_byte_goes_through_unchanged(port, heard):
+    with PtyPair(port) as pty, LinkReader(port, "legacy-nibble", None, heard.frame, heard.change) as link:
+        heard.wait_state(LinkState.SILENT)
+        pty.write(bytes(range(256)))
+        heard.wait_frames(16)
+        heard.wait(lambda: link.health.bytes == 256)
+
+
+def test_what_was_sent_before_opening_is_not_delivered(port, heard):
+    with PtyPair(port) as pty:
+        while pty.write(line(1)):
+            pass
+        with reader(port, heard):
+            heard.wait_state(LinkState.SILENT)
+            pty.write(b"\r\n" + line(2))
+            heard.wait_frames(1)
+    assert heard.frames[0].seq == 2
+
+
+def test_it_comes_back_when_the_other_end_does(port, heard):
+    with reader(port, heard) as link:
+        heard.wait_state(LinkState.DOWN)
+        assert "does not exist" in heard.changes[0].error
+        for life in (1, 2):
+            with PtyPair(port) as pty:
+                heard.wait_state(LinkState.SILENT, life)
+                pty.write(line(life))
+                heard.wait_frames(life)
+            heard.wait_state(LinkState.DOWN, life + 1)
+        assert link.health.opened == 2
+    assert "the port was lost" in next(c.error for c in heard.changes[1:] if c.state is LinkState.DOWN)
+    life = [LinkState.SILENT, LinkState.UP, LinkState.DOWN]
+    assert [state for state, _ in groupby(heard.states)] == [LinkState.DOWN, *life, *life]
+
+
+def test_a_busy_port_names_the_pid(port, heard):
+    with PtyPair(port):
+        program = (
+            "import sys, time; from end_effector_hal.wires import open_port\n"
+            "port = open_port(sys.argv[1], 9600); print('open', flush=True); time.sleep(60)"
+        )
+        child = subprocess.Popen([sys.executable, "-c", program, port], stdout=subprocess.PIPE)
+        try:
+            assert child.stdout.readline() == b"open\n"
+            with reader(port, heard):
+                heard.wait_state(LinkState.DOWN)
+                assert f"pid {child.pid} (" in heard.changes[0].error
+                child.kill()
+                heard.wait_state(LinkState.SILENT)
+        finally:
+            child.kill()
+            child.communicate()
+
+
+def test_errors_are_sentences(tmp_path, monkeypatch):
+    with pytest.raises(LinkError, match="does not exist") as caught:
+        open_port(str(tmp_path / "none"), 9600)
+    assert "Ports here:" in str(caught.value)
+    (tmp_path / "file").touch()
+    for path in (tmp_path / "file", tmp_path, "/dev/null"):
+        with pytest.raises(LinkError, match="not a serial port"):
+            open_port(str(path), 9600)
+
+    def deny(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(_port.serial, "Serial", deny)
+    with pytest.raises(LinkError, match="group dialout"):
+        open_port("/dev/ttyS0", 9600)
+
+
+def test_back_off_doubles_up_to_five_seconds(monkeypatch):
+    link = LinkReader("/no/port", "ees1-ascii")
+    waits = []
+    link._wake_read = 0
+    monkeypatch.setattr(_reader.select, "select", lambda r, w, x, wait: waits.append(wait))
+    for _ in range(8):
+        link._sleep()
+    assert waits == [0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 5.0, 5.0]
+
+
+def test_a_failing_listener_stops_nothing(port, caplog):
+    heard = Heard()
+
+    def fail(frame):
+        heard.frame(frame)
+        raise ZeroDivisionError
+
+    with PtyPair(port) as pty, LinkReader(port, CODEC, None, fail, heard.change):
+        heard.wait_state(LinkState.SILENT)
+        pty.write(line(1))
+        pty.write(line(2))
+        heard.wait_frames(2)
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_close_in_every_state(port, heard):
+    reader(port, heard).close()
+    link = reader(port, heard)
+    link.start()
+    heard.wait_state(LinkState.DOWN)
+    link.close()
+    link.close()
+    with PtyPair(port) as pty:
+        inside = LinkReader(
+            port, CODEC, None, lambda frame: (inside.close(), heard.frame(frame)), heard.change
+        )
+        inside.start()
+        heard.wait_state(LinkState.SILENT)
+        pty.write(line(1))
+        heard.wait_frames(1)
+    assert not [
+        thread
+        for thread in threading.enumerate()
+        if thread.name == f"link {port}" and thread.is_alive() and not thread.join(5) and thread.is_alive()
+    ]
+
+
+def test_waiting_costs_nothing(port, heard):
+    with PtyPair(port), reader(port, heard):
+        heard.wait_state(LinkState.SILENT)
+        before = time.process_time()
+        threading.Event().wait(0.5)
+        assert time.process_time() - before < 0.05
+
+
+def test_pty_replaces_a_dead_link_and_no_file(tmp_path):
+    link = tmp_path / "uart"
+    link.symlink_to("/dev/pts/no-such")
+    with PtyPair(link) as pty:
+        assert os.readlink(link) == pty.slave_name
+    assert not link.is_symlink()
+    link.write_text("mine")
+    with pytest.raises(LinkError, match="cannot be linked"):
+        PtyPair(link)
+    assert link.read_text() == "mine"
+
+
+def test_pty_leaves_the_link_of_a_successor(tmp_path):
+    first, second = PtyPair(tmp_path / "uart"), PtyPair(tmp_path / "uart")
+    first.close()
+    first.close()
+    assert os.readlink(tmp_path / "uart") == second.slave_name
+    with open_port(str(tmp_path / "uart"), 115_200) as port:
+        port.write(b"hello\r\n\x00\x11")
+        assert second.read() == b"hello\r\n\x00\x11"
+        assert second.read() == b""
+    second.close()

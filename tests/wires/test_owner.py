@@ -1,0 +1,596 @@
+"""The line owner over its socket; those marked `wall` run real processes and kill them."""
+
+import json
+import os
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from end_effector_hal.errors import (
+    LineBusyError,
+    LineNotFoundError,
+    LineRefusedError,
+    OwnerError,
+    UsageError,
+    WireError,
+)
+from end_effector_hal.wires import (
+    ChipWatcher,
+    LineOwner,
+    OwnerClient,
+    Policy,
+    VirtualChip,
+    VirtualLines,
+    WillStep,
+    now_us,
+    read_chip,
+)
+
+UNLOCK, BOTTOM, TOP = LINES = ("SODIMM_206", "SODIMM_208", "SODIMM_212")
+POLICY = Policy(LINES, [(UNLOCK, BOTTOM), (UNLOCK, TOP)], {UNLOCK: 300_000}, min_switch_us=0)
+
+
+class Bench:
+    """A chip, the path of a socket, and owners on them."""
+
+    def __init__(self, folder):
+        self.chip = VirtualChip.create(folder / "chip", LINES, {BOTTOM: "up"}).path
+        self.socket = folder / "run" / "owner.sock"
+
+    @contextmanager
+    def owner(self, policy=POLICY):
+        with LineOwner(VirtualLines(self.chip), self.socket, policy) as owner:
+            thread = threading.Thread(target=owner.run)
+            thread.start()
+            try:
+                yield owner
+            finally:
+                owner.stop()
+                thread.join()
+
+    def client(self, name="grip", lines=(BOTTOM, TOP), **more):
+        return OwnerClient(self.socket, name, lines, **{"patience_s": 0.0} | more)
+
+    def levels(self):
+        return [read_chip(self.chip).lines[line].level for line in LINES]
+
+
+@pytest.fixture
+def bench(tmp_path):
+    return Bench(tmp_path)
+
+
+class Raw:
+    """A client without manners."""
+
+    def __init__(self, bench):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.settimeout(10)
+        self.socket.connect(str(bench.socket))
+        self.file = self.socket.makefile("rb")
+
+    def say(self, text):
+        self.socket.sendall(text if isinstance(text, bytes) else json.dumps(text).encode() + b"\n")
+
+    def ask(self, text):
+        self.say(text)
+        return json.loads(self.file.readline())
+
+    def close(self):
+        self.file.close()
+        self.socket.close()
+
+
+def wait_until(condition):
+    until = time.monotonic() + 10
+    while not condition():
+        assert time.monotonic() < until
+        threading.Event().wait(0.005)
+
+
+def test_set_and_levels(bench):
+    with bench.owner() as owner, bench.client() as grip:
+        assert owner.levels() == dict.fromkeys(LINES, False)
+        assert grip.set({BOTTOM: True}) == ({UNLOCK: False, BOTTOM: True, TOP: False}, 0)
+        assert grip.levels() == {UNLOCK: False, BOTTOM: True, TOP: False}
+        assert bench.levels() == [False, True, False]
+        grip.set({BOTTOM: False, TOP: True})
+        assert bench.levels() == [False, False, True]
+    assert bench.levels() == [False, False, True]
+
+
+def test_a_will_can_be_left_without_levels(bench):
+    with bench.owner():
+        grip = bench.client()
+        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        grip.set({}, [])
+        assert grip.status()["clients"][0]["will"] == []
+        grip.close()
+
+
+def test_a_write_that_was_given_up_is_not_executed_later(bench):
+    with bench.owner():
+        raw = Raw(bench)
+        raw.ask({"id": 1, "op": "hello", "client": "grip", "lines": [BOTTOM]})
+        will = [WillStep(BOTTOM).as_json()]
+        late = {"id": 2, "op": "set", "levels": {BOTTOM: True}, "will": will, "until_us": now_us() - 1}
+        reply = raw.ask(late)
+        assert (reply["ok"], reply["error"]) == (False, "this write came too late and was not executed.")
+        assert bench.levels() == [False, False, False]
+        assert raw.ask({"id": 3, "op": "status"})["status"]["clients"][0]["will"] == []
+        assert raw.ask(late | {"until_us": now_us() + 10_000_000})["ok"]
+        assert "until_us is a time" in raw.ask(late | {"until_us": "soon"})["error"]
+        raw.close()
+
+
+def test_a_client_says_how_long_its_writes_are_good_for(bench):
+    bench.socket.parent.mkdir()
+    said = []
+    with socket.socket(socket.AF_UNIX) as deaf:
+        deaf.bind(str(bench.socket))
+        deaf.listen()
+
+        def listen():
+            connection, _ = deaf.accept()
+            with connection, connection.makefile("rb") as lines:
+                connection.sendall(b'{"id": 1, "ok": true, "levels": {}}\n')
+                said.extend(json.loads(lines.readline()) for _ in range(2))
+                lines.read()
+
+        thread = threading.Thread(target=listen)
+        thread.start()
+        client = bench.client(timeout_s=0.2)
+        begun = now_us()
+        with pytest.raises(OwnerError, match="does not answer"):
+            client.set({BOTTOM: True})
+        given_up = now_us()
+        thread.join()
+        assert begun < said[1]["until_us"] < given_up
+        client.close()
+
+
+def test_the_socket_is_for_the_group(bench):
+    with bench.owner():
+        assert stat.S_IMODE(bench.socket.stat().st_mode) == 0o660
+    assert not bench.socket.exists()
+
+
+def test_refusals_are_sentences(bench):
+    with bench.owner(), bench.client() as grip, bench.client("changer", [UNLOCK]) as changer:
+        grip.set({BOTTOM: True})
+        with pytest.raises(LineRefusedError, match=r"^IL-01: SODIMM_206 is not activated while SODIMM_208"):
+            changer.set({UNLOCK: True})
+        with pytest.raises(UsageError, match="grip does not write SODIMM_206"):
+            grip.set({UNLOCK: True})
+        with pytest.raises(LineBusyError, match=rf"SODIMM_208 belongs to grip \(pid {os.getpid()}\)"):
+            bench.client("other", [BOTTOM])
+        with pytest.raises(UsageError, match="IL-11"):
+            grip.set({TOP: True}, [WillStep(TOP, True)])
+        assert bench.levels() == [False, True, False]
+
+
+def test_a_delayed_write_says_so(bench):
+    with bench.owner(Policy(LINES, min_switch_us=200_000)), bench.client() as grip:
+        delay = grip.set({BOTTOM: True}).delay_us
+        assert 0 < delay <= 200_000
+        wait_until(lambda: bench.levels()[1])
+
+
+def test_il_03_is_ended_by_the_owner_and_told_in_its_status(bench):
+    with bench.owner(), bench.client("changer", [UNLOCK]) as changer, bench.client("look", []) as look:
+        changer.set({UNLOCK: True})
+        wait_until(lambda: not bench.levels()[0])
+        status = look.status()
+        assert [(trip["line"], trip["interlock"]) for trip in status["trips"]] == [(UNLOCK, "IL-03")]
+        assert [(client["client"], client["lines"]) for client in status["clients"]] == [
+            ("changer", [UNLOCK])
+        ]
+        assert status["pid"] == os.getpid()
+
+
+def test_close_holds_or_executes_what_it_is_given(bench):
+    with bench.owner():
+        with bench.client() as grip:
+            grip.set({BOTTOM: True, TOP: True}, [WillStep(TOP), WillStep(BOTTOM)])
+        assert bench.levels() == [False, True, True]
+        grip = bench.client()
+        grip.close(will=[WillStep(TOP)])
+        grip.close()
+        assert bench.levels() == [False, True, False]
+        with pytest.raises(ZeroDivisionError), bench.client(will=[WillStep(BOTTOM)]):
+            raise ZeroDivisionError
+        wait_until(lambda: bench.levels() == [False, False, False])
+
+
+def test_a_lease_that_is_not_renewed_ends(bench):
+    lost, alive = [], threading.Event()
+    alive.set()
+    policy = Policy(LINES, lease_us=400_000, min_switch_us=0)
+    with bench.owner(policy), bench.client(alive=alive.is_set, on_lost=lost.append) as grip:
+        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        threading.Event().wait(0.8)
+        assert bench.levels()[1]
+        alive.clear()
+        wait_until(lambda: not bench.levels()[1])
+        alive.set()
+        wait_until(lambda: lost)
+        assert "the lease ended" in str(lost[0])
+        with pytest.raises(OwnerError, match="the lease ended"):
+            grip.set({TOP: True})
+        assert grip.set({TOP: True}).levels[TOP]
+
+
+def test_a_lost_owner_is_told_once_and_found_again(bench):
+    lost = []
+    with bench.owner():
+        grip = bench.client(on_lost=lost.append)
+        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+    with pytest.raises(OwnerError, match="was lost"):
+        grip.levels()
+    with pytest.raises(OwnerError, match="cannot be reached"):
+        grip.levels()
+    threading.Event().wait(0.6)
+    with bench.owner():
+        assert grip.levels() == {UNLOCK: False, BOTTOM: True, TOP: False}
+        assert grip.status()["clients"][0]["will"] == [{"line": BOTTOM, "level": False, "after_us": 0}]
+        assert lost == []
+        grip.close()
+
+
+def test_the_renewals_find_the_owner_again(bench):
+    lost = []
+    with bench.owner():
+        grip = bench.client(on_lost=lost.append)
+    wait_until(lambda: lost)
+    with bench.owner(), bench.client("look", []) as look:
+        wait_until(lambda: look.status()["clients"])
+        with pytest.raises(OwnerError, match="was lost"):
+            grip.levels()
+        grip.levels()
+        grip.close()
+    assert len(lost) == 1
+
+
+def test_a_loss_that_was_not_told_yet_does_not_make_a_close_a_death(bench):
+    with bench.owner():
+        grip = bench.client()
+        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+    with bench.owner(), bench.client("look", []) as look:
+        wait_until(lambda: look.status()["clients"])
+        grip.close()
+        assert look.status()["clients"] == []
+        assert look.levels()[BOTTOM]
+
+
+def test_a_will_that_cannot_be_delivered_is_told(bench):
+    with bench.owner():
+        grip, other = bench.client(), bench.client("changer", [UNLOCK])
+    other.close()
+    with pytest.raises(OwnerError):
+        grip.close(will=[WillStep(BOTTOM)])
+
+
+def test_no_owner(bench):
+    with pytest.raises(OwnerError, match="cannot be reached") as caught:
+        bench.client()
+    assert "eehal owner" in str(caught.value)
+    assert caught.value.where == str(bench.socket)
+
+
+def test_a_client_waits_for_its_owner(bench):
+    late = threading.Timer(0.2, lambda: held.append(held[0].__enter__()))
+    held = [bench.owner()]
+    late.start()
+    with bench.client(patience_s=10):
+        pass
+    late.join()
+    held[0].__exit__(None, None, None)
+
+
+def test_an_owner_that_does_not_answer(bench):
+    bench.socket.parent.mkdir()
+    with socket.socket(socket.AF_UNIX) as deaf:
+        deaf.bind(str(bench.socket))
+        deaf.listen()
+        with pytest.raises(OwnerError, match="does not answer"):
+            bench.client(timeout_s=0.05)
+
+
+def test_a_second_owner_is_refused(bench, tmp_path):
+    with bench.owner():
+        with pytest.raises(LineBusyError, match=f"socket is held by pid {os.getpid()}"):
+            LineOwner(VirtualLines(bench.chip), bench.socket, POLICY)
+        with pytest.raises(LineBusyError, match=f"chip is held by pid {os.getpid()}"):
+            LineOwner(VirtualLines(bench.chip), tmp_path / "other.sock", POLICY)
+        with bench.client() as grip:
+            assert grip.levels()
+
+
+def test_an_owner_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
+    with pytest.raises(LineNotFoundError):
+        LineOwner(VirtualLines(bench.chip), bench.socket, Policy(("SODIMM_1",)))
+    with pytest.raises(WireError, match="less than 90 letters"):
+        LineOwner(VirtualLines(bench.chip), tmp_path / ("x" * 120), POLICY)
+    (tmp_path / "file").touch()
+    with pytest.raises(WireError, match="socket cannot be made"):
+        LineOwner(VirtualLines(bench.chip), tmp_path / "file" / "owner.sock", POLICY)
+    with bench.owner():
+        pass
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        (b"\n", "no JSON object"),
+        (b"hello\n", "no JSON object"),
+        (b"\xff\xfe\n", "no JSON object"),
+        (b"[" * 50_000 + b"\n", "no JSON object"),
+        (b"3\n", "no JSON object"),
+        (b"1" * 5000 + b"\n", "no JSON object"),
+        ({"op": "fly"}, "op is one of"),
+        ({"op": ["set"]}, "op is one of"),
+        ({"op": "set", "levels": {BOTTOM: True}}, "say hello first"),
+        ({"op": "hello", "client": 3, "lines": [BOTTOM]}, "client is a name"),
+        ({"op": "hello", "client": "x", "lines": [3]}, "lines is a list"),
+        ({"op": "hello", "client": "x", "lines": []}, "lines is a list"),
+        ({"op": "hello", "client": "x", "lines": ["SODIMM_209"]}, "did you mean SODIMM_20"),
+        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": 3}, "a will is a list"),
+        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": [3]}, "step 0 of the will"),
+        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": [{"x": 1}]}, "step 0 of the will"),
+        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": [{"line": UNLOCK}]}, "does not write"),
+        ({"op": "set", "levels": {BOTTOM: 1}}, "each true or false"),
+        ({"op": "set"}, "each true or false"),
+    ],
+)
+def test_garbage_is_answered(bench, text, error):
+    with bench.owner(), bench.client("grip", [TOP]) as grip:
+        raw = Raw(bench)
+        reply = raw.ask(text)
+        assert reply["ok"] is False
+        assert error in reply["error"]
+        assert raw.ask({"id": "a", "op": "levels"}) == {
+            "id": "a",
+            "ok": True,
+            "error": None,
+            "levels": dict.fromkeys(LINES, False),
+        }
+        raw.close()
+        assert grip.set({TOP: True}).levels[TOP]
+
+
+@pytest.mark.parametrize(
+    "will",
+    [
+        [{"line": BOTTOM, "after_us": -1}],
+        [{"line": BOTTOM, "after_us": 1.5}],
+        [{"line": BOTTOM, "after_us": True}],
+        [{"line": BOTTOM, "level": 0}],
+        [{"line": 3}],
+        [{"line": BOTTOM, "after_us": 2}, {"line": TOP, "after_us": 1}],
+        [{"line": BOTTOM}] * 65,
+        "BOTTOM",
+        {"line": BOTTOM},
+    ],
+)
+def test_a_wrong_will_is_refused_on_both_sides(bench, will):
+    with bench.owner(), bench.client() as grip:
+        with pytest.raises(UsageError, match="will"):
+            grip.set({BOTTOM: True}, will)
+        raw = Raw(bench)
+        reply = raw.ask({"op": "hello", "client": "x", "lines": [UNLOCK], "will": will})
+        assert reply["code"] == UsageError.code
+        raw.close()
+    assert bench.levels() == [False, False, False]
+
+
+def test_an_endless_message_ends_the_connection(bench):
+    with bench.owner(), bench.client():
+        raw = Raw(bench)
+        with pytest.raises(OSError):
+            raw.say(b"x" * 4096 * 1000)
+        raw.close()
+        with bench.client("look", []) as look:
+            assert look.levels()
+
+
+def test_a_client_that_reads_no_replies_is_dead(bench):
+    with bench.owner():
+        raw = Raw(bench)
+        will = [{"line": BOTTOM, "level": False, "after_us": 0}]
+        raw.say({"op": "hello", "client": "x", "lines": [BOTTOM]})
+        raw.say({"op": "set", "levels": {BOTTOM: True}, "will": will})
+        wait_until(lambda: bench.levels()[1])
+        with pytest.raises(OSError):
+            raw.say(b'{"op": "levels"}\n' * 100_000)
+        wait_until(lambda: not bench.levels()[1])
+        raw.close()
+
+
+def test_messages_may_come_in_pieces_and_together(bench):
+    with bench.owner():
+        raw = Raw(bench)
+        raw.say(b'{"id": 1, "op": "lev')
+        raw.say(b'els"}\n{"id": 2, "op": "levels"}\n')
+        assert [json.loads(raw.file.readline())["id"] for _ in range(2)] == [1, 2]
+        raw.close()
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=50)
+@given(
+    junk=st.binary(max_size=200),
+    op=st.sampled_from(["hello", "set", "renew", "bye", "status"]),
+    data=st.data(),
+)
+def test_the_owner_outlives_any_bytes(shared, junk, op, data):
+    json_values = st.recursive(
+        st.none()
+        | st.booleans()
+        | st.integers()
+        | st.floats()
+        | st.text(max_size=9)
+        | st.sampled_from(LINES),
+        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=9), inner, max_size=3),
+    )
+    keys = st.sampled_from(["id", "client", "lines", "levels", "will"])
+    message = data.draw(st.dictionaries(keys, json_values)) | {"op": op}
+    raw = Raw(shared)
+    raw.say(junk.replace(b"\n", b"") + b"\n")
+    assert json.loads(raw.file.readline())["ok"] is False or junk
+    assert "ok" in raw.ask(message)
+    raw.close()
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory):
+    bench = Bench(tmp_path_factory.mktemp("owner"))
+    with bench.owner():
+        yield bench
+
+
+# Real processes
+
+OWNER = """
+import sys
+from end_effector_hal.wires import Policy, VirtualLines, serve
+chip, socket, *lines = sys.argv[1:]
+serve(VirtualLines(chip), socket, Policy(lines), on_ready=lambda owner: print("ready", flush=True))
+print("end", flush=True)
+"""
+CLIENT = """
+import sys, time
+from end_effector_hal.wires import OwnerClient, WillStep
+socket, *lines = sys.argv[1:]
+client = OwnerClient(socket, "grip", lines)
+will = [WillStep(line, False, i * 300_000) for i, line in enumerate(lines[::-1])]
+client.set(dict.fromkeys(lines, True), will)
+print("ready", flush=True)
+time.sleep(60)
+"""
+
+
+@contextmanager
+def process(program, *arguments):
+    command = [sys.executable, "-c", program, *map(str, arguments)]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE)
+    try:
+        assert child.stdout.readline() == b"ready\n"
+        yield child
+    finally:
+        child.kill()
+        child.communicate()
+
+
+@pytest.mark.wall
+def test_a_killed_owner_leaves_the_lines_and_the_next_adopts_them(bench):
+    with process(OWNER, bench.chip, bench.socket, *LINES) as first:
+        with bench.client() as grip:
+            with pytest.raises(LineBusyError, match=f"pid {first.pid} "):
+                LineOwner(VirtualLines(bench.chip), bench.socket, POLICY)
+            grip.set({BOTTOM: True}, [])
+            wait_until(lambda: bench.levels()[1])
+            first.kill()
+            first.wait()
+            with pytest.raises(OwnerError):
+                grip.levels()
+        assert bench.socket.exists()
+    records = bench.chip.read_bytes()
+    with process(OWNER, bench.chip, bench.socket, *LINES), bench.client() as grip:
+        assert grip.levels() == {UNLOCK: False, BOTTOM: True, TOP: False}
+        assert bench.chip.read_bytes() == records
+
+
+@pytest.mark.wall
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_an_owner_that_is_asked_to_end_leaves_the_lines_as_they_are(bench, number):
+    with process(OWNER, bench.chip, bench.socket, *LINES) as owner:
+        grip = bench.client()
+        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        wait_until(lambda: bench.levels()[1])
+        owner.send_signal(number)
+        assert owner.stdout.read() == b"end\n"
+        assert owner.wait(10) == 0
+    assert bench.levels() == [False, True, False]
+    assert not bench.socket.exists()
+    grip.close()
+
+
+@pytest.mark.wall
+def test_the_will_of_a_killed_client_is_executed_in_order_and_in_time(bench):
+    edges = []
+    with (
+        process(OWNER, bench.chip, bench.socket, *LINES),
+        process(CLIENT, bench.socket, BOTTOM, TOP) as client,
+    ):
+        wait_until(lambda: bench.levels() == [False, True, True])
+        with ChipWatcher(bench.chip, edges.append):
+            killed = now_us()
+            client.kill()
+            client.wait()
+            grip = bench.client()
+            # The will ran to its end before the next client was let in.
+            assert grip.levels() == dict.fromkeys(LINES, False)
+            wait_until(lambda: len(edges) == 2)
+            grip.close()
+    assert [(edge.line, edge.level) for edge in edges] == [(TOP, False), (BOTTOM, False)]
+    assert killed <= edges[0].at < killed + 200_000
+    assert killed + 300_000 <= edges[1].at < killed + 600_000
+
+
+@pytest.mark.wall
+def test_an_owner_that_ends_with_its_clients_still_executes_their_wills(bench):
+    # as roslaunch does it at Ctrl-C: everybody is told to end, the owner first
+    with (
+        process(OWNER, bench.chip, bench.socket, *LINES) as owner,
+        process(CLIENT, bench.socket, BOTTOM, TOP) as client,
+    ):
+        wait_until(lambda: bench.levels() == [False, True, True])
+        owner.send_signal(signal.SIGINT)
+        time.sleep(0.2)
+        client.kill()
+        assert owner.wait(10) == 0
+    assert bench.levels() == [False, False, False]
+
+
+@pytest.mark.wall
+def test_a_second_signal_ends_an_owner_at_once(bench):
+    with (
+        process(OWNER, bench.chip, bench.socket, *LINES) as owner,
+        process(CLIENT, bench.socket, BOTTOM, TOP),
+    ):
+        wait_until(lambda: bench.levels() == [False, True, True])
+        owner.send_signal(signal.SIGINT)
+        time.sleep(0.1)
+        owner.send_signal(signal.SIGINT)
+        assert owner.wait(10) == 0
+    assert bench.levels() == [False, True, True]
+
+
+@pytest.mark.wall
+def test_a_stopped_client_is_dead_after_its_lease(bench):
+    with bench.owner(), process(CLIENT, bench.socket, BOTTOM) as client:
+        wait_until(lambda: bench.levels()[1])
+        client.send_signal(signal.SIGSTOP)
+        before = time.monotonic()
+        wait_until(lambda: not bench.levels()[1])
+        assert 0.7 < time.monotonic() - before < 5
+
+
+@pytest.mark.wall
+def test_an_owner_that_was_stopped_kills_nobody(bench):
+    with process(OWNER, bench.chip, bench.socket, *LINES) as owner, bench.client(timeout_s=10) as grip:
+        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        owner.send_signal(signal.SIGSTOP)
+        threading.Event().wait(1.5)
+        owner.send_signal(signal.SIGCONT)
+        assert grip.levels()[BOTTOM]
+        threading.Event().wait(0.3)
+        assert grip.levels()[BOTTOM]

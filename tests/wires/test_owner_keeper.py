@@ -1,0 +1,474 @@
+"""The rules of the line owner, in virtual time."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
+from end_effector_hal.wires.owner import Exclusion, Keeper, Policy, WillStep
+from end_effector_hal.wires.owner._keeper import WillRunsError
+
+UNLOCK, BOTTOM, CYLINDER, TOP = LINES = ("unlock", "bottom", "cylinder", "top")
+GRIP = (BOTTOM, CYLINDER, TOP)
+MS, S = 1_000, 1_000_000
+POLICY = Policy(
+    LINES, tuple((UNLOCK, line) for line in GRIP), {UNLOCK: 3 * S}, labels={UNLOCK: "tool changer"}
+)
+
+
+class Lines:
+    """A back-end that notes every write with the time at which the keeper was asked."""
+
+    def __init__(self, **active):
+        self.now, self.written, self.state = 0, [], dict.fromkeys(LINES, False) | active
+        self.error = None
+
+    def request(self, names):
+        assert list(names) == list(LINES)
+        return dict(self.state)
+
+    def levels(self):
+        return dict(self.state)
+
+    def set(self, levels):
+        if self.error:
+            raise self.error
+        self.written += [(self.now, line, level) for line, level in levels.items()]
+        self.state |= levels
+
+    def close(self):
+        pass
+
+
+class Owner:
+    """A keeper in virtual time, with two clients; between the steps it does what is due, when it is due."""
+
+    def __init__(self, policy=POLICY, start=1 * S, **active):
+        self.lines = Lines(**active)
+        self.keeper = Keeper(self.lines, policy, 0)
+        self.now = 0
+        self.alive = []
+        self.to(start)
+        self.lines.written.clear()
+        self.grip = self.hello("grip", GRIP)
+        self.changer = self.hello("changer", (UNLOCK,))
+
+    def hello(self, client, lines, will=()):
+        session = self.keeper.hello(client, 7, lines, will, self.now)
+        self.alive.append(session)
+        return session
+
+    def to(self, at):
+        """Time passes; the living renew their leases."""
+        while True:
+            for session in self.alive:
+                self.keeper.renew(session, self.now)
+            step = min(at, max(self.keeper.deadline or at, self.now))
+            step = min(step, self.now + 500 * MS)
+            self.now = self.lines.now = step
+            self.keeper.advance(step)
+            if step >= at:
+                return
+
+    def set(self, session, will=None, **levels):
+        return self.keeper.write(session, levels, will, self.now)
+
+    def die(self, session):
+        self.alive.remove(session)
+        self.keeper.dead(session, "killed", self.now)
+
+    @property
+    def written(self):
+        return self.lines.written
+
+
+def test_a_write_is_applied_at_once_and_as_a_whole():
+    owner = Owner()
+    assert owner.set(owner.grip, bottom=True, top=True) == 0
+    assert owner.written == [(1 * S, BOTTOM, True), (1 * S, TOP, True)]
+    assert owner.keeper.levels == {UNLOCK: False, BOTTOM: True, CYLINDER: False, TOP: True}
+
+
+def test_writing_the_same_again_writes_nothing():
+    owner = Owner()
+    owner.set(owner.grip, bottom=True)
+    assert owner.set(owner.grip, bottom=True) == 0
+    assert len(owner.written) == 1
+
+
+# IL-10
+
+
+def test_il_10_a_second_change_waits_until_50_ms_are_over():
+    owner = Owner()
+    owner.set(owner.grip, bottom=True)
+    owner.to(1 * S + 10 * MS)
+    assert owner.set(owner.grip, bottom=False) == 40 * MS
+    assert owner.keeper.deadline == 1 * S + 50 * MS
+    owner.to(1 * S + 49 * MS)
+    assert owner.keeper.levels[BOTTOM]
+    owner.to(2 * S)
+    assert owner.written[1:] == [(1 * S + 50 * MS, BOTTOM, False)]
+
+
+def test_il_10_what_comes_after_waits_behind_it():
+    owner = Owner()
+    owner.set(owner.grip, top=True, bottom=True)
+    assert owner.set(owner.grip, top=False) == 50 * MS
+    assert owner.set(owner.grip, cylinder=True) == 50 * MS
+    assert owner.set(owner.grip, top=True, cylinder=False) == 100 * MS
+    assert owner.set(owner.changer, unlock=False) == 0
+    owner.to(2 * S)
+    assert owner.written[2:] == [
+        (1 * S + 50 * MS, TOP, False),
+        (1 * S + 50 * MS, CYLINDER, True),
+        (1 * S + 100 * MS, TOP, True),
+        (1 * S + 100 * MS, CYLINDER, False),
+    ]
+
+
+def test_il_10_holds_for_the_first_write_after_the_start():
+    owner = Owner(start=20 * MS)
+    assert owner.set(owner.grip, bottom=True) == 30 * MS
+    assert owner.set(owner.grip, bottom=True) == 30 * MS
+
+
+def test_il_10_bounded():
+    owner = Owner()
+    owner.set(owner.grip, bottom=True)
+    for i in range(64):
+        owner.set(owner.grip, bottom=bool(i % 2))
+    with pytest.raises(LineRefusedError, match="IL-10: 64 writes wait"):
+        owner.set(owner.grip, bottom=False)
+
+
+# IL-01, IL-05
+
+
+@pytest.mark.parametrize("line", GRIP)
+def test_il_01_no_unlock_while_a_gripping_line_is_active(line):
+    owner = Owner()
+    owner.set(owner.grip, **{line: True})
+    with pytest.raises(LineRefusedError, match=rf"IL-01: unlock \(tool changer\) .* while {line} is active"):
+        owner.set(owner.changer, unlock=True)
+    owner.to(2 * S)
+    owner.set(owner.grip, **{line: False})
+    assert owner.set(owner.changer, unlock=True) == 0
+
+
+@pytest.mark.parametrize("line", GRIP)
+def test_il_05_no_gripping_while_unlocked(line):
+    owner = Owner()
+    owner.set(owner.changer, unlock=True)
+    with pytest.raises(LineRefusedError, match="IL-05"):
+        owner.set(owner.grip, **{line: True})
+    assert owner.written == [(1 * S, UNLOCK, True)]
+
+
+def test_ids_of_an_exclusion_can_be_named():
+    policy = Policy(LINES, [Exclusion(BOTTOM, TOP, "IL-08", "IL-08")])
+    owner = Owner(policy)
+    with pytest.raises(LineRefusedError, match="IL-08"):
+        owner.set(owner.grip, bottom=True, top=True)
+    assert owner.written == []
+
+
+def test_a_swap_in_one_write_is_no_violation():
+    owner = Owner(Policy(LINES, [(BOTTOM, TOP)]))
+    owner.set(owner.grip, bottom=True)
+    assert owner.set(owner.grip, bottom=False, top=True) == 50 * MS
+    owner.to(2 * S)
+    assert owner.keeper.levels == {UNLOCK: False, BOTTOM: False, CYLINDER: False, TOP: True}
+
+
+def test_a_waiting_activation_excludes_already():
+    owner = Owner()
+    owner.set(owner.grip, bottom=True)
+    owner.set(owner.grip, bottom=False)
+    owner.set(owner.grip, bottom=True)
+    with pytest.raises(LineRefusedError):
+        owner.set(owner.changer, unlock=True)
+
+
+def test_an_activation_that_waits_while_the_line_is_inactive_excludes():
+    owner = Owner()
+    for level in (True, False, True):
+        owner.set(owner.grip, bottom=level)
+    owner.to(1 * S + 60 * MS)
+    assert owner.keeper.levels[BOTTOM] is False
+    with pytest.raises(LineRefusedError, match="IL-01"):
+        owner.set(owner.changer, unlock=True)
+
+
+def test_an_adopted_violation_is_not_repeated():
+    owner = Owner(unlock=True, bottom=True, policy=Policy(LINES, POLICY.exclusions))
+    owner.set(owner.grip, cylinder=False, bottom=False)
+    owner.set(owner.grip, top=False, bottom=False)
+    with pytest.raises(LineRefusedError, match="IL-05"):
+        owner.set(owner.grip, bottom=True)
+
+
+def test_a_line_that_is_to_be_inactive_is_activated_only_by_the_rules():
+    owner = Owner(unlock=True, bottom=True, start=20 * MS, policy=Policy(LINES, POLICY.exclusions))
+    assert owner.set(owner.grip, bottom=False) == 30 * MS
+    with pytest.raises(LineRefusedError, match="IL-05"):
+        owner.set(owner.grip, bottom=True)
+
+
+def test_a_waiting_deactivation_does_not_free_yet():
+    owner = Owner()
+    owner.set(owner.grip, bottom=True)
+    owner.set(owner.grip, bottom=False)
+    with pytest.raises(LineRefusedError):
+        owner.set(owner.changer, unlock=True)
+    owner.to(1 * S + 50 * MS)
+    assert owner.set(owner.changer, unlock=True) == 0
+
+
+def test_an_adopted_violation_is_logged_and_can_be_written_as_it_is(caplog):
+    owner = Owner(unlock=True, bottom=True, policy=Policy(LINES, POLICY.exclusions))
+    assert "found active together" in caplog.text
+    assert owner.set(owner.grip, bottom=True) == 0
+
+
+# IL-03
+
+
+def test_il_03_ends_an_activation_after_3_s():
+    owner = Owner()
+    owner.set(owner.changer, unlock=True)
+    owner.to(3 * S)
+    owner.set(owner.changer, unlock=True)
+    owner.to(10 * S)
+    assert owner.written == [(1 * S, UNLOCK, True), (4 * S, UNLOCK, False)]
+    assert list(owner.keeper.trips) == [(4 * S, UNLOCK)]
+
+
+def test_il_03_counts_from_the_adoption():
+    owner = Owner(unlock=True)
+    owner.to(5 * S)
+    assert owner.written == [(3 * S, UNLOCK, False)]
+
+
+def test_il_03_that_fails_is_tried_again():
+    owner = Owner()
+    owner.set(owner.changer, unlock=True)
+    owner.lines.error = OSError(5, "Input/output error")
+    owner.to(5 * S)
+    owner.lines.error = None
+    owner.to(9 * S)
+    assert owner.written == [(1 * S, UNLOCK, True), (7 * S, UNLOCK, False)]
+
+
+# Wills
+
+UNWIND = (WillStep(TOP, False, 0), WillStep(CYLINDER, False, 2 * S), WillStep(BOTTOM, False, 4 * S))
+
+
+def gripped(will):
+    owner = Owner()
+    owner.set(owner.grip, will, bottom=True, cylinder=True, top=True)
+    owner.written.clear()
+    owner.to(2 * S)
+    return owner
+
+
+def test_a_will_is_executed_in_order_and_in_time():
+    owner = gripped(UNWIND)
+    owner.die(owner.grip)
+    owner.to(10 * S)
+    assert owner.written == [(2 * S, TOP, False), (4 * S, CYLINDER, False), (6 * S, BOTTOM, False)]
+
+
+def test_an_empty_will_holds():
+    owner = gripped(())
+    owner.die(owner.grip)
+    owner.to(10 * S)
+    assert owner.written == []
+    assert owner.hello("grip", GRIP).client == "grip"
+
+
+def test_the_last_will_counts_and_stays_until_the_next():
+    owner = gripped(UNWIND)
+    owner.set(owner.grip, ())
+    owner.set(owner.grip, bottom=True)
+    owner.die(owner.grip)
+    owner.to(10 * S)
+    assert owner.written == []
+
+
+def test_a_refused_write_leaves_the_will_as_it_was():
+    owner = gripped(UNWIND)
+    with pytest.raises(LineRefusedError):
+        owner.keeper.write(owner.changer, {UNLOCK: True}, (WillStep(UNLOCK),), owner.now)
+    assert owner.changer.will == ()
+
+
+def test_the_will_of_a_hello_counts():
+    owner = Owner(bottom=True)
+    owner.die(owner.grip)
+    owner.die(owner.hello("grip", GRIP, (WillStep(BOTTOM),)))
+    assert owner.written == [(1 * S, BOTTOM, False)]
+
+
+def test_a_will_keeps_il_10():
+    owner = Owner()
+    owner.set(owner.grip, (WillStep(TOP), WillStep(BOTTOM)), top=True)
+    owner.die(owner.grip)
+    owner.to(2 * S)
+    assert owner.written == [(1 * S, TOP, True), (1 * S + 50 * MS, TOP, False)]
+
+
+def test_a_death_cancels_waiting_activations_and_keeps_deactivations():
+    owner = Owner()
+    owner.set(owner.grip, bottom=True, top=True)
+    owner.set(owner.grip, bottom=False, cylinder=True)
+    owner.set(owner.grip, (WillStep(CYLINDER),), bottom=True)
+    owner.die(owner.grip)
+    owner.to(3 * S)
+    assert owner.written[2:] == [(1 * S + 50 * MS, BOTTOM, False)]
+
+
+def test_hello_waits_for_the_end_of_a_will():
+    owner = gripped(UNWIND)
+    owner.die(owner.grip)
+    owner.to(3 * S)
+    for client, lines in (("grip", GRIP), ("other", (BOTTOM,))):
+        with pytest.raises(WillRunsError, match="grip is being executed") as caught:
+            owner.hello(client, lines)
+        assert caught.value.retry_us == 3 * S
+    owner.to(6 * S)
+    assert owner.hello("grip", GRIP).client == "grip"
+
+
+def test_no_unlock_while_a_will_is_not_over():
+    owner = gripped(UNWIND)
+    owner.die(owner.grip)
+    owner.to(5 * S)
+    with pytest.raises(LineRefusedError, match="IL-01"):
+        owner.set(owner.changer, unlock=True)
+    owner.to(6 * S)
+    assert owner.set(owner.changer, unlock=True) == 0
+
+
+def test_bye_executes_what_it_says_and_nothing_else():
+    owner = gripped(UNWIND)
+    owner.keeper.bye(owner.grip, (WillStep(BOTTOM, False, 1 * S),), owner.now)
+    owner.alive.remove(owner.grip)
+    owner.to(9 * S)
+    assert owner.written == [(3 * S, BOTTOM, False)]
+
+
+def test_a_lease_that_ends_is_a_death():
+    owner = gripped(UNWIND)
+    owner.keeper.renew(owner.grip, 2 * S)
+    owner.keeper.renew(owner.changer, 2 * S + 1)
+    assert owner.keeper.deadline == 3 * S
+    assert owner.keeper.expire(3 * S - 1) == []
+    assert owner.keeper.expire(3 * S) == [owner.grip]
+    assert owner.keeper.levels[TOP] is False
+    assert owner.keeper.expire(3 * S) == []
+
+
+def test_a_write_renews_the_lease():
+    owner = Owner()
+    owner.set(owner.grip, bottom=True)
+    assert owner.grip.lease_until == owner.now + S
+
+
+def test_a_failing_will_goes_on():
+    owner = gripped(UNWIND)
+    owner.lines.error = OSError(5, "Input/output error")
+    owner.die(owner.grip)
+    owner.lines.error = None
+    owner.to(10 * S)
+    assert [line for _, line, _ in owner.written] == [CYLINDER, BOTTOM]
+
+
+# Clients
+
+
+def test_a_line_has_one_writer():
+    owner = Owner()
+    with pytest.raises(LineBusyError, match=r"bottom belongs to grip \(pid 7\)"):
+        owner.hello("other", (BOTTOM,))
+    with pytest.raises(LineBusyError, match="name belongs to grip"):
+        owner.hello("grip", (BOTTOM,)[:0])
+
+
+def test_unknown_and_foreign_lines():
+    owner = Owner()
+    with pytest.raises(UsageError, match=r"no line botom \(did you mean bottom\?\)"):
+        owner.hello("x", ("botom",))
+    with pytest.raises(UsageError, match="grip does not write unlock"):
+        owner.set(owner.grip, unlock=True)
+    with pytest.raises(UsageError, match="grip does not write unlock"):
+        owner.set(owner.grip, (WillStep(UNLOCK),), bottom=True)
+    with pytest.raises(UsageError, match="grip does not write unlock"):
+        owner.keeper.bye(owner.grip, (WillStep(UNLOCK),), owner.now)
+    assert owner.written == []
+
+
+def test_a_failing_write_is_told():
+    owner = Owner()
+    owner.lines.error = OSError(5, "Input/output error")
+    with pytest.raises(WireError, match="Input/output error"):
+        owner.set(owner.grip, bottom=True)
+    assert owner.keeper.levels[BOTTOM] is False
+
+
+@pytest.mark.parametrize(
+    "fields", [{"exclusions": [("a", "x")]}, {"max_active_us": {"x": 1}}, {"lines": ("a", "a")}]
+)
+def test_a_wrong_policy(fields):
+    with pytest.raises(UsageError, match="policy"):
+        Policy(**{"lines": ("a", "b")} | fields)
+
+
+# Whatever the clients do
+
+moves = st.tuples(
+    st.sampled_from([0, 1, 20 * MS, 50 * MS, 400 * MS, 3 * S]),
+    st.sampled_from(["grip", "changer", "grip dies", "changer dies", "grip leaves"]),
+    st.dictionaries(st.sampled_from(GRIP), st.booleans(), min_size=1),
+    st.booleans(),
+)
+
+
+@given(st.lists(moves, max_size=40))
+def test_the_interlocks_hold_whatever_the_clients_do(todo):
+    owner = Owner()
+    for wait, who, levels, unlock in todo:
+        owner.to(owner.now + wait)
+        try:
+            if who == "grip":
+                owner.set(owner.grip, UNWIND, **levels)
+            elif who == "changer":
+                owner.set(owner.changer, (), unlock=unlock)
+            elif who == "grip dies" and owner.grip in owner.alive:
+                owner.die(owner.grip)
+                owner.grip = owner.hello("grip", GRIP)
+            elif who == "grip leaves" and owner.grip in owner.alive:
+                owner.keeper.bye(owner.grip, (), owner.now)
+                owner.alive.remove(owner.grip)
+                owner.grip = owner.hello("grip", GRIP)
+            elif who == "changer dies" and owner.changer in owner.alive:
+                owner.die(owner.changer)
+                owner.changer = owner.hello("changer", (UNLOCK,))
+        except WillRunsError as error:
+            owner.to(owner.now + error.retry_us)
+            name = who.split()[0]
+            setattr(owner, name, owner.hello(name, GRIP if name == "grip" else (UNLOCK,)))
+        except LineRefusedError:
+            pass
+    owner.to(owner.now + 20 * S)
+    assert owner.lines.state == owner.keeper.levels
+    state, since = dict.fromkeys(LINES, False), {}
+    for at, line, level in [*owner.written, (owner.now, None, None)]:
+        assert not state[UNLOCK] or at - since[UNLOCK] <= 3 * S
+        if line:
+            assert state[line] != level
+            assert at - since.get(line, 0) >= 50 * MS
+            state[line], since[line] = level, at
+            assert not (state[UNLOCK] and any(state[other] for other in GRIP))
+    assert all(not session.queue for session in owner.keeper.sessions)
