@@ -1,0 +1,59 @@
+"""Records of a run: written as it happens, read back, told in words and drawn."""
+
+from end_effector_hal.trace._draw import paper, save, timeline
+from end_effector_hal.trace._pressures import PressuresLog, PressuresWriter, read_pressures
+from end_effector_hal.trace._run import RunInfo, read_run
+from end_effector_hal.trace._states import StatesLog, StatesRow, StatesWriter, read_states
+from end_effector_hal.trace._story import (
+    Attempt,
+    Cause,
+    Decision,
+    Grip,
+    Moment,
+    Outcome,
+    Release,
+    Reset,
+    Story,
+)
+from end_effector_hal.trace._tables import (
+    Command,
+    CylinderState,
+    EndEffectorState,
+    TableState,
+    VacuumState,
+    actuator_states,
+    display_name,
+)
+from end_effector_hal.trace._tell import tell
+
+__all__ = [
+    "Attempt",
+    "Cause",
+    "Command",
+    "CylinderState",
+    "Decision",
+    "EndEffectorState",
+    "Grip",
+    "Moment",
+    "Outcome",
+    "PressuresLog",
+    "PressuresWriter",
+    "Release",
+    "Reset",
+    "RunInfo",
+    "StatesLog",
+    "StatesRow",
+    "StatesWriter",
+    "Story",
+    "TableState",
+    "VacuumState",
+    "actuator_states",
+    "display_name",
+    "paper",
+    "read_pressures",
+    "read_run",
+    "read_states",
+    "save",
+    "tell",
+    "timeline",
+]

@@ -1,0 +1,55 @@
+"""The instants of a story that a figure marks."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from end_effector_hal.trace._states import StatesLog
+from end_effector_hal.trace._story import Cause, Decision, Grip, Moment, Story
+from end_effector_hal.trace._tables import Command, EndEffectorState, display_name
+
+
+def moments_of(log: StatesLog, story: Story) -> tuple[Moment, ...]:
+    """Commands, time-outs, aborts, GRIPPED, losses, drops and failed releases, in order of time."""
+    named = len({attempt.actuator for attempt in story.timeouts}) > 1
+    found = _commands(log)
+    cancels = {moment.time_s for moment in found if moment.text == Command.CANCEL.label}
+    for grip in story.grips:
+        found += _of_grip(grip, named)
+        end_s = grip.decided_s if grip.decision is Decision.CANCELLED else None
+        if end_s is not None and not any(grip.start_s <= at <= end_s for at in cancels):
+            # a cancel that holds leaves no command to be seen
+            found.append(Moment(end_s, "command", Command.CANCEL.label))
+    found += [Moment(at, "lost", "grip lost") for at in story.lost_s]
+    for release in story.releases:
+        if release.cause is Cause.DROP:
+            found.append(Moment(release.start_s, "command", "DROP"))
+        if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
+            found.append(Moment(release.end_s, "lost", "release error"))
+    return tuple(sorted(found, key=lambda moment: moment.time_s))
+
+
+def _commands(log: StatesLog) -> list[Moment]:
+    """What was commanded. RELEASE is left to the releases: on an abort nobody commands it."""
+    commands = [(0.0, Command.NONE), *((row.time_s, row.command) for row in log.rows)]
+    return [
+        Moment(at, "command", command.label)
+        for (_, before), (at, command) in pairwise(commands)
+        if command is not before and command not in (Command.NONE, Command.RELEASE)
+    ]
+
+
+def _of_grip(grip: Grip, named: bool) -> list[Moment]:
+    found = []
+    for attempt in grip.timeouts:
+        name = f"{display_name(attempt.actuator)} " if named else ""
+        of = f"/{attempt.of}" if attempt.of else ""
+        last = attempt.actuator == grip.culprit and attempt is grip.of(attempt.actuator)[-1]
+        text = f"{name}time-out {attempt.number}{of}{' – abort' if last else ''}"
+        found.append(Moment(attempt.end_s or 0.0, "abort" if last else "timeout", text))
+    if grip.decided_s is not None:
+        if grip.decision is Decision.GRIPPED:
+            found.append(Moment(grip.decided_s, "gripped", "GRIPPED"))
+        elif grip.decision is Decision.ABORTED and grip.culprit is None:
+            found.append(Moment(grip.decided_s, "abort", "abort"))
+    return found

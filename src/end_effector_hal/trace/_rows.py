@@ -1,0 +1,172 @@
+"""A CSV file that is appended to row by row, and read back line by line."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from end_effector_hal.errors import EndEffectorError, UsageError
+
+LONGEST_S = 1e9
+_TAIL = 65536
+_NUMBER = re.compile(r"[+-]?(\d{1,15}(\.\d{0,12})?|\.\d{1,12})([eE][+-]?\d{1,2})?", re.ASCII)
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,79}", re.ASCII)
+
+
+class RowFile:
+    """Rows that reach the kernel in one write each, so that a kill loses at most the last one.
+
+    An existing file with the same header is continued; a last line that was cut off is removed first. One
+    writer at a time, held by a lock that dies with its process.
+    """
+
+    def __init__(self, path: str | Path, columns: Sequence[str]) -> None:
+        self.path = Path(path)
+        self._header = ",".join(checked_names(columns)) + "\n"
+        try:
+            self._fd = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(self.path)) from None
+        self.last: tuple[str, ...] | None = None
+        try:
+            self._claim()
+            self._resume()
+        except BaseException:
+            self.close()
+            raise
+
+    def _claim(self) -> None:
+        try:
+            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise UsageError(
+                "Another program is writing this file.",
+                where=str(self.path),
+                todo="Stop it, or choose another name.",
+            ) from None
+
+    def _resume(self) -> None:
+        size = os.fstat(self._fd).st_size
+        head = os.pread(self._fd, len(self._header), 0).decode(errors="replace")
+        if size < len(self._header) and self._header.startswith(head):
+            os.ftruncate(self._fd, 0)
+            self.append(self._header)
+            return
+        if head != self._header:
+            found = head.splitlines()[0] if head.strip() else ""
+            raise UsageError(
+                f"This file has another header ({found[:60]!r}, not {self._header.strip()!r}).",
+                where=f"{self.path}:1",
+                todo="Choose another name.",
+            )
+        start = max(0, size - _TAIL)
+        tail = os.pread(self._fd, _TAIL, start)
+        complete = tail.rfind(b"\n") + 1
+        os.ftruncate(self._fd, start + complete)
+        lines = tail[:complete].decode(errors="replace").splitlines()
+        if start + complete > len(self._header) and lines:
+            self.last = tuple(lines[-1].split(","))
+
+    def append(self, text: str) -> None:
+        """One or more whole rows, each with its line end."""
+        if self._fd < 0:
+            raise UsageError("This file is closed.", where=str(self.path))
+        data, size = text.encode(), os.fstat(self._fd).st_size
+        try:
+            while data:
+                data = data[os.write(self._fd, data) :]
+        except OSError as error:
+            # a piece of a row would spoil every row after it
+            os.ftruncate(self._fd, size)
+            raise EndEffectorError(
+                f"A row could not be written: {error.strerror}.", where=str(self.path)
+            ) from None
+
+    def close(self) -> None:
+        """Close the file; may be called again."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a file that is being read."""
+
+    path: str
+    number: int
+    text: str
+    complete: bool
+
+    @property
+    def where(self) -> str:
+        """``file:line``."""
+        return f"{self.path}:{self.number}"
+
+    def fault(self, what: str, todo: str = "") -> UsageError:
+        """The error to raise about this line."""
+        return UsageError(what, where=self.where, todo=todo)
+
+    def fields(self, columns: Sequence[str]) -> list[str]:
+        """The fields, as many as there are columns."""
+        fields = [field.strip() for field in self.text.split(",")]
+        if len(fields) != len(columns):
+            raise self.fault(f"This row has {len(fields)} fields, the header names {len(columns)}.")
+        return fields
+
+    def seconds(self, text: str, earliest_s: float) -> float:
+        """A time since start that does not run backwards."""
+        value = self.number_of(text, "time_s")
+        if not 0 <= value <= LONGEST_S:
+            raise self.fault(f"time_s is {text[:40]}, expected are seconds since the start, from 0 on.")
+        if value < earliest_s:
+            raise self.fault(f"Time runs backwards: {value:.6f} s follows {earliest_s:.6f} s.")
+        return value
+
+    def number_of(self, text: str, column: str) -> float:
+        """A finite number."""
+        if not _NUMBER.fullmatch(text):
+            raise self.fault(f"{column} is {text[:40]!r}, expected is a number.")
+        return float(text)
+
+
+def read_lines(path: str | Path) -> Iterator[Line]:
+    """The lines of a file that are not blank; raises UsageError when it cannot be read."""
+    try:
+        data = Path(path).read_bytes()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise UsageError(f"Cannot be read: {reason}.", where=str(path)) from None
+    lines = data.decode("utf-8-sig", errors="replace").split("\n")
+    for number, text in enumerate(lines, start=1):
+        if text.strip():
+            yield Line(str(path), number, text.removesuffix("\r"), number < len(lines))
+
+
+def read_header(lines: Iterator[Line], path: str | Path, fixed: Sequence[str]) -> tuple[str, ...]:
+    """The names after the fixed ones of the header."""
+    expected = ",".join(fixed) + ",…"
+    first = next(lines, None)
+    if first is None:
+        raise UsageError(f"This file is empty, expected is a header {expected!r}.", where=f"{path}:1")
+    names = [name.strip() for name in first.text.split(",")]
+    if not first.complete or first.number != 1 or names[: len(fixed)] != list(fixed):
+        raise first.fault(f"The header is {first.text[:60]!r}, expected is {expected!r}.")
+    try:
+        return tuple(checked_names(names)[len(fixed) :])
+    except UsageError as error:
+        raise first.fault(error.what) from None
+
+
+def checked_names(names: Sequence[str]) -> Sequence[str]:
+    """The names of columns, each usable and given once."""
+    for name in names:
+        if not _NAME.fullmatch(name):
+            raise UsageError(f"{name[:40]!r} cannot be the name of a column.")
+        if list(names).count(name) > 1:
+            raise UsageError(f"The column {name!r} is given twice.")
+    return names

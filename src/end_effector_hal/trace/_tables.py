@@ -1,0 +1,93 @@
+"""Table II of the paper: the integers that are logged. Their values never change meaning."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntEnum
+from typing import Self
+
+from end_effector_hal.errors import UsageError
+
+_LABELS = {"STAND_BY": "STAND-BY"}
+
+
+class TableState(IntEnum):
+    """A column of Table II: an integer, its name (``STAND_BY``) and the paper's spelling (``STAND-BY``)."""
+
+    @property
+    def label(self) -> str:
+        """As the paper prints it, for figures and sentences."""
+        return _LABELS.get(self.name, self.name.replace("_", " "))
+
+    @classmethod
+    def named(cls, name: str) -> Self:
+        """The state of that name or label, in any case; raises UsageError for an unknown one."""
+        key = name.strip().upper().replace("-", "_").replace(" ", "_")
+        if key not in cls.__members__:
+            known = ", ".join(cls.__members__)
+            raise UsageError(f"{name!r} is no state of {cls.__name__}.", todo=f"Known are {known}.")
+        return cls[key]
+
+
+class EndEffectorState(TableState):
+    """The end-effector as a whole; OFF means not yet adopted, or shut down."""
+
+    OFF = 0
+    GRIPPING = 1
+    GRIP_ERROR = 2
+    GRIPPED = 3
+    RELEASING = 4
+    RELEASE_ERROR = 5
+    STAND_BY = 6
+
+
+class Command(TableState):
+    """What the hardware abstraction layer is executing."""
+
+    NONE = -1
+    LOCK = 0
+    UNLOCK = 1
+    GRIP = 2
+    RELEASE = 3
+    CANCEL = 4
+    QUIT = 5
+
+
+class VacuumState(TableState):
+    """A vacuum generator with its cups."""
+
+    OFF = 0
+    PENDING_ON = 1
+    ON = 2
+
+
+class CylinderState(TableState):
+    """A pneumatic cylinder."""
+
+    RETRACTED = 0
+    PENDING_EXTEND = 1
+    EXTENDED = 2
+
+
+INACTIVE, PENDING, ACTIVE = 0, 1, 2
+"""What the actuator columns have in common, whatever their words."""
+
+_COLUMNS: Mapping[str, type[TableState]] = {"vacuum": VacuumState, "cylinder": CylinderState}
+
+
+def actuator_states(name: str, kinds: Mapping[str, str] | None = None) -> type[TableState]:
+    """The column of Table II whose words an actuator has.
+
+    ``kinds`` (of run.json) decides. A recording without it: the column whose heading is part of the
+    actuator's name, else vacuum's, whose OFF and ON fit anything.
+    """
+    kind = (kinds or {}).get(name, "")
+    if kind in _COLUMNS:
+        return _COLUMNS[kind]
+    return next((states for heading, states in _COLUMNS.items() if heading in name), VacuumState)
+
+
+def display_name(name: str) -> str:
+    """``bottom_vacuum`` -> ``Bottom vacuum``."""
+    words = name.replace("_", " ").strip()
+    return words[:1].upper() + words[1:]

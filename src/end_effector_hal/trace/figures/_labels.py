@@ -1,0 +1,151 @@
+"""Where words go, so that none stands on another; everything in inches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
+
+Point = tuple[float, float]
+
+_HINTING = 1.04
+"""Rendered text is up to this much wider than its outlines."""
+
+
+@lru_cache(maxsize=4096)
+def width_of(text: str, size: float, weight: str = "normal") -> float:
+    """The width of a line of text, inches."""
+    font = FontProperties(family="DejaVu Sans", size=size, weight=weight)
+    width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
+    return float(width) / 72 * _HINTING
+
+
+def height_of(size: float) -> float:
+    """The height of a line of text, inches."""
+    return size / 72 * 1.25
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle; y may run either way, as long as ``y0 <= y1``."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+
+    def meets(self, other: Box) -> bool:
+        """Whether the two share any area."""
+        return self.x0 < other.x1 and other.x0 < self.x1 and self.y0 < other.y1 and other.y0 < self.y1
+
+    def meets_line(self, start: Point, end: Point) -> bool:
+        """Whether a straight line passes through (Liang and Barsky's clipping)."""
+        enter, leave = 0.0, 1.0
+        for low, high, a, b in ((self.x0, self.x1, start[0], end[0]), (self.y0, self.y1, start[1], end[1])):
+            step = b - a
+            if step == 0:
+                if not low < a < high:
+                    return False
+                continue
+            first, last = sorted(((low - a) / step, (high - a) / step))
+            enter, leave = max(enter, first), min(leave, last)
+        return enter < leave
+
+    def within(self, outer: Box) -> bool:
+        """Whether it lies inside of another."""
+        return outer.x0 <= self.x0 and self.x1 <= outer.x1 and outer.y0 <= self.y0 and self.y1 <= outer.y1
+
+
+class Sheet:
+    """What is taken already: boxes, and lines that words must not stand on.
+
+    Things are kept by the columns of the page that they touch, and a line that another covers to a hundredth
+    of an inch is not kept twice: the effort grows with the page, not with the length of the recording.
+    """
+
+    _COLUMN_IN = 0.4
+
+    def __init__(self) -> None:
+        self._boxes: dict[int, list[Box]] = {}
+        self._lines: dict[int, dict[tuple[int, ...], tuple[Point, Point]]] = {}
+
+    def _columns(self, x0: float, x1: float) -> range:
+        low, high = (x0, x1) if x0 < x1 else (x1, x0)
+        return range(int(low // self._COLUMN_IN), int(high // self._COLUMN_IN) + 1)
+
+    def free(self, box: Box) -> bool:
+        """Whether nothing is there."""
+        columns = self._columns(box.x0, box.x1)
+        if any(box.meets(other) for column in columns for other in self._boxes.get(column, ())):
+            return False
+        return not any(
+            box.meets_line(*line) for column in columns for line in self._lines.get(column, {}).values()
+        )
+
+    def free_line(self, start: Point, end: Point) -> bool:
+        """Whether a line would pass through no words."""
+        columns = self._columns(start[0], end[0])
+        return not any(
+            box.meets_line(start, end) for column in columns for box in self._boxes.get(column, ())
+        )
+
+    def crosses(self, start: Point, end: Point) -> bool:
+        """Whether a line would run across another; touching an end of it does not count."""
+        columns = self._columns(start[0], end[0])
+        return any(_cross(start, end, *line) for c in columns for line in self._lines.get(c, {}).values())
+
+    def take(self, box: Box) -> None:
+        """Words stand there."""
+        for column in self._columns(box.x0, box.x1):
+            self._boxes.setdefault(column, []).append(box)
+
+    def take_line(self, start: Point, end: Point) -> None:
+        """A line runs there."""
+        key = tuple(round(value * 100) for value in (*start, *end))
+        for column in self._columns(start[0], end[0]):
+            self._lines.setdefault(column, {}).setdefault(key, (start, end))
+
+
+def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
+    def side(p: Point, q: Point, r: Point) -> float:
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+    return side(a, b, c) * side(a, b, d) < -1e-9 and side(c, d, a) * side(c, d, b) < -1e-9
+
+
+def spread(wanted: Sequence[float], heights: Sequence[float], low: float, high: float) -> list[float]:
+    """Centres near the wanted ones for things stacked one above the other between two bounds; none overlaps.
+
+    Where they do not all fit they start at ``low`` and pass ``high``.
+    """
+    order = sorted(range(len(wanted)), key=lambda index: wanted[index])
+    centres = list(wanted)
+    edge = low
+    for index in order:
+        centres[index] = max(centres[index], edge + heights[index] / 2)
+        edge = centres[index] + heights[index] / 2
+    edge = max(high, low + sum(heights))
+    for index in reversed(order):
+        centres[index] = min(centres[index], edge - heights[index] / 2)
+        edge = centres[index] - heights[index] / 2
+    return centres
+
+
+def wrapped(text: str, size: float, weight: str, width: float) -> list[str]:
+    """The text in lines no wider than ``width``; a single word may be wider."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and width_of(longer, size, weight) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def first_fitting(texts: Iterable[str], size: float, width: float) -> str | None:
+    """The first text that fits into a width."""
+    return next((text for text in texts if width_of(text, size) <= width), None)
