@@ -1,0 +1,27 @@
+"""What the tool decides with: detectors, the executed automata, and their words; sans-IO."""
+
+from ._constants import channels_of, model_constants
+from ._controller import PROGRAMS, Controller
+from ._levels import Cause, ChangerState, Evidence, ToolEvidence
+from ._senses import Senses
+from ._status import Answer, Status, StepReport
+from ._time import to_s, to_us
+from ._will import will_of
+
+__all__ = [
+    "PROGRAMS",
+    "Answer",
+    "Cause",
+    "ChangerState",
+    "Controller",
+    "Evidence",
+    "Senses",
+    "Status",
+    "StepReport",
+    "ToolEvidence",
+    "channels_of",
+    "model_constants",
+    "to_s",
+    "to_us",
+    "will_of",
+]

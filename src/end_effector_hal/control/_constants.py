@@ -1,0 +1,58 @@
+"""The constants of the model, from a description: the only place where the two meet."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import Actuator, CylinderActuator, Description
+from end_effector_hal.wires.codecs import Codec, get_codec
+
+Constants = dict[str, "int | bool | list[int]"]
+
+
+def model_constants(description: Description, codec: Codec | None = None) -> Constants:
+    """Constants by the name that they have in the UPPAAL file; times in ms.
+
+    Interlocks whose sensors the codec does not carry are off (section 4 of the contract: not fitted).
+    """
+    carried = (codec or get_codec(description.link.codec)).channels
+    actuators = [actuator for _, actuator in description.ordered]
+    changer, locks, bounds = description.tool_changer, description.interlocks, description.bounds
+    fitted = changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
+    constants: Constants = {
+        "N": len(actuators),
+        "ATTEMPTS": [actuator.attempts for actuator in actuators],
+        "T_CONFIRM": [_ms(actuator.timeout_s) for actuator in actuators],
+        "T_RESET": [_ms(actuator.reset_s) for actuator in actuators],
+        "T_GONE": [_ms(actuator.release_s) for actuator in actuators],
+        "RELEASE_ORDER": [description.sequence.index(name) for name in description.releasing],
+        "D": bounds.reaction_ms,
+        "SENSOR_GAP": bounds.sensor_gap_ms,
+        "COMMAND_GAP": bounds.command_gap_ms,
+        "GRIP_BOUND": _ms(bounds.grip_s),
+        "RELEASE_BOUND": _ms(bounds.release_s),
+        "CANCEL_BOUND": _ms(bounds.cancel_s),
+        "CANCEL_HOLDS": description.endings.gripping.cancel == "hold",
+        "CHANGER": changer is not None,
+        "IL_01": locks.il_01,
+        "IL_05": locks.il_05 and fitted,
+        "IL_06": locks.il_06 and description.supply.channel in carried,
+        "IL_07": locks.il_07,
+    }
+    if changer is not None:
+        constants |= {
+            "LATCHING": changer.latching,
+            "T_PROVE": _ms(changer.prove_s),
+            "T_UNLOCK": _ms(changer.unlock_max_s),
+        }
+    return constants
+
+
+def channels_of(actuator: Actuator) -> tuple[str, ...]:
+    """Every channel that can prove something of an actuator."""
+    if isinstance(actuator, CylinderActuator):
+        bits = (actuator.extended_bit, actuator.retracted_bit)
+        return (actuator.channel, *(bit for bit in bits if bit))
+    return (actuator.channel,)
+
+
+def _ms(seconds: float) -> int:
+    return round(seconds * 1000)

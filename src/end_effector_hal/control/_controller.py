@@ -1,0 +1,234 @@
+"""One program of a tool: its automata with its detectors. Events and time in, statuses and a deadline out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from end_effector_hal.automata import Event, Execution, Network, Step
+from end_effector_hal.description import Description
+from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.wires.codecs import get_codec
+from end_effector_hal.wires.frame import Frame
+
+from ._levels import Cause, ToolEvidence
+from ._reasons import explain, refusal
+from ._senses import Senses
+from ._status import Answer, Status
+from ._steps import StepLog
+
+FIRST_FRAME_US = 5_000_000
+"""What was found active waits so long for the link before it counts as unproven: who reads it may start later."""
+PROGRAMS = ("grip", "tool_change")
+_SCALARS = ("ee", "command", "cause", "cause_at", "changer", "changer_command", "unlock_valve")
+
+
+class Controller:
+    """Executes the automata of one program; sans-IO: the same object runs in real and in virtual time.
+
+    Time is an argument everywhere: µs on the monotonic clock, never running backwards.
+
+    Args:
+        description: the tool.
+        network: its automata with its constants put in.
+        program: ``grip`` or ``tool_change``: which of the executed processes this is.
+    """
+
+    def __init__(self, description: Description, network: Network, program: str) -> None:
+        self._description = description
+        self._program = program
+        self._senses = Senses(description, get_codec(description.link.codec))
+        processes = getattr(description.automata, program)
+        self._execution = Execution(network, executed=processes, interface=description.automata.interface)
+        self._steps = StepLog(description.sequence)
+        self._values = {name: self._execution.value(name) for name in _watched(len(description.sequence))}
+        self._cause, self._cause_at = int(Cause.NONE), -1
+        self._levels: Mapping[str, bool] = {}
+        self._adopt_by: int | None = None
+        self._adopted = False
+        self._missed, self._worst_late_us = 0, 0
+        self._at = 0
+
+    @property
+    def deadline(self) -> int | None:
+        """µs of the next thing that happens by itself, or None."""
+        due = (self._execution.deadline, self._senses.deadline(self._at), self._adopt_by)
+        return min((time for time in due if time is not None), default=None)
+
+    def start(self, levels: Mapping[str, bool], at: int) -> list[Status]:
+        """Begin, with the lines' levels as they were found; adoption follows once the sensors are read."""
+        self._at, self._levels = at, levels
+        down_us = self._senses.readings.down_us
+        self._adopt_by = at + (max(FIRST_FRAME_US, down_us) if any(levels.values()) else down_us)
+        return self._told(self._execution.start(at))
+
+    def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
+        """One frame of the link, which came at ``frame.at`` and is taken now, at ``at``.
+
+        When it came decides whether it is before a time-out; when it is taken is when the next wait begins, so that
+        no line is active for less than its time. One that waited until it was stale proves nothing any more.
+        """
+        if at is not None and at - frame.at >= self._senses.readings.stale_us:
+            return self.advance(at)
+        expired = self._senses.deadline(self._at)
+        self._at = max(self._at, frame.at, at or 0)
+        statuses: list[Status] = []
+        if expired is not None and expired < frame.at:
+            for event in self._senses.advance(expired):
+                statuses += self._receive(event, self._at, expired)
+        if self._adopt_by is not None:
+            self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
+        events = self._senses.frame(frame)
+        for event in events:
+            statuses += self._receive(event, self._at, frame.at)
+        self._execution.write({"supply_ok": int(self._senses.supply.ok)})
+        if not self._adopted and self._senses.settled:
+            statuses += self._adopt(self._at)
+        return statuses if statuses or not events else [self.status()]
+
+    def tell(self, values: Mapping[str, int], at: int) -> list[Status]:
+        """What another program says: interface variables by name."""
+        at = self._until(at)
+        statuses = self._due_before(at)
+        self._execution.write(values)
+        self._values.update(values)
+        return statuses + self._told(self._execution.advance(at))
+
+    def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
+        """A command by the name of its channel; whether it is accepted is an edge of the automaton."""
+        at = self._until(at)
+        statuses = self._due_before(at)
+        reaction = self._execution.receive(Event(name), at)
+        if not reaction.taken:
+            why = refusal(self._description, name, self.status(), self._senses, at)
+            return Answer(False, why), statuses + self._told(reaction.steps)
+        if name in ("grip", "drop"):
+            self._cause, self._cause_at = Cause.NONE, -1
+        return Answer(True), statuses + self._told(reaction.steps)
+
+    def refuse_maintenance(self, *, active: bool) -> str:
+        """Why the line of an actuator may not be driven by hand now (IL-12); empty: it may."""
+        state = EndEffectorState(self._values["ee"])
+        if state is not EndEffectorState.STAND_BY:
+            return f"IL-12: outputs are driven by hand in STAND_BY only; the end-effector is {state.name}."
+        locks = self._description.interlocks
+        needs_lock = active and locks.il_05 and self._description.tool_changer is not None
+        if needs_lock and self._senses.tool is not ToolEvidence.LOCKED:
+            return f"IL-05: the tool is not proven to be locked (its sensors say {self._senses.tool.name})."
+        return ""
+
+    def advance(self, at: int) -> list[Status]:
+        """Everything that is due at or before ``at``."""
+        at = self._until(at)
+        statuses: list[Status] = []
+        while (due := self.deadline) is not None and due <= at:
+            # what is late is taken now, and told as late: nobody may see a time at which nothing happened
+            self._at = at
+            for event in self._senses.advance(at):
+                statuses += self._receive(event, at)
+            if self._adopt_by is not None and at >= self._adopt_by:
+                statuses += self._adopt(at)
+            statuses += self._told(self._execution.advance(at)) or [self.status()]
+        self._at = at
+        return statuses
+
+    def status(self) -> Status:
+        """The state as it is now."""
+        values, outputs = self._values, self._outputs if self._adopted else self._found
+        ee = values["ee"]
+        command = values["changer_command" if self._program == "tool_change" else "command"]
+        latched = ee == EndEffectorState.GRIP_ERROR and command == Command.NONE
+        # what was found active is held until it is adopted and known better
+        held = ee == EndEffectorState.GRIPPED or ((latched or not self._adopted) and any(outputs))
+        evidence = tuple(int(level) for level in self._senses.evidence)
+        step = self._steps.step
+        readings = self._senses.readings
+        return Status(
+            at=self._at,
+            ee=ee,
+            command=command,
+            actuators=self._actuators,
+            outputs=outputs,
+            evidence=evidence,
+            step=step,
+            attempt=self._steps.steps[step].attempts if step >= 0 else 0,
+            attempts_allowed=self._description.ordered[step][1].attempts if step >= 0 else 0,
+            deadline=self._execution.deadline,
+            cause=self._cause,
+            cause_at=self._cause_at,
+            reason=explain(self._description, self._cause, self._cause_at),
+            lift_allowed=ee == EndEffectorState.GRIPPED and all(level == 3 for level in evidence),
+            held=held,
+            changer=values["changer"],
+            unlock_output=bool(values["unlock_valve"]),
+            link_up=readings.link_up(self._at),
+            stale=readings.stale(self._at),
+            missed=self._missed,
+            worst_late_us=self._worst_late_us,
+            alarms=self._alarms(held),
+            steps=self._steps.steps,
+        )
+
+    def _alarms(self, held: bool) -> tuple[str, ...]:
+        alarms = []
+        readings = self._senses.readings
+        if self._adopted and not readings.link_up(self._at):
+            alarms.append(f"The sensor link {self._description.link.port} is down.")
+        if held and any(level == 0 for level in self._senses.evidence):
+            alarms.append("A part is held and its sensors give no valid reading: outputs stay as they are.")
+        if self._senses.supply.low:
+            alarms.append(f"Supply pressure under {self._description.supply.warn_kpa:g} kPa.")
+        return tuple(alarms)
+
+    def _until(self, at: int) -> int:
+        # what arrives late, with an older stamp, counts as arriving now
+        return max(at, self._at)
+
+    def _due_before(self, at: int) -> list[Status]:
+        # inputs stamped at or before a deadline go before that time-out
+        statuses = self.advance(at - 1)
+        self._at = at
+        return statuses
+
+    def _receive(self, event: Event, at: int, stamp: int | None = None) -> list[Status]:
+        if event.channel not in self._execution.inputs:  # nobody waits for it: it is a level only
+            return self._told(self._execution.write(event.writes, at))
+        return self._told(self._execution.receive(event, at, stamp=stamp).steps)
+
+    def _adopt(self, at: int) -> list[Status]:
+        self._adopted, self._adopt_by = True, None
+        parts = [part for _, part in self._description.ordered]
+        adopted = {f"adopted[{i}]": int(self._levels.get(part.line, False)) for i, part in enumerate(parts)}
+        changer = self._description.tool_changer
+        if changer is not None:
+            adopted["adopted_unlock"] = int(self._levels.get(changer.line, False))
+        self._execution.write(adopted)  # before the event: whoever receives it asks for these levels
+        return self._receive(Event("adopt"), at)
+
+    def _told(self, steps: Iterable[Step]) -> list[Status]:
+        statuses = []
+        for step in steps:
+            self._missed += step.missed
+            self._worst_late_us = max(self._worst_late_us, step.late_us)
+            self._at = max(self._at, step.at)
+            self._values.update((change.name, change.new) for change in step.changes)
+            if self._values["cause"]:
+                self._cause, self._cause_at = self._values["cause"], self._values["cause_at"]
+            self._steps.take(self._values["ee"], self._outputs, self._actuators, step.at)
+            statuses.append(self.status())
+        return statuses
+
+    @property
+    def _outputs(self) -> tuple[bool, ...]:
+        return tuple(bool(self._values[f"valve[{i}]"]) for i in range(len(self._description.sequence)))
+
+    @property
+    def _found(self) -> tuple[bool, ...]:
+        return tuple(self._levels.get(part.line, False) for _, part in self._description.ordered)
+
+    @property
+    def _actuators(self) -> tuple[int, ...]:
+        return tuple(self._values[f"actuator[{i}]"] for i in range(len(self._description.sequence)))
+
+
+def _watched(size: int) -> list[str]:
+    return [*_SCALARS, *(f"{name}[{i}]" for name in ("valve", "actuator") for i in range(size))]

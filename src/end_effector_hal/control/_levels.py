@@ -1,0 +1,47 @@
+"""What the sensors say, in the words of the UPPAAL file's interface."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Evidence(IntEnum):
+    """What the sensors say of one actuator; ``evidence[i]`` of the model."""
+
+    UNKNOWN = 0
+    """Not read yet, stale, or invalid: never the last value."""
+    GONE = 1
+    PARTIAL = 2
+    """Something is there, but it proves nothing."""
+    CONFIRMED = 3
+
+
+class ToolEvidence(IntEnum):
+    """What the sensors say of the tool changer; ``tool`` of the model."""
+
+    UNCLEAR = 0
+    LOCKED = 1
+    UNLOCKED = 2
+
+
+class ChangerState(IntEnum):
+    """Where the tool changer is; ``changer`` of the model."""
+
+    UNKNOWN = 0
+    LOCKED = 1
+    UNLOCKED = 2
+    UNLOCKING = 3
+    LOCKING = 4
+    FAULT = 5
+
+
+class Cause(IntEnum):
+    """Why a grip or a release ended as it did; ``cause`` of the model."""
+
+    NONE = 0
+    TIMED_OUT = 1
+    LOST = 2
+    CANCELLED = 3
+    STILL_PRESENT = 4
+    NOT_PROVEN = 5
+    UNPROVEN_AT_START = 6

@@ -1,0 +1,83 @@
+"""Decisions of the automata, in words. Nothing is decided here."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import Description
+from end_effector_hal.trace import EndEffectorState, display_name
+
+from ._levels import Cause, ChangerState, Evidence, ToolEvidence
+from ._senses import Senses
+from ._status import Status
+
+
+def explain(description: Description, cause: int, cause_at: int) -> str:
+    """Why a grip or a release ended as it did; empty for no cause."""
+    name, actuator = description.ordered[cause_at] if cause_at >= 0 else ("", None)
+    who = display_name(name) or "The grip"
+    if cause == Cause.TIMED_OUT and actuator:
+        return f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts."
+    return {
+        Cause.NONE: "",
+        Cause.LOST: f"{who} was lost.",
+        Cause.CANCELLED: "The grip was cancelled.",
+        Cause.STILL_PRESENT: "Everything is deactivated, but a sensor still shows feedback.",
+        Cause.NOT_PROVEN: "Everything is deactivated, but a reading is not valid: it is not proven that all is gone.",
+        Cause.UNPROVEN_AT_START: "Outputs were active at the start and the sensors do not confirm a grip.",
+    }.get(Cause(cause), "")
+
+
+def refusal(description: Description, command: str, status: Status, senses: Senses, at: int) -> str:
+    """Why a command is not taken now."""
+    state = EndEffectorState(status.ee)
+    if command == "grip":
+        if state is not EndEffectorState.STAND_BY:
+            return f"A grip is accepted in STAND_BY only; the end-effector is {_name(state)}."
+        return _grip_refusal(description, status, senses, at)
+    if command == "drop":
+        if state is EndEffectorState.RELEASING:
+            return "A release is running already."
+        return f"Nothing is held: a drop is accepted in GRIPPED, GRIP_ERROR, RELEASE_ERROR; this is {_name(state)}."
+    if command == "cancel":
+        return f"There is no running grip to cancel; the end-effector is {_name(state)}."
+    changer = ChangerState(status.changer)
+    if command == "unlock":
+        if description.tool_changer is None:
+            return "The tool has no tool changer."
+        if changer is not ChangerState.LOCKED:
+            return f"An unlock is accepted when the tool changer is LOCKED; it is {changer.name}."
+        if state not in (EndEffectorState.STAND_BY, EndEffectorState.OFF):
+            return f"IL-01: unlock only in STAND_BY; the end-effector is {_name(state)}."
+        present = _present(description, senses)
+        return f"IL-01: {present}" if present else "The unlock is not taken now."
+    if command == "lock":
+        return f"A lock is not taken now; the tool changer is {changer.name}."
+    return f"{command!r} is not taken now."
+
+
+def _grip_refusal(description: Description, status: Status, senses: Senses, at: int) -> str:
+    locks = description.interlocks
+    if locks.il_07 and not senses.readings.link_up(at):
+        return f"IL-07: the sensor link {description.link.port} is not up."
+    present = _present(description, senses)
+    if locks.il_07 and present:
+        return f"IL-07: {present}"
+    if locks.il_05 and description.tool_changer and senses.tool is not ToolEvidence.LOCKED:
+        return f"IL-05: the tool is not proven to be locked (its sensors say {senses.tool.name})."
+    if locks.il_05 and status.unlock_output:
+        return "IL-05: the unlock output is active."
+    if locks.il_06 and not senses.supply.ok:
+        return f"IL-06: the supply pressure is under {description.supply.refuse_kpa:g} kPa, or not known."
+    return "The grip is not taken now."
+
+
+def _present(description: Description, senses: Senses) -> str:
+    for name, level in zip(description.sequence, senses.evidence, strict=True):
+        if level is Evidence.UNKNOWN:
+            return f"{display_name(name)} has no valid reading."
+        if level is not Evidence.GONE:
+            return f"{display_name(name)} shows feedback although it is not active."
+    return ""
+
+
+def _name(state: EndEffectorState) -> str:
+    return "OFF (not adopted yet)" if state is EndEffectorState.OFF else state.name

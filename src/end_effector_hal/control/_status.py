@@ -1,0 +1,53 @@
+"""What a running program says of itself: one immutable snapshot per step of its automata."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class StepReport:
+    """One step of the running or last grip."""
+
+    name: str
+    attempts: int = 0
+    seconds: float = 0.0
+    """From its first activation to its confirmation, or until now."""
+    confirmed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """Whether a command was taken, and if not, why in words."""
+
+    accepted: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Everything that can be said after one step; times in µs on the monotonic clock."""
+
+    at: int
+    ee: int
+    command: int
+    actuators: tuple[int, ...]
+    outputs: tuple[bool, ...]
+    evidence: tuple[int, ...]
+    step: int = -1
+    attempt: int = 0
+    attempts_allowed: int = 0
+    deadline: int | None = None
+    cause: int = 0
+    cause_at: int = -1
+    reason: str = ""
+    lift_allowed: bool = False
+    held: bool = False
+    changer: int = 0
+    unlock_output: bool = False
+    link_up: bool = False
+    stale: tuple[str, ...] = ()
+    missed: int = 0
+    worst_late_us: int = 0
+    alarms: tuple[str, ...] = ()
+    steps: tuple[StepReport, ...] = ()

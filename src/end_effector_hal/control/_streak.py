@@ -1,0 +1,24 @@
+"""How long, and for how many samples, something has been so: the memory that every detector needs."""
+
+from __future__ import annotations
+
+
+class Streak:
+    """Counts consecutive samples for which a condition holds, and since when."""
+
+    def __init__(self) -> None:
+        self.samples = 0
+        self._since = 0
+
+    def take(self, holds: bool, at: int) -> None:
+        """One more sample, at a time in µs."""
+        if not holds:
+            self.samples = 0
+        else:
+            if self.samples == 0:
+                self._since = at
+            self.samples += 1
+
+    def lasted(self, at: int, us: int) -> bool:
+        """Whether it has held without a break for at least so many µs."""
+        return self.samples > 0 and at - self._since >= us

@@ -1,0 +1,29 @@
+"""From the supply pressure to whether a new grip may start (IL-06)."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import Supply
+
+from ._readings import Readings
+
+
+class SupplyDetector:
+    """Good enough for a new grip, with hysteresis; without a fresh reading it is not."""
+
+    def __init__(self, supply: Supply) -> None:
+        self._supply = supply
+        self.ok = True
+        self.low = False
+
+    def sample(self, readings: Readings, at: int) -> bool:
+        """Whether a grip may start, after one more sample at ``at`` µs."""
+        value = readings.get(self._supply.channel, at)
+        if value is None:
+            self.ok = False
+            return self.ok
+        if not readings.arrived(self._supply.channel):
+            return self.ok
+        kpa, part = value / 1000, self._supply
+        self.ok = kpa >= part.refuse_kpa + (0.0 if self.ok else part.hysteresis_kpa)
+        self.low = kpa < part.warn_kpa + (part.hysteresis_kpa if self.low else 0.0)
+        return self.ok

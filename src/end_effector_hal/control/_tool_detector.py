@@ -1,0 +1,39 @@
+"""From the two bits of a tool changer to what they prove (IL-04)."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import ToolChanger
+
+from ._levels import ToolEvidence
+from ._readings import Readings
+from ._streak import Streak
+from ._time import to_us
+
+
+class ToolDetector:
+    """Locked or unlocked once the bits say so for 100 ms; unclear when both or neither for 0.5 s, or stale."""
+
+    def __init__(self, changer: ToolChanger) -> None:
+        self._changer = changer
+        self._streaks = {level: Streak() for level in ToolEvidence}
+        self.level = ToolEvidence.UNCLEAR
+
+    def sample(self, readings: Readings, at: int) -> ToolEvidence:
+        """The evidence after one more sample at ``at`` µs."""
+        locked = readings.get(self._changer.locked_bit, at)
+        unlocked = readings.get(self._changer.unlocked_bit, at)
+        if locked is None or unlocked is None:
+            self._streaks = {level: Streak() for level in ToolEvidence}
+            self.level = ToolEvidence.UNCLEAR
+            return self.level
+        if not readings.arrived(self._changer.locked_bit):
+            return self.level
+        said = ToolEvidence.UNCLEAR
+        if bool(locked) != bool(unlocked):
+            said = ToolEvidence.LOCKED if locked else ToolEvidence.UNLOCKED
+        for level, streak in self._streaks.items():
+            streak.take(level is said, at)
+        wait_s = self._changer.fault_s if said is ToolEvidence.UNCLEAR else self._changer.proven_s
+        if self._streaks[said].lasted(at, to_us(wait_s)):
+            self.level = said
+        return self.level

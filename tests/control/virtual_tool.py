@@ -1,0 +1,91 @@
+"""A tool in virtual time: its controllers, and the testbench's physics at the other end of ideal wires."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from end_effector_hal.automata import load_network
+from end_effector_hal.control import Answer, Controller, Status, model_constants
+from end_effector_hal.description import Description
+from end_effector_hal.testbench import Bench, carried
+from end_effector_hal.wires import Frame, Value, get_codec
+
+
+class VirtualTool:
+    """Frames at the period of the link, commands between them, no clock but its own."""
+
+    def __init__(
+        self, description: Description, scenario: str = "nominal", *, levels: Mapping[str, bool] | None = None
+    ) -> None:
+        self.description = description
+        self.codec = get_codec(description.link.codec)
+        network = load_network(description.automata_path, model_constants(description))
+        self.grip = Controller(description, network, "grip")
+        self.change = Controller(description, network, "tool_change")
+        self.at = 0
+        self.seq = 0
+        self.levels = dict(levels or {})
+        self.bench = Bench(description, scenario, levels=self.levels)
+        self.statuses: list[Status] = []
+        self.edges: list[tuple[int, str, bool]] = []
+        self.link = True
+        self._lines = {part.line: name for name, part in description.ordered}
+        self._gripper(self.grip.start(self.levels, 0))
+        self._changer(self.change.start(self.levels, 0))
+
+    @property
+    def status(self) -> Status:
+        return self.grip.status()
+
+    def command(self, name: str) -> Answer:
+        if name in ("lock", "unlock"):
+            answer, statuses = self.change.command(name, self.at)
+            self._changer(statuses)
+        else:
+            answer, statuses = self.grip.command(name, self.at)
+            self._gripper(statuses)
+        return answer
+
+    def run(self, seconds: float) -> None:
+        until = self.at + round(seconds * 1e6)
+        while self.at < until:
+            frame_at = (self.at // self.codec.period_us + 1) * self.codec.period_us
+            due = [time for time in (self.grip.deadline, self.change.deadline) if time is not None]
+            self.at = max(self.at, min([*due, frame_at, until]))
+            if self.at == frame_at and self.link:
+                frame = Frame(self.at, self.seq, self.at // 1000, self.values())
+                self.seq += 1
+                self._gripper(self.grip.frame(frame))
+                self._changer(self.change.frame(frame))
+            self._gripper(self.grip.advance(self.at))
+            self._changer(self.change.advance(self.at))
+
+    def values(self) -> dict[str, Value]:
+        """What the sensors show now."""
+        return dict(carried(self.bench.sample(self.at), self.codec.channels, self.description))
+
+    def states(self) -> list[tuple[int, int, tuple[int, ...]]]:
+        """Changes of (end-effector, command, actuators), as states.csv has them."""
+        rows = [(status.ee, status.command, status.actuators) for status in self.statuses]
+        return [row for i, row in enumerate(rows) if i == 0 or row != rows[i - 1]]
+
+    def _gripper(self, statuses: list[Status]) -> None:
+        for status in statuses:
+            self.statuses.append(status)
+            self.change.tell({"ee": status.ee}, status.at)
+            if status.ee:
+                self._write(dict(zip(self._lines, status.outputs, strict=True)), status.at)
+
+    def _changer(self, statuses: list[Status]) -> None:
+        changer = self.description.tool_changer
+        for status in statuses:
+            self.grip.tell({"unlock_valve": int(status.unlock_output)}, status.at)
+            if status.changer and changer:
+                self._write({changer.line: status.unlock_output}, status.at)
+
+    def _write(self, wanted: Mapping[str, bool], at: int) -> None:
+        for line, level in wanted.items():
+            if self.levels.get(line, False) != level:
+                self.levels[line] = level
+                self.edges.append((at, line, level))
+                self.bench.line(line, level, at)
