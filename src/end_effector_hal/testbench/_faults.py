@@ -1,0 +1,78 @@
+"""The faults that a scenario can name: a table, a row each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ._scenario import NEVER
+
+ANY = frozenset({"vacuum", "cylinder", "tool_changer"})
+AIR = frozenset({"vacuum", "cylinder"})
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number in a fault's text, with its limits; ``default``: it may be left out."""
+
+    name: str
+    low: float
+    high: float
+    default: float | None = None
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A kind of fault.
+
+    Args:
+        name: as it stands in a scenario, ``name[:actuator][:number]``.
+        meaning: a phrase for people.
+        changes: field of :class:`Effect` (or of :class:`Scenario`) and value, from the number.
+        on: kinds of devices that can have it; empty: it concerns the whole bench.
+        number: what else is to be given.
+    """
+
+    name: str
+    meaning: str
+    changes: Callable[[float], Mapping[str, object]]
+    on: frozenset[str] = frozenset()
+    number: Number | None = None
+
+    @property
+    def usage(self) -> str:
+        """``leak:<actuator>[:<l_min>]``."""
+        text = self.name + (":<actuator>" if self.on else "")
+        if self.number is None:
+            return text
+        return text + (
+            f"[:<{self.number.name}>]" if self.number.default is not None else f":<{self.number.name}>"
+        )
+
+
+def _micros(seconds: float) -> int:
+    return round(seconds * 1e6)
+
+
+FAULTS: tuple[Fault, ...] = (
+    Fault("nominal", "nothing is wrong", lambda _: {}),
+    Fault("fails-once", "its first activation has no effect", lambda _: {"dead_activations": 1}, ANY),
+    Fault("fails", "its first activations have no effect", lambda n: {"dead_activations": int(n)}, ANY,
+          Number("times", 1, 1000)),
+    Fault("never-confirms", "no activation has any effect", lambda _: {"dead_activations": NEVER}, ANY),
+    Fault("stuck-release", "its feedback stays after the deactivation", lambda _: {"stuck": True}, ANY),
+    Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, frozenset({"vacuum"}),
+          Number("l_min", 0.1, 2000, default=4.0)),
+    Fault("lost-after", "what it holds is lost, so long after the activation",
+          lambda s: {"lost_after_us": _micros(s)}, AIR, Number("seconds", 0.001, 86400)),
+    Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, AIR),
+    Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
+          number=Number("kpa", 0, 2000)),
+    Fault("silent-after", "the link falls silent", lambda s: {"silent_after_us": _micros(s)},
+          number=Number("seconds", 0, 86400)),
+    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r},
+          number=Number("rate", 0, 1)),
+    Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
+    Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
+    Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
+)  # fmt: skip

@@ -1,0 +1,88 @@
+"""Where the testbench sees the lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Protocol
+
+from end_effector_hal.errors import LineNotFoundError, WireError
+from end_effector_hal.wires.lines import ChipWatcher, Edge, VirtualChip
+
+OnEdge = Callable[[str, bool, int], None]
+"""Line, level, µs: called in the thread of the inputs."""
+
+
+class LineInputs(Protocol):
+    """Tells of every change of some lines, by events."""
+
+    @property
+    def text(self) -> str:
+        """What they are, for people."""
+        ...
+
+    def start(self, on_edge: OnEdge) -> dict[str, bool]:
+        """Begin.
+
+        Returns:
+            The levels; every later change becomes an edge.
+
+        Raises:
+            LineNotFoundError: a line is missing.
+            WireError: the chip cannot be used.
+        """
+        ...
+
+    def close(self) -> None:
+        """End; no edge comes after it."""
+        ...
+
+
+class VirtualInputs:
+    """The lines of a virtual chip, which is made if there is none.
+
+    What counts is the level of the pin, as on a board: an input that is pulled up is seen as active.
+
+    Args:
+        path: the file of the chip.
+        names: the lines.
+        power_cycle: make the chip anew even if there is one.
+    """
+
+    def __init__(self, path: str | Path, names: Iterable[str], *, power_cycle: bool = False) -> None:
+        self._path, self._names, self._power_cycle = Path(path), tuple(names), power_cycle
+        self._watcher: ChipWatcher | None = None
+
+    @property
+    def text(self) -> str:
+        return f"virtual:{self._path}"
+
+    def start(self, on_edge: OnEdge) -> dict[str, bool]:
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise WireError(
+                f"the directory of the virtual chip cannot be made: {error.strerror}.",
+                where=str(self._path),
+                todo="Give another path.",
+            ) from error
+        chip = VirtualChip.create(self._path, self._names, exist_ok=not self._power_cycle)
+        lines = chip.read().lines
+        if missing := [name for name in self._names if name not in lines]:
+            raise LineNotFoundError(
+                f"the virtual chip has no line {', '.join(missing)}, only {', '.join(lines)}.",
+                where=str(self._path),
+                todo="It was made for another tool: give another path, or --power-cycle to make it anew.",
+            )
+
+        def seen(edge: Edge) -> None:
+            if edge.line in self._names:
+                on_edge(edge.line, edge.level, edge.at)
+
+        self._watcher = ChipWatcher(self._path, seen)
+        state = self._watcher.start()
+        return {name: state.lines[name].level for name in self._names}
+
+    def close(self) -> None:
+        if self._watcher is not None:
+            self._watcher.close()

@@ -1,0 +1,105 @@
+"""Where the testbench answers."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Protocol
+
+import serial
+
+from end_effector_hal.errors import LinkError
+from end_effector_hal.wires.link import PtyPair, open_port
+
+_BITS_PER_BYTE = 10  # 8N1
+
+
+class Port(Protocol):
+    """Sends frames."""
+
+    @property
+    def text(self) -> str:
+        """What it is, for people."""
+        ...
+
+    def open(self) -> None:
+        """Make it ready; raises LinkError."""
+        ...
+
+    def send(self, data: bytes) -> int:
+        """Send without waiting for a reader; what does not fit is lost, as on a wire.
+
+        Returns:
+            How long the wire takes for it, in µs.
+
+        Raises:
+            LinkError: the port has gone.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give it back."""
+        ...
+
+
+class SerialPort:
+    """A serial device.
+
+    Args:
+        path: of the device.
+        baudrate: 8N1.
+    """
+
+    def __init__(self, path: str, baudrate: int) -> None:
+        self.text = path
+        self._baudrate = baudrate
+        self._serial: serial.Serial | None = None
+
+    def open(self) -> None:
+        """Open the device; raises LinkError."""
+        self._serial = open_port(self.text, self._baudrate, write_timeout_s=0.5)
+
+    def send(self, data: bytes) -> int:
+        """Send; see `Port.send`."""
+        if self._serial is not None:
+            try:
+                self._serial.write(data)
+            except serial.SerialTimeoutException:
+                pass  # flow control holds it back: lost
+            except OSError as error:
+                raise LinkError(f"the port has gone: {error}.", where=self.text) from error
+        return len(data) * _BITS_PER_BYTE * 1_000_000 // self._baudrate
+
+    def close(self) -> None:
+        """Close the device."""
+        if self._serial is not None:
+            self._serial.close()
+
+
+class PtyPort:
+    """A new pty, found by a symbolic link.
+
+    Args:
+        link: where the link to it is made.
+    """
+
+    def __init__(self, link: str) -> None:
+        self.text = link
+        self._pair: PtyPair | None = None
+
+    def open(self) -> None:
+        """Make pty and link; raises LinkError."""
+        with suppress(OSError):  # then the pair says why
+            Path(self.text).parent.mkdir(parents=True, exist_ok=True)
+        self._pair = PtyPair(self.text)
+
+    def send(self, data: bytes) -> int:
+        """Send; a pty takes no time for it."""
+        if self._pair is not None:
+            self._pair.write(data)
+        return 0
+
+    def close(self) -> None:
+        """Remove link and pty."""
+        if self._pair is not None:
+            self._pair.close()

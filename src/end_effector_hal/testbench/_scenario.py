@@ -1,0 +1,45 @@
+"""What goes wrong, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+NEVER = 10**9
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What is wrong with one device."""
+
+    dead_activations: int = 0
+    """So many activations, counted from the choice of the scenario, have no effect."""
+    stuck: bool = False
+    """Its valve does not close again."""
+    leak_l_min: float = 0.0
+    """Leak at 60 kPa of vacuum."""
+    lost_after_us: int | None = None
+    """What is held is lost so long after the activation; the line stays active."""
+    invalid: bool = False
+    """Its pressure is marked as invalid on the link."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What is wrong with a whole bench; made of text by :func:`parse_scenario`."""
+
+    text: str = "nominal"
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+    silent_after_us: int | None = None
+    """The link falls silent so long after the choice of the scenario."""
+    noise: float = 0.0
+    """Share of the bytes on the link that are changed."""
+    supply_kpa: float | None = None
+    """Regulated supply pressure; ``None``: the description's nominal one."""
+    tool_present: bool = True
+    in_stand: bool = True
+    estop_ok: bool = True
+
+    def effect(self, device: str) -> Effect:
+        """What is wrong with a device."""
+        return self.effects.get(device, Effect())

@@ -1,0 +1,137 @@
+"""The bench in real time: a thread that sees the lines, a thread that sends the frames."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.wires import Codec, Frame, Value, get_codec
+
+from ._bench import Bench
+from ._carried import carried
+from ._inputs import LineInputs
+from ._parse import parse_scenario
+from ._ports import Port
+
+
+class Watcher:
+    """What a testbench tells of itself; each is called in the thread where it happens and must be quick."""
+
+    def line(self, name: str, level: bool, at: int, seen: int) -> None:
+        """A line changed at ``at`` (µs, by the one who wrote it) and was seen at ``seen``."""
+
+    def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
+        """A frame with these values; ``at``: µs of its last byte; not ``sent``: the link is silent."""
+
+    def failed(self, error: EndEffectorError) -> None:
+        """The frames have ended."""
+
+
+def now_us() -> int:
+    """The monotonic clock, µs."""
+    return time.monotonic_ns() // 1000
+
+
+class Testbench:
+    """Lines in, frames out, until it is closed.
+
+    Args:
+        description: of the tool; its link names the codec.
+        inputs: where the lines are seen.
+        port: where the frames go.
+        scenario: what goes wrong.
+        seed: of the chance in it.
+        watcher: is told what happens.
+
+    Raises:
+        UsageError: scenario or codec cannot be used.
+    """
+
+    __test__ = False  # no test class, whatever pytest thinks of its name
+
+    def __init__(
+        self,
+        description: Description,
+        inputs: LineInputs,
+        port: Port,
+        *,
+        scenario: str = "nominal",
+        seed: int = 0,
+        watcher: Watcher | None = None,
+    ) -> None:
+        self._description, self._inputs, self._port = description, inputs, port
+        self._scenario, self._seed = parse_scenario(scenario, description), seed
+        self._watcher = watcher or Watcher()
+        self.codec: Codec = get_codec(description.link.codec)
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._frames, name="frames", daemon=True)
+
+    def start(self) -> None:
+        """Begin; raises WireError if lines or port cannot be used."""
+        self._port.open()
+        try:
+            with self._lock:  # an edge waits until there is a bench
+                levels = self._inputs.start(self._edge)
+                self._start = now_us()
+                self._bench = Bench(
+                    self._description, self._scenario, self._seed, start=self._start, levels=levels
+                )
+        except BaseException:
+            self._inputs.close()
+            self._port.close()
+            raise
+        self._thread.start()
+
+    def choose(self, scenario: str) -> None:
+        """Another scenario from now on; raises UsageError if it cannot be used, and goes on as before."""
+        parsed = parse_scenario(scenario, self._description)
+        with self._lock:
+            self._bench.choose(parsed, now_us())
+
+    def close(self) -> None:
+        """End; nothing is sent or told after it."""
+        self._stop.set()
+        self._inputs.close()
+        self._thread.join()
+        self._port.close()
+
+    def __enter__(self) -> Testbench:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _edge(self, name: str, level: bool, at: int) -> None:
+        seen = now_us()
+        with self._lock:
+            self._bench.line(name, level, at)
+        self._watcher.line(name, level, at, seen)
+
+    def _frames(self) -> None:
+        """Each frame has its own deadline from the start, so that no lateness adds up."""
+        period_us, due, seq = self.codec.period_us, self._start, 0
+        try:
+            while not self._stop.wait(max(0.0, (due - now_us()) / 1e6)):
+                # Frames that the machine slept through are left out, and not counted: the wire lost nothing.
+                due += max(0, (now_us() - due) // period_us) * period_us
+                self._send(seq, due)
+                due, seq = due + period_us, seq + 1
+        except EndEffectorError as error:
+            self._watcher.failed(error)
+
+    def _send(self, seq: int, due: int) -> None:
+        with self._lock:
+            sample = self._bench.sample(due)
+            silent = self._bench.silent(due)
+        values = carried(sample, self.codec.channels, self._description)
+        data = self.codec.encode(Frame(0, seq, (due - self._start) // 1000, values))
+        data = self._bench.corrupt(data, due)
+        at = now_us()  # before the write: a reader may have it before the write returns
+        if not silent:
+            at += self._port.send(data)
+        self._watcher.frame(at, seq, sample, not silent)

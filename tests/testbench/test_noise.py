@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+from statistics import mean, stdev
+
+import pytest
+
+from end_effector_hal.testbench import Noise
+
+
+def test_depends_on_seed_purpose_and_time_only() -> None:
+    noise = Noise(7)
+    first = noise.normal("bottom", 20_000)
+    noise.normal("top", 20_000)
+    assert noise.normal("bottom", 20_000) == first == Noise(7).normal("bottom", 20_000)
+    assert (
+        len(
+            {
+                first,
+                noise.normal("top", 20_000),
+                noise.normal("bottom", 40_000),
+                Noise(8).normal("bottom", 20_000),
+            }
+        )
+        == 4
+    )
+
+
+def test_is_standard_normal() -> None:
+    numbers = [Noise(1).normal("x", at) for at in range(2000)]
+    assert mean(numbers) == pytest.approx(0, abs=0.1)
+    assert stdev(numbers) == pytest.approx(1, abs=0.1)
+
+
+def test_corrupts_the_share_that_was_asked_for() -> None:
+    data = bytes(10_000)
+    assert Noise(1).corrupt(data, 0.0, 0) == data
+    changed = sum(b != 0 for b in Noise(1).corrupt(data, 0.1, 0))
+    assert 900 < changed < 1100
+    assert all(Noise(1).corrupt(data, 1.0, 0))
