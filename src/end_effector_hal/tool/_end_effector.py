@@ -1,0 +1,204 @@
+"""A whole end-effector in one process, without ROS."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from end_effector_hal.control import Answer, ChangerState, Status, StepReport
+from end_effector_hal.description import Description, load
+from end_effector_hal.errors import UsageError
+from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.wires import Frame, LinkHealth, LinkReader, get_codec
+
+from ._open_unit import open_unit
+from ._unit import Unit
+
+_MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a command ended: with sensor evidence, or with the reason in words."""
+
+    succeeded: bool
+    state: EndEffectorState
+    reason: str = ""
+    steps: tuple[StepReport, ...] = ()
+
+
+class EndEffector:
+    """Both programs of a tool, its link and its lines.
+
+    The line owner (``eehal owner``) is a process of its own and must run: it is what stands between a crash
+    of this process and a dropped part.
+
+    Example:
+        >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
+        ...     tool.lock()
+        ...     result = tool.grip()
+        ...     tool.drop()
+    """
+
+    def __init__(self, description: Description) -> None:
+        self.description = description
+        self._listeners: list[Callable[[Status], None]] = []
+        self._frame_listeners: list[Callable[[Frame], None]] = []
+        self._lock = threading.Lock()
+        self._grip = open_unit(description, "grip", self._gripper_moved)
+        self._change = open_unit(description, "tool_change", self._changer_moved)
+        codec = get_codec(description.link.codec)
+        self._reader = LinkReader(
+            description.link.port,
+            codec,
+            baudrate=description.link.baudrate,
+            on_frame=self._frame_came,
+            on_change=self._link_changed,
+        )
+        self.link: LinkHealth | None = None
+
+    @classmethod
+    def open(cls, description: Description | str | Path) -> Self:
+        """Open a tool by its description and adopt its lines; raises DescriptionError, WireError."""
+        tool = cls(description if isinstance(description, Description) else load(description))
+        tool.start()
+        return tool
+
+    def start(self) -> None:
+        """Start reading and adopt."""
+        self._reader.start()
+        for unit in self._units:
+            unit.start()
+
+    def close(self, ending: str = "sigterm") -> None:
+        """End: the line owner does what the description declares."""
+        for unit in self._units:
+            unit.close(ending)
+        self._reader.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state, changer = EndEffectorState(self.status.ee), ChangerState(self.status.changer)
+        return f"<EndEffector {self.description.name}: {state.name}, changer {changer.name}>"
+
+    @property
+    def status(self) -> Status:
+        """Gripping and tool changer in one snapshot."""
+        grip, change = self._grip.status, self._change.status
+        return self._merged(grip, max(grip.at, change.at))
+
+    def subscribe(self, listener: Callable[[Status], None]) -> None:
+        """Have every status, in order; called in the thread of a unit."""
+        self._listeners.append(listener)
+
+    def subscribe_frames(self, listener: Callable[[Frame], None]) -> None:
+        """Have every frame; called in the thread of the link."""
+        self._frame_listeners.append(listener)
+
+    def wait_ready(self, timeout_s: float = 5.0) -> bool:
+        """Wait until the tool has adopted; False when that took longer."""
+        return self._grip.wait(lambda status: status.ee != EndEffectorState.OFF, timeout_s)
+
+    def grip(self) -> Outcome:
+        """Grip, and wait until it is decided and over."""
+        return self._run_grip("grip", EndEffectorState.GRIPPED)
+
+    def drop(self) -> Outcome:
+        """Release what is held, and wait until that is proven."""
+        return self._run_grip("drop", EndEffectorState.STAND_BY)
+
+    def cancel(self) -> Answer:
+        """Cancel a running grip; returns once it is accepted or refused."""
+        return self._grip.command("cancel")
+
+    def lock(self) -> Outcome:
+        """Lock the tool changer, and wait for the proof."""
+        return self._run_change("lock", ChangerState.LOCKED)
+
+    def unlock(self) -> Outcome:
+        """Unlock the tool changer, and wait for the proof."""
+        return self._run_change("unlock", ChangerState.UNLOCKED)
+
+    def set_actuator(self, name: str, active: bool) -> Answer:
+        """Drive one actuator by hand; raises UsageError for an unknown name."""
+        if name not in self.description.actuators:
+            known = ", ".join(self.description.sequence)
+            raise UsageError(f"{name!r} is no actuator of {self.description.name}.", todo=f"It has {known}.")
+        return self._grip.set_actuator(name, active)
+
+    @property
+    def _units(self) -> tuple[Unit, Unit]:
+        return self._grip, self._change
+
+    def _run_grip(self, command: str, wanted: EndEffectorState) -> Outcome:
+        answer = self._grip.command(command)
+        if not answer.accepted:
+            return Outcome(False, EndEffectorState(self._grip.status.ee), answer.reason)
+        self._grip.wait(_is_over)
+        status = self._grip.status
+        return Outcome(status.ee == wanted, EndEffectorState(status.ee), status.reason, status.steps)
+
+    def _run_change(self, command: str, wanted: ChangerState) -> Outcome:
+        answer = self._change.command(command)
+        if not answer.accepted:
+            return Outcome(False, EndEffectorState(self.status.ee), answer.reason)
+        self._change.wait(lambda status: status.command == Command.NONE)
+        status = self._change.status
+        reached = ChangerState(status.changer)
+        why = (
+            ""
+            if reached is wanted
+            else f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
+        )
+        return Outcome(reached is wanted, EndEffectorState(self.status.ee), "" if reached is wanted else why)
+
+    def _merged(self, status: Status, at: int) -> Status:
+        change = self._change.status
+        command = status.command if status.command != Command.NONE else change.command
+        alarms = tuple(dict.fromkeys((*status.alarms, *change.alarms)))
+        return replace(
+            status,
+            at=at,
+            changer=change.changer,
+            unlock_output=change.unlock_output,
+            command=command,
+            alarms=alarms,
+        )
+
+    def _gripper_moved(self, status: Status) -> None:
+        self._change.tell(ee=status.ee)
+        self._publish(self._merged(status, status.at))
+
+    def _changer_moved(self, status: Status) -> None:
+        self._grip.tell(unlock_valve=int(status.unlock_output))
+        self._publish(self._merged(self._grip.status, status.at))
+
+    def _publish(self, status: Status) -> None:
+        with self._lock:
+            for listener in self._listeners:
+                listener(status)
+
+    def _frame_came(self, frame: Frame) -> None:
+        for unit in self._units:
+            unit.frame(frame)
+        for listener in self._frame_listeners:
+            listener(frame)
+
+    def _link_changed(self, health: LinkHealth) -> None:
+        self.link = health
+
+
+def _is_over(status: Status) -> bool:
+    passing = status.ee == EndEffectorState.GRIP_ERROR and status.command == Command.RELEASE
+    return status.ee not in _MOVING and not passing

@@ -1,0 +1,35 @@
+"""A unit with its connection to the line owner."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import OwnerError
+
+from ._owner import connect_owner
+from ._unit import Listener, Unit
+
+
+def open_unit(
+    description: Description, program: str, on_status: Listener | None = None, *, patience_s: float = 5.0
+) -> Unit:
+    """A unit that is not started yet; it keeps its lease at the owner only while it works.
+
+    Raises:
+        OwnerError: there is no line owner.
+        LineBusyError: another process runs this program; says who.
+    """
+    units: list[Unit] = []
+
+    def lost(error: OwnerError) -> None:
+        for unit in units:
+            unit.lost(error)
+
+    lines = connect_owner(
+        description,
+        program,
+        alive=lambda: all(unit.alive for unit in units),
+        on_lost=lost,
+        patience_s=patience_s,
+    )
+    units.append(Unit(description, program, lines, on_status))
+    return units[0]

@@ -1,0 +1,113 @@
+"""From statuses to lines: what the automata put out goes to the line owner, with the will that fits it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
+
+from end_effector_hal.control import Status
+from end_effector_hal.errors import EndEffectorError, LineBusyError, OwnerError
+from end_effector_hal.wires import WillStep
+
+RETRY_US = 200_000
+"""What could not be done with the lines is tried again after this."""
+
+
+class LineWriter(Protocol):
+    """What a program needs of the line owner."""
+
+    def levels(self) -> Mapping[str, bool]:
+        """The level of every line."""
+
+    def set(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> object:
+        """Write levels, and what to do should this program die."""
+
+    def close(self, will: Sequence[WillStep]) -> None:
+        """Leave in good order; the will is done at once."""
+
+
+class Outputs:
+    """Writes changes only; what could not be activated is not activated later by itself (IL-11).
+
+    Once the line owner was ``lost`` nothing is certain until `agree` has compared the lines with what was
+    written: the owner may have executed the will.
+
+    Args:
+        lines: the line owner.
+        of: line and level of every output of a status.
+        will: the will that fits a status.
+    """
+
+    def __init__(
+        self,
+        lines: LineWriter,
+        of: Callable[[Status], dict[str, bool]],
+        will: Callable[[Status], tuple[WillStep, ...]],
+    ) -> None:
+        self._lines, self._of, self._will = lines, of, will
+        self._wanted: dict[str, bool] | None = None
+        self._said: tuple[WillStep, ...] | None = None
+        self._undone: dict[str, bool] = {}
+        self._written: dict[str, bool] = {}
+        self.lost = False
+        self.retry_at: int | None = None
+        self.alarm = ""
+
+    def apply(self, status: Status) -> None:
+        """Bring the lines to what a status asks for; trouble becomes :attr:`alarm`."""
+        wanted, will = self._of(status), self._will(status)
+        before = self._wanted if self._wanted is not None else {}
+        changes = {line: level for line, level in wanted.items() if before.get(line) != level}
+        self._wanted = wanted
+        if changes or will != self._said:
+            self._undone = {line: level for line, level in self._undone.items() if line not in changes}
+            self._write({**self._undone, **changes}, will, status.at)
+
+    def retry(self, status: Status, at: int) -> None:
+        """Write again what could not be deactivated, and the will."""
+        self._write(self._undone, self._will(status), at)
+
+    def agree(self, at: int) -> bool:
+        """Whether the lines are as they were written; raises WireError while nobody knows."""
+        self.retry_at = at + RETRY_US
+        levels = self._lines.levels()
+        self.lost = False
+        return all(levels.get(line) == level for line, level in self._written.items())
+
+    def drive(self, line: str, active: bool, will: tuple[WillStep, ...]) -> None:
+        """Write one line by hand; raises WireError."""
+        if self.lost:
+            raise OwnerError(self.alarm)
+        self._set({line: active}, will)
+
+    def lose(self, error: OwnerError, at: int) -> None:
+        """The line owner was lost; nothing is written until `agree` has been asked."""
+        self.lost, self.retry_at = True, at
+        self.alarm = f"The line owner was lost: {error}"
+
+    def let_go(self, lines: Sequence[str], at: int) -> None:
+        """Deactivate lines that were driven by hand; tried again until it is done."""
+        self._write({**self._undone, **dict.fromkeys(lines, False)}, (), at)
+
+    def _write(self, changes: dict[str, bool], will: tuple[WillStep, ...], at: int) -> None:
+        try:
+            if not self.lost:
+                self._set(changes, will)
+                self.alarm, self._said, self._undone, self.retry_at = "", will, {}, None
+                return
+        except EndEffectorError as error:
+            self.alarm = f"The lines could not be written: {error}"
+            self.retry_at = self.retry_at if self.lost else at + RETRY_US
+        self._said = None
+        self._undone = {line: False for line, level in changes.items() if not level}
+
+    def _set(self, changes: Mapping[str, bool], will: tuple[WillStep, ...]) -> None:
+        try:
+            self._lines.set(changes, will=will)
+        except (OwnerError, LineBusyError):
+            # looked at once: perhaps the owner is there again
+            self.lost, self.retry_at = True, 0
+            for line in changes:
+                self._written.pop(line, None)  # perhaps it was executed: either level is right
+            raise
+        self._written |= changes

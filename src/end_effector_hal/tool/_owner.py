@@ -1,0 +1,109 @@
+"""The line owner of a tool: what its description asks of it, its process, its clients."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from end_effector_hal.control import to_us
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import OwnerError, UsageError
+from end_effector_hal.wires import (
+    GpiodLines,
+    LineBackend,
+    LineOwner,
+    OwnerClient,
+    Policy,
+    VirtualLines,
+    serve,
+)
+
+from ._service_manager import ServiceManager
+
+
+def connect_owner(
+    description: Description,
+    program: str,
+    *,
+    alive: Callable[[], bool] = lambda: True,
+    on_lost: Callable[[OwnerError], None] | None = None,
+    patience_s: float = 5.0,
+) -> OwnerClient:
+    """The connection of one program to the line owner; raises OwnerError, LineBusyError.
+
+    ``alive`` is asked before each renewal of the lease: a program that hangs loses it, and its will is done.
+    ``on_lost`` is called when a renewal finds that the connection was lost.
+    """
+    lines = program_lines(description, program)
+    return OwnerClient(
+        socket_path(description), program, lines, alive=alive, on_lost=on_lost, patience_s=patience_s
+    )
+
+
+def run_owner(description: Description, socket: Path | None = None) -> None:
+    """Be the line owner of a tool until SIGTERM or SIGINT; says when it is ready. Raises WireError.
+
+    A service manager is told, too (sd_notify), and that it lives: whenever it answers itself over its socket.
+    """
+
+    def ready(owner: LineOwner) -> None:
+        levels = ", ".join(f"{line}={int(level)}" for line, level in owner.levels().items())
+        print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
+        manager.ready(f"{description.name} on {where}", _Question(where))
+
+    where = socket or socket_path(description)
+    with ServiceManager() as manager:
+        serve(_backend(description), where, owner_policy(description), on_ready=ready)
+
+
+class _Question:
+    """Reads the levels as any client does: the answer went through the socket, the loop and the hardware."""
+
+    def __init__(self, where: Path) -> None:
+        self._where = where
+        self._client: OwnerClient | None = None
+
+    def __call__(self) -> None:
+        # in the thread of the watchdog: before the loop runs nobody would answer
+        self._client = self._client or OwnerClient(self._where, "watchdog", patience_s=0)
+        self._client.levels()
+
+
+def owner_policy(description: Description) -> Policy:
+    """The output interlocks of a tool: what the owner enforces whoever asks."""
+    lines, changer = output_lines(description), description.tool_changer
+    labels = {actuator.line: name for name, actuator in description.ordered}
+    if changer is None:
+        return Policy(lines, labels=labels)
+    gripping = program_lines(description, "grip")
+    return Policy(
+        lines,
+        exclusions=[(changer.line, line) for line in gripping] if description.interlocks.il_01 else [],
+        max_active_us={} if changer.latching else {changer.line: to_us(changer.unlock_max_s)},
+        labels={**labels, changer.line: "unlock"},
+    )
+
+
+def _backend(description: Description) -> LineBackend:
+    if description.lines.backend == "gpiod":
+        return GpiodLines()
+    if description.lines.path is None:
+        raise UsageError(
+            "virtual lines need a file that stands for the chip.",
+            where=description.where("lines"),
+            todo="Add path: to lines.",
+        )
+    return VirtualLines(description.lines.path)
+
+
+def output_lines(description: Description) -> tuple[str, ...]:
+    """Every output line of a tool, actuators in sequence order, then the tool changer."""
+    lines = [actuator.line for _, actuator in description.ordered]
+    return (*lines, description.tool_changer.line) if description.tool_changer else tuple(lines)
+
+
+def program_lines(description: Description, program: str) -> tuple[str, ...]:
+    """The lines that one program writes."""
+    if program == "grip":
+        return tuple(actuator.line for _, actuator in description.ordered)
+    return (description.tool_changer.line,) if description.tool_changer else ()

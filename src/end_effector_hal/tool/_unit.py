@@ -1,0 +1,298 @@
+"""One program of a tool in real time: its automata, its detectors, its lines, in one thread."""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+from end_effector_hal.automata import load_network
+from end_effector_hal.control import Answer, Controller, Status, model_constants, will_of
+from end_effector_hal.description import Description
+from end_effector_hal.errors import LineBusyError, OwnerError, WireError
+from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.wires import Frame, WillStep, now_us
+
+from ._maintenance import Maintenance
+from ._outputs import RETRY_US, LineWriter, Outputs
+
+_log = logging.getLogger("end_effector_hal.tool")
+Listener = Callable[[Status], None]
+ANSWER_US = 2_000_000
+HUNG_US = 3_000_000  # longer than the longest wait for the line owner
+OVERTAKEN = "The line owner took this program for dead and executed its will: it has begun anew."
+
+
+class Unit:
+    """Executes ``grip`` or ``tool_change`` against the line owner.
+
+    All methods are thread-safe. ``on_status`` is called in the unit's own thread, once for each step of the
+    automata, in order, after the lines are written. Trouble never leaves the thread: it becomes an alarm.
+
+    A unit that the line owner took for dead is dead: when the lines are not as it left them it begins anew, and
+    adopts what it finds. Until it knows, it claims no grip.
+    """
+
+    def __init__(
+        self, description: Description, program: str, lines: LineWriter, on_status: Listener | None = None
+    ) -> None:
+        network = load_network(description.automata_path, model_constants(description))
+        self._description, self._program, self._network = description, program, network
+        self._lines, self._on_status = lines, on_status
+        self._heard: dict[str, int] = {}
+        self._why = ""
+        self._told: tuple[str, ...] = ()
+        self._be_unborn()
+        self._inbox: queue.SimpleQueue[Callable[[], list[Status]] | None] = queue.SimpleQueue()
+        self._changed = threading.Condition()
+        self._status = self._controller.status()
+        self._ending = "sigterm"
+        self._busy_since: int | None = None
+        self._ended = False
+        self._thread = threading.Thread(target=self._run, name=f"unit-{program}", daemon=True)
+
+    def start(self) -> None:
+        """Begin: read the lines, read the sensors, adopt."""
+        self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the unit still works: a lease is renewed only while it does."""
+        return not self._ended and (self._busy_since is None or now_us() - self._busy_since < HUNG_US)
+
+    @property
+    def status(self) -> Status:
+        """The newest snapshot."""
+        return self._status
+
+    def frame(self, frame: Frame) -> None:
+        """A frame of the link; returns at once."""
+        self._inbox.put(lambda: self._controller.frame(frame, now_us()) if self._begun else [])
+
+    def tell(self, **values: int) -> None:
+        """Interface variables that another program says; returns at once."""
+        self._inbox.put(lambda: self._hear(values))
+
+    def lost(self, error: OwnerError) -> None:
+        """The connection to the line owner was lost; returns at once."""
+        self._inbox.put(lambda: self._lose(error))
+
+    def command(self, name: str) -> Answer:
+        """Give a command and wait for the decision of the automaton."""
+        return self._ask(lambda: self._decide(name))
+
+    def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
+        """Drive one actuator by hand (IL-12); success only with sensor evidence."""
+        actuator = self._description.actuators[name]
+        limit_s = timeout_s or (actuator.timeout_s if active else actuator.release_s)
+        answer = self._ask(lambda: self._drive(name, active))
+        if not answer.accepted:
+            return answer
+        index = self._description.sequence.index(name)
+        wanted = 3 if active else 1
+        if self.wait(lambda status: status.evidence[index] == wanted, limit_s):
+            return Answer(True, f"{name} is proven {'active' if active else 'inactive'} by its sensor.")
+        return Answer(False, f"{name}: the line is written, but no sensor proves it within {limit_s:g} s.")
+
+    def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
+        """Block until a status satisfies ``until``; False when the time is over or the unit has ended."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._ended or until(self._status), timeout_s)
+            return until(self._status)
+
+    def close(self, ending: str = "sigterm") -> None:
+        """End in good order: the line owner does what the description declares for this ending."""
+        self._ending = ending
+        self._inbox.put(None)
+        if self._thread.is_alive():
+            self._thread.join(5.0)
+
+    # From here on: in the unit's thread.
+
+    def _run(self) -> None:
+        try:
+            self._act(self._begin())
+            self._work()
+            self._lines.close(self._parting())
+        except WireError as error:
+            _log.warning("the line owner is not there to take the will of %s: %s", self._program, error)
+        finally:
+            # after a defect in here the lease is not renewed any more, and the line owner does what is declared
+            self._ended = True
+            with self._changed:
+                self._changed.notify_all()
+
+    def _work(self) -> None:
+        while True:
+            try:
+                job = self._inbox.get(timeout=self._patience())
+            except queue.Empty:
+                job = self._time_passed
+            if job is None:
+                return
+            self._busy_since = now_us()
+            self._act(job())
+            self._busy_since = None
+
+    def _be_unborn(self) -> None:
+        self._controller = Controller(self._description, self._network, self._program)
+        self._outputs = Outputs(self._lines, self._levels_of, self._will_of)
+        self._maintenance = Maintenance(self._description)
+        self._begun = False
+        self._begin_at: int | None = None
+        self._obstacle = ""
+
+    def _begin(self) -> list[Status]:
+        at = now_us()
+        try:
+            levels = self._lines.levels()
+        except WireError as error:
+            self._obstacle, self._begin_at = str(error), at + RETRY_US
+            return []
+        self._begun, self._obstacle, self._begin_at = True, "", None
+        statuses = self._controller.start(levels, at)
+        return statuses + (self._controller.tell(self._heard, at) if self._heard else [])
+
+    def _begin_anew(self, why: str) -> list[Status]:
+        _log.warning("%s: %s", self._program, why)
+        self._be_unborn()
+        self._why = why
+        return [self._now(), *self._begin()]
+
+    def _lose(self, error: OwnerError) -> list[Status]:
+        if self._begun:
+            self._outputs.lose(error, now_us())
+            with suppress(WireError):
+                self._lines.levels()  # a client tells each loss once more, to whoever calls next
+        return []
+
+    def _look_again(self, statuses: list[Status]) -> list[Status]:
+        """What may be told of these after the line owner was lost."""
+        at = now_us()
+        if at >= (self._outputs.retry_at or 0):
+            try:
+                if not self._outputs.agree(at):
+                    return self._begin_anew(OVERTAKEN)
+                self._outputs.retry(self._controller.status(), at)
+            except LineBusyError as error:
+                # its will is being executed, or somebody else has its lines
+                return self._begin_anew(f"{OVERTAKEN} {error}")
+            except WireError as error:
+                self._outputs.alarm = str(error)
+        if not self._outputs.lost:
+            return [*statuses, self._now()]
+        # before GRIPPED nothing is held: the will that holds must have arrived, or the owner may still unwind
+        held = EndEffectorState.GRIPPED
+        return [status for status in statuses if status.ee != held or self._status.ee == held]
+
+    def _now(self) -> Status:
+        status = self._controller.status()
+        return status if self._begun else replace(status, at=now_us())
+
+    def _hear(self, values: dict[str, int]) -> list[Status]:
+        self._heard |= values
+        return self._controller.tell(values, now_us()) if self._begun else []
+
+    def _patience(self) -> float | None:
+        times = (
+            self._controller.deadline if self._begun else self._begin_at,
+            self._outputs.retry_at,
+            self._maintenance.ends_at,
+        )
+        due = min((time for time in times if time is not None), default=None)
+        return None if due is None else max(0, due - now_us()) / 1_000_000
+
+    def _time_passed(self) -> list[Status]:
+        now = now_us()
+        if not self._begun:
+            return self._begin()
+        if not self._outputs.lost and now >= (self._outputs.retry_at or now + 1):
+            self._outputs.retry(self._controller.status(), now)
+        if lines := self._maintenance.over(now):
+            self._outputs.let_go(lines, now)
+        return self._controller.advance(now)
+
+    def _act(self, statuses: list[Status]) -> None:
+        for status in statuses:
+            if status.ee if self._program == "grip" else status.changer:
+                self._outputs.apply(status)  # not before it has adopted
+        if self._outputs.lost:
+            statuses = self._look_again(statuses)
+        notices = (self._obstacle, self._outputs.alarm, self._maintenance.notice)
+        extra = tuple(text for text in notices if text)
+        if not statuses and extra != self._told:
+            statuses = [self._now()]
+        for status in statuses:
+            self._told = extra
+            told = replace(status, alarms=(*status.alarms, *extra), reason=status.reason or self._why)
+            with self._changed:
+                self._status = told
+                self._changed.notify_all()
+            if self._on_status is not None:
+                self._on_status(told)
+
+    def _decide(self, name: str) -> tuple[Answer, list[Status]]:
+        if name == "grip" and self._maintenance.active:
+            return Answer(False, f"IL-12: {self._maintenance.notice}"), []
+        if not self._begun:
+            return Answer(False, f"The lines are not adopted yet. {self._obstacle}".rstrip()), []
+        answer, statuses = self._controller.command(name, now_us())
+        if answer.accepted:
+            self._why = ""
+        return answer, statuses
+
+    def _drive(self, name: str, active: bool) -> tuple[Answer, list[Status]]:
+        refused = self._controller.refuse_maintenance(active=active)
+        if refused:
+            return Answer(False, refused), []
+        line = self._description.actuators[name].line
+        will = self._maintenance.will_with(line, active)
+        try:
+            self._outputs.drive(line, active, will)
+        except WireError as error:
+            return Answer(False, str(error)), []
+        self._maintenance.drove(line, active, now_us())
+        return Answer(True), [self._controller.status()]
+
+    def _ask(self, question: Callable[[], tuple[Answer, list[Status]]]) -> Answer:
+        answers: queue.SimpleQueue[Answer] = queue.SimpleQueue()
+        until = now_us() + ANSWER_US
+
+        def job() -> list[Status]:
+            if now_us() < until:  # nobody waits for it any more: what was given up is never executed
+                answer, statuses = question()
+                self._act(statuses)
+                answers.put(answer)
+            return []
+
+        self._inbox.put(job)
+        if self._ended:
+            return Answer(False, f"The {self._program} program has ended.")
+        try:
+            return answers.get(timeout=ANSWER_US / 1_000_000 + 0.5)
+        except queue.Empty:
+            return Answer(False, f"The {self._program} program does not answer.")
+
+    def _levels_of(self, status: Status) -> dict[str, bool]:
+        if self._program == "tool_change":
+            changer = self._description.tool_changer
+            return {changer.line: status.unlock_output} if changer else {}
+        return {
+            actuator.line: output
+            for (_, actuator), output in zip(self._description.ordered, status.outputs, strict=True)
+        }
+
+    def _parting(self) -> tuple[WillStep, ...]:
+        if self._program == "tool_change":
+            return self._will_of(self._status)
+        return will_of(self._description, self._status, on=self._ending)
+
+    def _will_of(self, status: Status) -> tuple[WillStep, ...]:
+        if self._program == "tool_change":
+            # an inactive line is locked: that is the declared ending of a tool changer
+            changer = self._description.tool_changer
+            return (WillStep(changer.line),) if changer and status.unlock_output else ()
+        return will_of(self._description, status)

@@ -1,0 +1,98 @@
+"""What a proof says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from end_effector_hal.automata.explore import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class WorstCase:
+    """The longest time that a bounded response takes.
+
+    Attributes:
+        computed_ms: the supremum; None: there is none, or it never starts.
+        declared_ms: the bound that is required.
+    """
+
+    computed_ms: int | None
+    declared_ms: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """The answer to one requirement.
+
+    Attributes:
+        id: of the requirement.
+        sentence: what must hold.
+        query: empty for what no query can say.
+        holds: whether it does.
+        states: symbolic states of the exploration that decided it.
+        seconds: its share of the time of that exploration.
+        remark: what else is to be said: what was found, or that the requirement says nothing here.
+        trace: the shortest run found that shows why not; None where there is none to show.
+        worst: for ``A[] p imply x <= c``.
+    """
+
+    id: str
+    sentence: str
+    query: str
+    holds: bool
+    states: int
+    seconds: float
+    remark: str = ""
+    trace: Trace | None = field(default=None, repr=False)
+    worst: WorstCase | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """All findings about one network.
+
+    Attributes:
+        findings: a requirement each, in the order of the file, then what no query says.
+        states: symbolic states of the one exploration that most of them come from.
+        seconds: in all.
+        notes: what is no fault and worth knowing.
+    """
+
+    findings: tuple[Finding, ...]
+    states: int
+    seconds: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether every requirement does."""
+        return all(finding.holds for finding in self.findings)
+
+    @property
+    def bounds(self) -> dict[str, WorstCase]:
+        """The worst cases by name: ``grip_s`` of the requirement ``grip``."""
+        return {f"{f.id.replace('-', '_')}_s": f.worst for f in self.findings if f.worst is not None}
+
+    def document(self) -> dict[str, object]:
+        """As JSON: requirements, and bounds in seconds."""
+        return {
+            "requirements": [
+                {
+                    "id": finding.id,
+                    "sentence": finding.sentence,
+                    "query": finding.query,
+                    "holds": finding.holds,
+                    "states": finding.states,
+                    "seconds": round(finding.seconds, 6),
+                }
+                for finding in self.findings
+            ],
+            "bounds": {
+                name: {"computed": _seconds(worst.computed_ms), "declared": _seconds(worst.declared_ms)}
+                for name, worst in self.bounds.items()
+            },
+        }
+
+
+def _seconds(ms: int | None) -> float | None:
+    return None if ms is None else ms / 1000

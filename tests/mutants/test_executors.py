@@ -1,0 +1,97 @@
+"""The executor of every mutant behaves differently from that of the shipped file, for some inputs in time."""
+
+from __future__ import annotations
+
+import random
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.automata import Event, Execution, Network, RangeError, Step
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import ModelError
+
+EXECUTED = ("Gripper", "Actuator", "Changer")
+MUTANTS = [
+    mutant
+    for mutant in tomllib.loads(Path(__file__).with_name("mutants.toml").read_text(encoding="utf-8"))[
+        "mutant"
+    ]
+    if mutant.get("template") in EXECUTED
+]
+SAME = {
+    "two attempts only",
+    "ON with part of the evidence",
+    "a cancel latches GRIP_ERROR although it is declared to release",
+}
+"""They add a choice. The executor takes the edge that stands first in the file, which is the right one: only the
+checker, which looks at every choice, can find them."""
+LEVELS = {"gone": 1, "partial": 2, "confirmed": 3}
+RUNS, INPUTS = 160, 60
+
+
+def play(network: Network, seed: int) -> list[object]:
+    """What the executed side puts out for random inputs: the seed decides, and what the outputs ask of the world."""
+    interface = load(profile_path()).automata.interface
+    execution, chooser = Execution(network, EXECUTED, interface), random.Random(seed)
+    told: list[object] = []
+    levels = {f"evidence[{i}]": 1 for i in range(3)} | {"tool": 1}
+    active = [chooser.random() < 0.2] * 3
+    # some worlds answer, some keep silent, some lose what was there
+    weights = chooser.choice([(2, 9, 3, 1), (8, 2, 2, 1), (5, 6, 3, 3)])
+    fitting = chooser.choice([1.0, 0.9, 0.6])
+    at = 0
+    try:
+        execution.start(0)
+        adopted = {f"adopted[{i}]": int(active[i]) for i in range(3)}
+        execution.write({**levels, **adopted, "adopted_unlock": int(chooser.random() < 0.2)})
+        told += execution.receive(Event("adopt"), 0).steps
+        for _ in range(INPUTS):
+            kind = chooser.choices(["wait", "sensor", "command", "tool"], weights)[0]
+            if kind == "wait":
+                due = execution.deadline
+                late = chooser.choice([0, 0, 0, 20_000, 60_000, 130_000])
+                at = max(at, due + late) if due is not None else at + 1_000_000
+                told += execution.advance(at)
+                continue
+            at += chooser.choice([0, 1_000, 20_000, 400_000, 1_900_000, 4_900_000])
+            told += execution.run(at - 1)
+            if kind == "command":
+                name, writes = chooser.choice(["grip", "grip", "drop", "cancel", "lock", "unlock"]), {}
+            elif kind == "tool":
+                name = chooser.choice(["tool_locked", "tool_locked", "tool_unlocked", "tool_unclear"])
+                writes = {"tool": {"tool_locked": 1, "tool_unlocked": 2}.get(name, 0)}
+            else:
+                active_now = [execution.value(f"valve[{i}]") for i in range(3)]
+                fits = [3 if on else 1 for on in active_now]
+                odd = [i for i in range(3) if execution.value(f"evidence[{i}]") != fits[i]]
+                index = odd[0] if odd and chooser.random() < 0.7 else chooser.randrange(3)
+                level = fits[index] if chooser.random() < fitting else chooser.randrange(4)
+                if level == 0:
+                    told += execution.write({f"evidence[{index}]": 0}, at)
+                    continue
+                word = next(word for word, value in LEVELS.items() if value == level)
+                name, writes = f"{word}[{index}]", {f"evidence[{index}]": level}
+            told += execution.receive(Event(name, writes), at).steps
+    except (RangeError, ModelError) as error:
+        told.append(type(error))
+    return [
+        (step.at, step.sent, step.missed, step.changes) if isinstance(step, Step) else step for step in told
+    ]
+
+
+@pytest.fixture(scope="module")
+def expected(shipped) -> list[list[object]]:  # type: ignore[no-untyped-def]
+    network = shipped.network()
+    return [play(network, seed) for seed in range(RUNS)]
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant["name"] for mutant in MUTANTS])
+def test_the_executor_of_a_mutant_is_found_out(shipped, expected, mutant) -> None:  # type: ignore[no-untyped-def]
+    try:
+        network = shipped.network(mutant)
+        differs = any(play(network, seed) != expected[seed] for seed in range(RUNS))
+    except ModelError:
+        differs = True  # it cannot be executed at all
+    assert differs is (mutant["name"] not in SAME)

@@ -1,0 +1,34 @@
+"""Each mutant of the shipped automata is found out by a requirement that is named beforehand."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.automata.explore import overview
+from end_effector_hal.tool.proof import requirements_of
+
+MUTANTS = tomllib.loads(Path(__file__).with_name("mutants.toml").read_text(encoding="utf-8"))["mutant"]
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=[f"{m['name']} [{m['caught_by']}]" for m in MUTANTS])
+def test_the_mutant_is_caught(mutant, shipped):
+    assert shipped.catches(mutant), f"{mutant['name']}: survives"
+
+
+def test_the_shipped_automata_are_none(shipped):
+    network = shipped.network()
+    requirements = requirements_of(network)
+    found = overview(network, [requirement.query for requirement in requirements])
+    assert [r.id for r, holds in zip(requirements, found.answers, strict=True) if not holds] == []
+    assert shipped.failing_checks(found) == []
+    assert not found.unmet
+
+
+def test_there_are_enough_and_each_is_another():
+    assert len(MUTANTS) >= 25
+    edits = [{key: mutant[key] for key in mutant if key not in ("name", "caught_by")} for mutant in MUTANTS]
+    assert all(edits.count(edit) == 1 for edit in edits)
+    assert len({mutant["name"] for mutant in MUTANTS}) == len(MUTANTS)

@@ -1,0 +1,134 @@
+"""A whole tool without ROS: real line owner, real testbench, real pty; what is killed is really killed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.demo._world import EEHAL, World
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.tool import EndEffector
+from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.wires import OwnerClient, read_chip
+
+pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
+
+GRIPPING_LINES = ("SODIMM_208", "SODIMM_210", "SODIMM_212")
+ALL_ACTIVE = dict.fromkeys(GRIPPING_LINES, True)
+NONE_ACTIVE = dict.fromkeys(GRIPPING_LINES, False)
+
+HOLDER = """
+import sys, time
+from end_effector_hal.tool import EndEffector
+tool = EndEffector.open(sys.argv[1])
+assert tool.wait_ready()
+print("adopted", flush=True)
+if "grip" in sys.argv:
+    print(tool.grip().state.name, flush=True)
+time.sleep(600)
+"""
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Iterator[World]:
+    with World(load(profile_path()), "nominal", tmp_path) as running:
+        yield running
+
+
+def levels(world: World) -> dict[str, bool]:
+    state = read_chip(world.chip)
+    return {line: bool(state.lines[line].level) for line in GRIPPING_LINES}
+
+
+def until(condition: Callable[[], bool], timeout_s: float = 20.0) -> None:
+    end = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.02)
+
+
+def holder(world: World, *arguments: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-c", HOLDER, str(world.description_path), *arguments]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline().strip() == "adopted"
+    return process
+
+
+def kill(process: subprocess.Popen[str]) -> None:
+    process.kill()
+    process.wait()
+    if process.stdout:
+        process.stdout.close()
+
+
+def test_grip_and_drop_by_hand_and_in_order(world: World) -> None:
+    with EndEffector.open(world.description) as tool:
+        assert tool.wait_ready()
+        until(lambda: tool.set_actuator("cylinder", True).accepted)
+        assert "IL-12" in tool.grip().reason
+        assert tool.set_actuator("cylinder", False).accepted
+        until(lambda: tool.lock().succeeded)
+        result = tool.grip()
+        assert (result.succeeded, result.state) == (True, EndEffectorState.GRIPPED)
+        assert [step.attempts for step in result.steps] == [1, 1, 1]
+        assert levels(world) == ALL_ACTIVE
+        assert not tool.unlock().succeeded
+        assert tool.drop().succeeded
+        assert levels(world) == NONE_ACTIVE
+
+
+def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp_path: Path) -> None:
+    with EndEffector.open(world.description) as tool:
+        assert tool.wait_ready()
+        until(lambda: tool.grip().succeeded)
+        with OwnerClient(world.socket, "test") as observer:
+            os.kill(observer.status()["pid"], signal.SIGKILL)
+        time.sleep(0.5)
+        assert levels(world) == ALL_ACTIVE
+        again = world.children.start(
+            "line owner again", [*EEHAL, "owner", str(world.description_path)], log=tmp_path / "again.log"
+        )
+        again.wait_until(lambda: "ready:" in again.text(), timeout_s=15.0, what="it was ready")
+        assert levels(world) == ALL_ACTIVE
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        until(lambda: tool.drop().succeeded)
+        assert levels(world) == NONE_ACTIVE
+
+
+def test_the_death_of_the_program_while_gripped_holds_and_is_adopted(world: World) -> None:
+    process = holder(world, "grip")
+    assert process.stdout is not None
+    assert process.stdout.readline().strip() == "GRIPPED"
+    kill(process)
+    time.sleep(1.5)
+    assert levels(world) == ALL_ACTIVE
+    with EndEffector.open(world.description) as tool:
+        assert tool.wait_ready()
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        assert tool.drop().succeeded
+
+
+def test_the_death_of_the_program_while_gripping_unwinds_in_reverse(world: World) -> None:
+    world.choose("never-confirms:top_vacuum")
+    process = holder(world, "grip")
+    until(lambda: levels(world) == ALL_ACTIVE)
+    kill(process)
+    seen = [levels(world)]
+
+    def all_inactive() -> bool:
+        if levels(world) != seen[-1]:
+            seen.append(levels(world))
+        return seen[-1] == NONE_ACTIVE
+
+    until(all_inactive)
+    released = [line for a, b in pairwise(seen) for line in GRIPPING_LINES if a[line] and not b[line]]
+    assert released == list(reversed(GRIPPING_LINES))

@@ -1,0 +1,59 @@
+"""The Supervisor's script needs no ROS."""
+
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.tool import Order, read_order, read_script
+from end_effector_hal.trace import Command
+
+
+def test_steps_are_separated_by_semicolons_or_line_ends() -> None:
+    assert read_script("lock; grip ;wait 2.5\n\n RELEASE;; quit # the end; grip\n") == (
+        Order(Command.LOCK),
+        Order(Command.GRIP),
+        Order(wait_s=2.5),
+        Order(Command.RELEASE),
+        Order(Command.QUIT),
+    )
+
+
+def test_drop_is_the_release_of_table_ii() -> None:
+    assert read_script("drop") == read_script("release") == (Order(Command.RELEASE),)
+
+
+def test_an_ampersand_sends_to_the_background() -> None:
+    assert read_script("grip &; wait 1; cancel") == (
+        Order(Command.GRIP, background=True),
+        Order(wait_s=1.0),
+        Order(Command.CANCEL),
+    )
+    assert read_order("grip&") == Order(Command.GRIP, background=True)
+
+
+def test_an_empty_script_holds_nothing() -> None:
+    assert read_script(" ;\n# nothing\n;") == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("lock; gripp; quit", "'gripp' is no command. Did you mean 'grip'?"),
+        ("fly", "'fly' is no command. There are: "),
+        ("grip 3", "'grip 3': nothing may follow 'grip'."),
+        ("lock grip", "nothing may follow 'lock'. Separate commands by ';'."),
+        ("wait", "'wait': expected is 'wait <seconds>'"),
+        ("wait soon", "expected is 'wait <seconds>'"),
+        ("wait -1", "expected is 'wait <seconds>'"),
+        ("wait nan", "expected is 'wait <seconds>'"),
+        ("wait inf", "expected is 'wait <seconds>'"),
+        ("wait 1 2", "expected is 'wait <seconds>'"),
+        ("wait 1 &", "a wait cannot go on in the background"),
+        ("&", "'&' is no command."),
+    ],
+)
+def test_what_is_no_script_is_said_in_a_sentence(text: str, expected: str) -> None:
+    with pytest.raises(UsageError) as raised:
+        read_script(text)
+    assert expected in str(raised.value)
