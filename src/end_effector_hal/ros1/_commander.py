@@ -1,0 +1,76 @@
+"""Gives commands to a unit through its service; a node that hangs or has gone gives an answer as well."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import rospy
+
+from end_effector_hal.wires import now_us
+
+from ._node import service_class
+from ._table import Service
+
+VALID_S, ANSWER_S = 0.5, 3.0
+"""How long a command may be executed, and how long its answer is waited for: never executed once given up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """What came back; ``count``: of the status after the acceptance; ``reached``: somebody answered."""
+
+    accepted: bool
+    reason: str
+    count: int = 0
+    reached: bool = True
+
+
+class Commander:
+    """A client that keeps its connection. It calls in a thread of its own, for rospy knows no time-out."""
+
+    def __init__(self, service: Service) -> None:
+        self._service = service
+        self._lock = threading.Lock()
+        self._jobs: queue.SimpleQueue[tuple[int, queue.SimpleQueue[Reply]]] | None = None
+
+    def ask(self, command: int) -> Reply:
+        """Give a command of Table II and wait for the decision, at most 3 s."""
+        with self._lock:
+            if self._jobs is None:
+                self._jobs = queue.SimpleQueue()
+                threading.Thread(target=self._run, args=(self._jobs,), daemon=True).start()
+            replies: queue.SimpleQueue[Reply] = queue.SimpleQueue()
+            self._jobs.put((command, replies))
+            try:
+                return replies.get(timeout=ANSWER_S)
+            except queue.Empty:
+                # that thread is left behind with its connection; the next call begins anew
+                self._jobs = None
+                return Reply(False, f"The node {self._service.server} does not answer.", reached=False)
+
+    def _run(self, jobs: queue.SimpleQueue[tuple[int, queue.SimpleQueue[Reply]]]) -> None:
+        proxy = None
+        while jobs is self._jobs:
+            command, replies = jobs.get()
+            fresh = proxy is None
+            proxy, reply = self._call(proxy, command)
+            if not reply.reached and not fresh:
+                # its node was started again since the last call
+                proxy, reply = self._call(None, command)
+            replies.put(reply)
+
+    def _call(self, proxy: Any, command: int) -> tuple[Any, Reply]:
+        try:
+            if proxy is None:
+                proxy = rospy.ServiceProxy(
+                    self._service.name, service_class(self._service.type), persistent=True
+                )
+            answer = proxy(command, now_us() + round(VALID_S * 1e6))
+        except (rospy.ServiceException, rospy.ROSException, OSError):
+            if proxy is not None:
+                proxy.close()
+            return None, Reply(False, f"The node {self._service.server} cannot be reached.", reached=False)
+        return proxy, Reply(answer.accepted, answer.reason, answer.count)

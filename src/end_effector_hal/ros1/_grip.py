@@ -1,0 +1,44 @@
+"""Node Grip: the gripping automata and their detectors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from std_srvs.srv import SetBoolResponse
+
+from end_effector_hal.description import Description
+
+from ._node import Node
+from ._table import GRIP, GRIP_COMMAND, GRIP_STATE, TOOL_CHANGE_STATE, set_services
+from ._unit_node import UnitNode
+
+
+class GripNode:
+    """One unit, the three services of its actuators, and what the tool changer says."""
+
+    def __init__(self, node: Node, description: Description) -> None:
+        self._unit = UnitNode(node, description, "grip", GRIP_STATE, GRIP_COMMAND).unit
+        self._unlock: bool | None = None
+        node.subscribe(TOOL_CHANGE_STATE, self._on_tool_change)
+        for name, service in set_services(description).items():
+            node.serve(service, self._setter(name))
+
+    def _on_tool_change(self, message: Any) -> None:
+        if message.unlock_output != self._unlock:
+            self._unlock = message.unlock_output
+            self._unit.tell(unlock_valve=int(message.unlock_output))
+
+    def _setter(self, name: str) -> Callable[[Any], Any]:
+        def answer(request: Any) -> Any:
+            done = self._unit.set_actuator(name, bool(request.data))
+            return SetBoolResponse(done.accepted, done.reason)
+
+        return answer
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the node."""
+    node = Node(GRIP, argv)
+    GripNode(node, node.description())
+    return node.spin()

@@ -1,0 +1,137 @@
+"""Node HALMain: the only interface of applications; four actions, and the aggregated state."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from end_effector_msgs.msg import Command, State
+
+from end_effector_hal.description import Description
+from end_effector_hal.trace import EndEffectorState as TableState
+from end_effector_hal.wires import now_us
+
+from ._aggregate import Aggregate
+from ._diagnostics import ERROR, OK, WARN, Health, diagnose
+from ._margins import Margins
+from ._node import Node, constant_name, stamp
+from ._presence import Presence
+from ._served_goals import ServedGoals
+from ._table import (
+    END_EFFECTOR_STATE,
+    GRIP,
+    GRIP_STATE,
+    HAL_MAIN,
+    POSITION_TOOL_CHANGER,
+    STATE_HZ,
+    TOOL_CHANGE,
+    TOOL_CHANGE_STATE,
+    position_topics,
+    pressure_topics,
+)
+
+
+class HalMainNode:
+    """Every status that a unit sends becomes one EndEffectorState, in order; besides that one at 10 Hz."""
+
+    def __init__(self, node: Node, description: Description) -> None:
+        self._margins = Margins(description)
+        self._aggregate = Aggregate(description, self._margins)
+        self._presence = Presence((GRIP, TOOL_CHANGE) if description.tool_changer else (GRIP,))
+        self._known: dict[str, tuple[int, int]] = {}
+        self._gone: tuple[str, ...] = ()
+        self._positions: dict[str, str] = {}
+        self._lock = threading.Lock()
+        self._log = node.log
+        self._publish = node.publisher(END_EFFECTOR_STATE)
+        self._at_us = now_us()
+        self._state = self._aggregate.message(self._at_us, self._at_us, self._presence)
+        self._goals = ServedGoals(lambda: self._state)
+        node.subscribe(GRIP_STATE, self._on_status(GRIP))
+        node.subscribe(TOOL_CHANGE_STATE, self._on_status(TOOL_CHANGE))
+        for channel, topic in pressure_topics(description):
+            node.subscribe(topic, self._on_pressure(channel))
+        for name, topic in position_topics(description).items():
+            node.subscribe(topic, self._on_position(name))
+        if description.tool_changer:
+            node.subscribe(POSITION_TOOL_CHANGER, self._on_position("tool_changer"))
+        node.every(STATE_HZ, self._tick)
+        diagnose(node, description.name, self._health)
+        node.on_close(self._close)
+
+    def _on_status(self, name: str) -> Callable[[Any], None]:
+        return lambda status: self._take(name, status)
+
+    def _take(self, name: str, status: Any) -> None:
+        known = (status.since_us, status.count)
+        with self._lock:
+            self._presence.heard(name, now_us())
+            if self._known.get(name) == known:
+                return  # repeated: the periodic state says it
+            self._known[name] = known
+            if name == GRIP:
+                self._aggregate.grip = status
+            else:
+                self._aggregate.tool_change = status
+            # the time of the unit that changed: the other one's clock of the same instant is a little off
+            self._at_us = status.at_us
+            self._tell(self._at_us)
+        self._goals.on_status(name, status)
+
+    def _tell(self, stamp_us: int | None = None) -> None:
+        now, before = now_us(), self._gone
+        self._gone = self._presence.gone(now)
+        if self._gone != before:
+            self._at_us = now
+        state = self._aggregate.message(self._at_us, now, self._presence)
+        state.header.stamp = stamp(stamp_us)
+        self._state = state
+        self._publish(state)
+
+    def _tick(self) -> None:
+        with self._lock:
+            before = self._gone
+            self._tell()
+        for name in self._gone:
+            if name not in before and self._presence.known(name):
+                self._log.error("the node %s is silent", name)
+        self._goals.tick(self._gone)
+
+    def _on_pressure(self, channel: str) -> Callable[[Any], None]:
+        return lambda message: self._margins.take(channel, message.fluid_pressure)
+
+    def _on_position(self, name: str) -> Callable[[Any], None]:
+        def take(message: Any) -> None:
+            self._positions[name] = constant_name(message, message.position)
+
+        return take
+
+    def _close(self) -> None:
+        with self._lock:
+            self._state.state, self._state.command = State.OFF, Command.NONE
+            self._state.lift_allowed, self._state.at_us = False, now_us()
+            self._state.header.stamp = stamp()
+            self._publish(self._state)
+
+    def _health(self) -> Health:
+        state = self._state
+        level = ERROR if self._gone or not state.link_up else WARN if state.alarms or state.missed else OK
+        return Health(
+            level,
+            " ".join(state.alarms) or "As it should be.",
+            {
+                "state": TableState(state.state).name,
+                "reason": state.reason,
+                "held": state.held,
+                "lift allowed": state.lift_allowed,
+                **{f"position of {name}": position for name, position in self._positions.items()},
+            },
+        )
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the node."""
+    node = Node(HAL_MAIN, argv)
+    HalMainNode(node, node.description())
+    return node.spin()

@@ -1,0 +1,40 @@
+"""How far the pressure of each actuator is from the threshold that matters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+
+from end_effector_hal.description import Actuator, Description, VacuumActuator
+
+from ._frames import AMBIENT_PA
+
+
+class Margins:
+    """Takes absolute pressures by channel; gives Pa above the threshold of each actuator."""
+
+    def __init__(self, description: Description) -> None:
+        self._description = description
+        self._supply = description.supply
+        self._absolute: dict[str, float] = {}
+
+    def take(self, channel: str, absolute_pa: float) -> None:
+        """One reading; NaN: invalid."""
+        self._absolute[channel] = absolute_pa
+
+    def values(self, stale: Collection[str] | None) -> list[float]:
+        """In the order of the sequence, NaN where nothing is known; ``stale``: channels, None: all."""
+        return [self._margin(part, stale) for _, part in self._description.ordered]
+
+    def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
+        gauge = self._gauge(part.channel, stale)
+        if isinstance(part, VacuumActuator):
+            return -gauge - part.lost_kpa * 1000
+        supply = self._gauge(self._supply.channel, stale)
+        reference = self._supply.nominal_kpa * 1000 if math.isnan(supply) else supply
+        return gauge - part.extended_fraction * reference
+
+    def _gauge(self, channel: str, stale: Collection[str] | None) -> float:
+        if stale is None or channel in stale:
+            return math.nan
+        return self._absolute.get(channel, math.nan) - AMBIENT_PA

@@ -1,0 +1,60 @@
+"""Node ToolChange: the automaton of the tool changer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from std_srvs.srv import SetBoolResponse
+
+from end_effector_hal.control import ChangerState
+from end_effector_hal.description import Description
+from end_effector_hal.trace import Command
+
+from ._node import Node
+from ._table import GRIP_STATE, TOOL_CHANGE, TOOL_CHANGE_COMMAND, TOOL_CHANGE_STATE, set_tool_changer
+from ._unit_node import UnitNode
+
+MARGIN_S = 1.0
+"""A unit decides by itself in time; past this the caller gets an answer all the same."""
+
+
+class ToolChangeNode:
+    """One unit, its service, and what the gripping automata say."""
+
+    def __init__(self, node: Node, description: Description) -> None:
+        self._unit = UnitNode(node, description, "tool_change", TOOL_CHANGE_STATE, TOOL_CHANGE_COMMAND).unit
+        self._changer = description.tool_changer
+        self._ee: int | None = None
+        node.subscribe(GRIP_STATE, self._on_grip)
+        service = set_tool_changer(description)
+        if service is not None:
+            node.serve(service, self._on_set)
+
+    def _on_grip(self, message: Any) -> None:
+        if message.state != self._ee:
+            self._ee = message.state
+            self._unit.tell(ee=message.state)
+
+    def _on_set(self, request: Any) -> Any:
+        wanted = ChangerState.UNLOCKED if request.data else ChangerState.LOCKED
+        if self._unit.status.changer == wanted:
+            return SetBoolResponse(True, f"The tool changer is {wanted.name} already, proven by its sensors.")
+        answer = self._unit.command("unlock" if request.data else "lock")
+        if not answer.accepted:
+            return SetBoolResponse(False, answer.reason)
+        limit_s = (self._changer.prove_s if self._changer else 0.0) + MARGIN_S
+        self._unit.wait(lambda status: status.command == Command.NONE, limit_s)
+        reached = ChangerState(self._unit.status.changer)
+        if reached is wanted:
+            return SetBoolResponse(True, f"The tool changer is {wanted.name}, proven by its sensors.")
+        return SetBoolResponse(
+            False, f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
+        )
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the node."""
+    node = Node(TOOL_CHANGE, argv)
+    ToolChangeNode(node, node.description())
+    return node.spin()

@@ -1,0 +1,119 @@
+"""What the nodes Grip and ToolChange have in common: one unit of automata with a topic and a service."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from end_effector_msgs.msg import State
+from end_effector_msgs.srv import HalCommandResponse
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.tool import open_unit
+from end_effector_hal.trace import Command
+from end_effector_hal.wires import get_codec, now_us
+
+from ._diagnostics import ERROR, OK, WARN, Health, diagnose
+from ._frames import frame_from_message
+from ._node import Node, stamp
+from ._statuses import status_to_message
+from ._table import SENSOR_FRAME, STATE_HZ, Service, Topic
+
+_WORDS = {
+    Command.LOCK: "lock",
+    Command.UNLOCK: "unlock",
+    Command.GRIP: "grip",
+    Command.RELEASE: "drop",
+    Command.CANCEL: "cancel",
+}
+COMMANDS = {
+    "grip": (Command.GRIP, Command.RELEASE, Command.CANCEL),
+    "tool_change": (Command.LOCK, Command.UNLOCK),
+}
+
+
+class UnitNode:
+    """A unit behind a topic and a service; it lives as long as the node.
+
+    Args:
+        node: to talk with.
+        description: the tool.
+        program: of the unit, ``grip`` or ``tool_change``.
+        state: where its statuses go: at each step, and at 10 Hz.
+        command: the service that gives it commands.
+    """
+
+    def __init__(
+        self, node: Node, description: Description, program: str, state: Topic, command: Service
+    ) -> None:
+        self._program, self._node, self._log = program, node, node.log
+        self._kinds = get_codec(description.link.codec).channels
+        self._publish = node.publisher(state)
+        self._since_us, self._count = now_us(), 0
+        self._lock = threading.Lock()
+        self._last: Any = None
+        self._alarms: tuple[str, ...] = ()
+        self.unit = open_unit(description, program, self._on_status)
+        node.serve(command, self._on_command)
+        node.every(STATE_HZ, self._repeat)
+        diagnose(node, description.name, self._health)
+        node.on_close(self._close)
+        self.unit.start()
+        node.subscribe(SENSOR_FRAME, self._on_frame)
+
+    def _on_frame(self, message: Any) -> None:
+        self.unit.frame(frame_from_message(message, self._kinds))
+
+    def _on_status(self, status: Status) -> None:
+        with self._lock:
+            self._count += 1
+            self._last = status_to_message(status, self._since_us, self._count)
+            self._publish(self._last)
+        for alarm in status.alarms:
+            if alarm not in self._alarms:
+                self._log.warning("%s", alarm)
+        self._alarms = status.alarms
+
+    def _repeat(self) -> None:
+        if not self.unit.alive:
+            self._node.fail(EndEffectorError(f"The program {self._program} does not work any more."))
+            return
+        with self._lock:
+            if self._last is not None:
+                self._last.header.stamp = stamp()
+                self._publish(self._last)
+
+    def _on_command(self, request: Any) -> Any:
+        if request.command not in COMMANDS[self._program]:
+            known = ", ".join(f"{command.name} ({command.value})" for command in COMMANDS[self._program])
+            return HalCommandResponse(False, f"{request.command} is no command here; there are {known}.", 0)
+        if request.until_us and now_us() > request.until_us:
+            return HalCommandResponse(False, "The command came too late and was not executed.", 0)
+        answer = self.unit.command(_WORDS[Command(request.command)])
+        with self._lock:
+            return HalCommandResponse(answer.accepted, answer.reason, self._count)
+
+    def _close(self) -> None:
+        self.unit.close("sigterm")
+        with self._lock:
+            if self._last is not None:
+                self._last.state, self._last.count = State.OFF, self._count + 1
+                self._publish(self._last)
+
+    def _health(self) -> Health:
+        status = self.unit.status
+        level = ERROR if not status.link_up else WARN if status.alarms or status.missed else OK
+        late = f"{status.missed} edges were taken later than the reaction bound." if status.missed else ""
+        return Health(
+            level,
+            " ".join((*status.alarms, late)).strip() or "As it should be.",
+            {
+                "link up": status.link_up,
+                "stale channels": ", ".join(status.stale) or "none",
+                "edges later than the reaction bound": status.missed,
+                "worst lateness (ms)": f"{status.worst_late_us / 1000:.3f}",
+                "reason": status.reason,
+            },
+        )

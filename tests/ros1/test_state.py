@@ -1,0 +1,99 @@
+"""EndEffectorState: latched, at 10 Hz, in the integers of Table II."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+import pytest
+
+from end_effector_hal.trace import Command, CylinderState, EndEffectorState, VacuumState
+
+pytestmark = pytest.mark.ros
+
+
+def test_it_is_latched(system: Any) -> None:
+    assert system.state._connection_header["latching"] == "1"
+
+
+def test_it_comes_at_10_hz_while_nothing_changes(system: Any) -> None:
+    before = len(system.states)
+    begun = time.monotonic()
+    system.until("20 messages", lambda: len(system.states) >= before + 20, 5.0)
+    assert 1.6 < time.monotonic() - begun < 2.6
+
+
+def test_its_constants_are_those_of_table_ii() -> None:
+    from end_effector_msgs.msg import Command as CommandMsg
+    from end_effector_msgs.msg import CylinderState as CylinderMsg
+    from end_effector_msgs.msg import State
+    from end_effector_msgs.msg import VacuumState as VacuumMsg
+
+    for table, message in (
+        (EndEffectorState, State), (Command, CommandMsg), (VacuumState, VacuumMsg), (CylinderState, CylinderMsg),
+    ):  # fmt: skip
+        constants = {
+            name: value for name, value in vars(message).items() if name.isupper() and isinstance(value, int)
+        }
+        assert constants == {state.name: state.value for state in table}
+
+
+def test_at_rest(system: Any) -> None:
+    state = system.state
+    assert (state.state, state.command, list(state.actuators)) == (6, -1, [0, 0, 0])
+    assert list(state.actuator_names) == ["bottom_vacuum", "cylinder", "top_vacuum"]
+    assert list(state.outputs) == [False] * 3
+    assert list(state.evidence) == [1, 1, 1]
+    assert not state.lift_allowed
+    assert not state.held
+    assert state.link_up
+    assert state.tool_changer == 1
+    assert math.isnan(state.time_left_s)
+
+
+def test_pressures_are_absolute_pascal(system: Any) -> None:
+    import rospy
+    from sensor_msgs.msg import FluidPressure
+
+    message = rospy.wait_for_message("PressureSupply", FluidPressure, timeout=5)
+    assert message.fluid_pressure == pytest.approx(101_325 + 600_000, abs=3_000)
+    message = rospy.wait_for_message("PressureVacuumBottom", FluidPressure, timeout=5)
+    assert message.fluid_pressure == pytest.approx(101_325, abs=1_000)
+
+
+def test_diagnostics_come_from_every_node_once_a_second(system: Any) -> None:
+    import rospy
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    seen: dict[str, list[float]] = {}
+    subscriber = rospy.Subscriber(
+        "/diagnostics",
+        DiagnosticArray,
+        lambda message: seen.setdefault(message._connection_header["callerid"], []).append(time.monotonic()),
+    )
+    try:
+        system.until(
+            "three of each",
+            lambda: len(seen) >= 5 and all(len(times) >= 3 for times in seen.values()),
+            6.0,
+        )
+    finally:
+        subscriber.unregister()
+    assert set(seen) == {"/HALMain", "/Grip", "/ToolChange", "/Pressure", "/Position"}
+    for times in seen.values():
+        assert times[2] - times[0] == pytest.approx(2.0, abs=0.5)
+
+
+def test_a_change_carries_its_time_and_a_repetition_that_of_the_last_change(system: Any) -> None:
+    begun = len(system.states)
+    system.grip()
+    system.until("a repetition", lambda: system.states[-1].at_us == system.states[-3].at_us)
+    messages = system.states[begun:]
+    times = [message.at_us for message in messages]
+    assert times == sorted(times)
+    steps = {
+        message.at_us: message.header.stamp.to_nsec() / 1000 for message in messages if message.command == 2
+    }
+    (first, begun_us), (last, ended_us) = min(steps.items()), max(steps.items())
+    assert ended_us - begun_us == pytest.approx(last - first, abs=200_000)
