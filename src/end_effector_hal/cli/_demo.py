@@ -1,0 +1,68 @@
+"""``eehal demo``: the paper, end to end."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+WIDTH = 120
+
+
+@click.command("demo")
+@click.argument("description", required=False, type=click.Path(path_type=Path))
+@click.option("--no-ros", is_flag=True, help="The same core, testbench and wires, without ROS.")
+@click.option(
+    "--all", "everything", is_flag=True, help="Also a cancel, a release that fails, unlock and lock."
+)
+@click.option(
+    "-o",
+    "--output",
+    default="runs/demo",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Folder of the runs.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON.")
+def command(description: Path | None, no_ros: bool, everything: bool, output: Path, as_json: bool) -> None:
+    """Play the paper's three scenarios (Figs. 7, 8 and 9) and draw what was recorded.
+
+    For each of them a virtual chip, the line owner and the testbench are started, and with ROS a master, the
+    nodes of the launch file and the Supervisor. DESCRIPTION: default is the shipped tool. Exit code 1: a
+    scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
+    """
+    from end_effector_hal.demo import print_table, run_demo, scenarios
+    from end_effector_hal.description import load, profile_path
+
+    signal.signal(signal.SIGTERM, _end)
+    signal.signal(signal.SIGHUP, _end)
+    loaded = load(description or profile_path())
+    chosen = scenarios(loaded, everything=everything)
+    reports = list(run_demo(loaded, chosen, output, ros=not no_ros, progress=_console(stderr=True)))
+    if as_json:
+        click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
+    else:
+        print_table(_console(), reports)
+    if not all(report.ok for report in reports):
+        raise click.exceptions.Exit(1)
+
+
+def _console(*, stderr: bool = False) -> Console:
+    from rich.console import Console
+
+    console = Console(stderr=stderr)
+    # a file has no width of its own
+    return console if console.is_terminal else Console(stderr=stderr, width=WIDTH)
+
+
+def _end(number: int, _frame: FrameType | None) -> None:
+    # what was started is ended on the way out
+    sys.exit(128 + number)

@@ -1,0 +1,83 @@
+"""The line owner: whether one serves the tool's socket, for whom, and what is active."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import EndEffectorError
+
+from ._doctor_finding import Finding, Findings, Part
+from ._doctor_holders import holders_of
+
+_FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/tmp/eehal-0"))
+_START = "Start it: eehal owner DESCRIPTION, or systemctl start eehal-owner."
+_GROUP = "Add the user to the group gpio, which owns the socket, and log in again."
+_say = Part("owner")
+
+
+def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
+    """Args: ``lines``: all output lines of the tool; asks for levels and status, writes nothing."""
+    from end_effector_hal.wires import OwnerClient
+
+    path = socket_path(description)
+    try:
+        with OwnerClient(path, "doctor", patience_s=0) as client:
+            levels, status = client.levels(), client.status()
+    except EndEffectorError as error:
+        yield _unreachable(path, error)
+        return
+    if set(levels) != set(lines):
+        yield _say.missing(
+            f"pid {status.get('pid')} at {path} owns other lines: {', '.join(levels)}",
+            "It was started with another description: end it and start it with this one.",
+        )
+        return
+    yield _say.ok(f"pid {status.get('pid')} serves {path}; {_clients(status)}")
+    labels = {actuator.line: name for name, actuator in description.ordered}
+    active = [f"{line} ({labels.get(line, 'unlock')})" for line, level in levels.items() if level]
+    yield _say.ok(f"active: {', '.join(active) or 'no line'}")
+    if trips := status.get("trips"):
+        yield _say.warning(
+            f"IL-03 ended {len(trips)} activations, the last of {trips[-1].get('line')}",
+            "Whoever unlocks should end it earlier; see the log of the owner.",
+        )
+
+
+def _clients(status: dict[str, Any]) -> str:
+    told = [
+        f"{each.get('client')} (pid {each.get('pid')}{', its will is executed' if each.get('ended') else ''})"
+        for each in status.get("clients", [])
+    ]
+    return f"writing: {', '.join(told)}" if told else "nobody writes"
+
+
+def _unreachable(path: Path, error: EndEffectorError) -> Finding:
+    if path.parent.is_dir() and not os.access(path.parent, os.X_OK):
+        return _say.missing(f"{path.parent} may not be entered: permission denied", _GROUP)
+    if isinstance(error.__cause__, PermissionError):
+        return _say.missing(f"{path} may not be opened: permission denied", _GROUP)
+    if holders := " and ".join(map(str, holders_of(f"{path}.lock"))):
+        return _say.missing(
+            f"{path} is held by {holders}: {error.what}",
+            "If it does not answer any more, end it and start it again; it adopts the lines as they are.",
+        )
+    if elsewhere := next(_elsewhere(path), None):
+        return _say.missing(
+            f"no line owner at {path}, but there is a socket at {elsewhere}",
+            f"Set EEHAL_RUN_DIR={elsewhere.parent}, as the owner has it.",
+        )
+    return _say.missing(f"no line owner runs at {path}", _START)
+
+
+def _elsewhere(path: Path) -> Iterator[Path]:
+    """Sockets of the same name where other users' programs put them."""
+    for folder in _FOLDERS:
+        try:
+            if folder != path.parent and (folder / path.name).is_socket():
+                yield folder / path.name
+        except OSError:
+            continue

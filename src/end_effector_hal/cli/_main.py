@@ -1,0 +1,72 @@
+"""The group of all commands, errors as sentences, exit codes."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import click
+
+from end_effector_hal.errors import EndEffectorError
+
+_COMMANDS = {
+    "check": "say everything that is wrong with a description",
+    "demo": "the three scenarios of the paper, with their figures",
+    "doctor": "what this machine lacks to run a tool, and what to do",
+    "model": "show, play, export and check the automata",
+    "owner": "own the output lines of a tool and serve them on a socket",
+    "plot": "draw a recorded run",
+    "run": "one tool in this terminal, without ROS",
+    "schema": "the JSON Schema of a description, for editors",
+    "verify": "prove what the automata promise, or show a counterexample",
+    "testbench": "the simulated hardware at the other end of the wires",
+}
+
+
+class _LazyGroup(click.Group):
+    """Loads the module of a command when it is called: the start stays quick."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _COMMANDS:
+            return None
+        module = importlib.import_module(f"end_effector_hal.cli._{cmd_name}")
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, _COMMANDS[name]) for name in self.list_commands(ctx)])
+
+
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="end-effector-hal")
+def eehal() -> None:
+    """Bring up a robot end-effector: described once, its UPPAAL file executed.
+
+    Exit codes: 0 ok, 1 the run ended in a defined failure, 2 bad description or usage, 3 hardware or ROS not
+    reachable, 4 a property does not hold.
+    """
+
+
+def main() -> None:
+    """Entry point; every expected error is one sentence on stderr."""
+    try:
+        # click hands back what a command gave to ctx.exit
+        sys.exit(eehal(standalone_mode=False) or 0)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(2)
+    except click.exceptions.Exit as exit_:
+        sys.exit(exit_.exit_code)
+    except click.Abort:
+        sys.exit(130)
+    except EndEffectorError as error:
+        click.echo(str(error), err=True)
+        sys.exit(error.exit_code)
+    except BrokenPipeError:
+        # the reader of our output has gone; there is nobody to tell
+        sys.stderr.close()
+        sys.exit(0)

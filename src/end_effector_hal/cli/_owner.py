@@ -1,0 +1,25 @@
+"""``eehal owner``: the process that owns the output lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from end_effector_hal.description import load, profile_path
+
+
+@click.command()
+@click.argument("description", type=click.Path(path_type=Path), default=None, required=False)
+@click.option(
+    "--socket", type=click.Path(path_type=Path), help="Unix socket to serve; default: the description's."
+)
+def command(description: Path | None, socket: Path | None) -> None:
+    """Own all output lines of a tool (one request) and serve them on a Unix socket.
+
+    Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, what it
+    left as its will is done. The lines keep their level when the owner ends.
+    """
+    from end_effector_hal.tool import run_owner
+
+    run_owner(load(description or profile_path()), socket)

@@ -1,0 +1,99 @@
+"""``eehal plot``: figures of a recording."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.trace import (
+    PressuresLog,
+    StatesLog,
+    Story,
+    paper,
+    read_pressures,
+    read_run,
+    read_states,
+    save,
+    tell,
+    timeline,
+)
+
+STYLES = ("timeline", "paper")
+
+
+@click.command(name="plot")
+@click.argument("recording", metavar="STATES.csv", type=click.Path(path_type=Path))
+@click.option("--style", type=click.Choice([*STYLES, "both"]), default="timeline", show_default=True)
+@click.option("-o", "--output", metavar="FILE.(png|svg)|DIR", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the story and the files as JSON.")
+def command(recording: Path, style: str, output: Path | None, as_json: bool) -> None:
+    """Draw a recording: STATES.csv, or the folder of a run.
+
+    Pressures and the source of the run are taken from pressures.csv and run.json beside it. Without -o the
+    figure is written beside the recording, as PNG and as SVG.
+    """
+    states = recording / "states.csv" if recording.is_dir() else recording
+    styles = STYLES if style == "both" else (style,)
+    log = read_states(states)
+    info = read_run(states.parent)
+    targets = {name: _targets(states, name, styles, output) for name in styles}
+    pressures, notes = _pressures(states.with_name("pressures.csv"))
+    files: list[Path] = []
+    for name, paths in targets.items():
+        figure = timeline(log, pressures, info) if name == "timeline" else paper(log, info)
+        files += [save(figure, path) for path in paths]
+    _report(log, tell(log, info), files, [note for note in (log.note, *notes) if note], as_json)
+
+
+def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | None) -> list[Path]:
+    if output is None:
+        return [states.with_name(f"{style}.{suffix}") for suffix in ("png", "svg")]
+    if output.suffix and not output.is_dir():
+        if len(styles) > 1:
+            raise UsageError(
+                "Two figures do not fit into one file.", where=str(output), todo="Name a folder."
+            )
+        return [output]
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(output)) from None
+    return [output / f"{style}.{suffix}" for suffix in ("png", "svg")]
+
+
+def _pressures(path: Path) -> tuple[PressuresLog | None, list[str]]:
+    """A damaged file of pressures is reported and does not stop the figure of the states."""
+    if not path.exists():
+        return None, []
+    try:
+        pressures = read_pressures(path)
+    except UsageError as error:
+        return None, [f"{error} The pressures are not drawn."]
+    return pressures, [pressures.note]
+
+
+def _report(log: StatesLog, story: Story, files: list[Path], notes: list[str], as_json: bool) -> None:
+    if as_json:
+        answer = {
+            "verdict": story.verdict,
+            "final": story.final.name if story.final is not None else None,
+            "grips": [asdict(grip) for grip in story.grips],
+            "releases": [
+                {**asdict(release), "ended": release.ended.name if release.ended is not None else None}
+                for release in story.releases
+            ],
+            "rows": len(log.rows),
+            "files": [str(file) for file in files],
+            "notes": notes,
+        }
+        click.echo(json.dumps(answer, indent=2, ensure_ascii=False))
+        return
+    click.echo(story.verdict)
+    for file in files:
+        click.echo(str(file))
+    for note in notes:
+        click.echo(f"Note: {note}", err=True)

@@ -1,0 +1,144 @@
+"""``eehal verify``: every requirement of the model with its verdict, the worst cases, counterexamples."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli._model_source import DESCRIPTION, MODEL, Source, open_source
+
+if TYPE_CHECKING:
+    from end_effector_hal.tool.proof import Finding, Proof
+    from end_effector_hal.trace import RunInfo
+
+_FAILED = 4
+
+
+@click.command(name="verify")
+@DESCRIPTION
+@MODEL
+@click.option("--json", "as_json", is_flag=True, help="Print {requirements, bounds} as JSON.")
+@click.option(
+    "-o",
+    "--output",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Write each counterexample there: text, states.csv, timeline.",
+)
+def command(description: Path | None, model: Path | None, as_json: bool, output: Path | None) -> None:
+    """Prove what the automata must do, with the constants of DESCRIPTION, or show a run that does not.
+
+    DESCRIPTION defaults to the shipped one; --model checks a UPPAAL file as it stands, with its own queries. The
+    exit code is 4 when a requirement does not hold.
+    """
+    from end_effector_hal.tool.proof import prove
+
+    source = open_source(description, model)
+    with _Progress() as progress:
+        proof = prove(source.network, progress)
+    files = _write(source, proof, output) if output is not None else {}
+    if as_json:
+        click.echo(json.dumps(proof.document(), indent=2, ensure_ascii=False))
+        for file in (file for each in files.values() for file in each):
+            click.echo(str(file), err=True)
+    else:
+        _print(source, proof, files)
+    if not proof.holds:
+        sys.exit(_FAILED)
+
+
+def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
+    click.secho(f"{source.name}: {len(proof.findings)} requirements", bold=True)
+    for finding in proof.findings:
+        _print_line(finding)
+    if proof.bounds:
+        click.echo("\nworst cases, computed and required:")
+    for name, worst in proof.bounds.items():
+        computed = "never" if worst.computed_ms is None else f"{worst.computed_ms / 1000:g} s"
+        click.echo(
+            f"  {name.removesuffix('_s').replace('_', '-'):16} {computed:>9}  {worst.declared_ms / 1000:g} s"
+        )
+    for note in proof.notes:
+        click.echo(f"note: {note}")
+    for finding in proof.findings:
+        if finding.trace is not None:
+            _print_run(finding, files.get(finding.id, []))
+    failed = sum(not finding.holds for finding in proof.findings)
+    verdict = (
+        f"{failed} of {len(proof.findings)} do not hold" if failed else f"all {len(proof.findings)} hold"
+    )
+    text = f"\n{verdict}; {proof.states:,} states, {proof.seconds:.2f} s"
+    click.secho(text, fg="red" if failed else "green", bold=True)
+    if failed and not files and any(finding.trace for finding in proof.findings):
+        click.echo("-o DIR writes the runs and draws them.")
+
+
+def _print_line(finding: Finding) -> None:
+    mark = click.style("holds", fg="green") if finding.holds else click.style("FAILS", fg="red", bold=True)
+    cost = click.style(f"[{finding.id}; {finding.states:,} states, {finding.seconds:.2f} s]", dim=True)
+    click.echo(f"{mark}  {finding.sentence}  {cost}")
+    for remark in finding.remark.split("; ") if finding.remark else ():
+        click.echo(f"       {remark}")
+
+
+def _print_run(finding: Finding, files: list[Path]) -> None:
+    assert finding.trace is not None
+    click.echo(f"\n[{finding.id}] {finding.sentence}")
+    if finding.query:
+        click.echo(finding.query)
+    for line in finding.trace.lines:
+        click.echo(f"  {line}")
+    for file in files:
+        click.echo(str(file))
+
+
+def _write(source: Source, proof: Proof, output: Path) -> dict[str, list[Path]]:
+    from end_effector_hal.tool.proof import write_counterexample
+
+    names = tuple(source.description.sequence) if source.description is not None else ()
+    info, refuted = _info(source), [finding for finding in proof.findings if finding.trace is not None]
+    return {each.id: write_counterexample(each, output, info, names) for each in refuted}
+
+
+def _info(source: Source) -> RunInfo:
+    from end_effector_hal.tool import run_info
+    from end_effector_hal.trace import RunInfo
+
+    if source.description is None:
+        return RunInfo(description=Path(source.name).name)
+    return replace(run_info(source.description), simulated=True)
+
+
+class _Progress:
+    """Says on stderr what is being done, when it takes long."""
+
+    _FIRST_S = 1.0
+
+    def __init__(self) -> None:
+        self._terminal = sys.stderr.isatty()
+        self._every_s = 0.2 if self._terminal else 5.0
+        self._begun = time.monotonic()
+        self._next = self._begun + (self._FIRST_S if self._terminal else self._every_s)
+        self._told = False
+
+    def __call__(self, what: str, states: int) -> None:
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next, self._told = now + self._every_s, True
+        count = f", {states:,} states" if states else ""
+        text = f"{what}{count}, {now - self._begun:.0f} s"
+        click.echo(f"\r\x1b[K{text}" if self._terminal else text, err=True, nl=not self._terminal)
+
+    def __enter__(self) -> _Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._told and self._terminal:
+            click.echo("\r\x1b[K", err=True, nl=False)

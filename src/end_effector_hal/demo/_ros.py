@@ -1,0 +1,111 @@
+"""The same scenario on real ROS: a master of its own, the shipped launch file, the Supervisor.
+
+Only processes are started here and the recording is read; nothing of ROS is imported.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import signal
+import socket
+import sys
+from pathlib import Path
+
+from end_effector_hal.errors import RosError
+from end_effector_hal.trace import EndEffectorState
+
+from ._last_state import last_state
+from ._scenario import Scenario
+from ._world import World
+
+START_S = 40.0
+END_S = 20.0
+LAUNCH = "end_effector.launch"
+RUN = ("rosrun", "end_effector_hal")
+PROGRAMS = ("roscore", "roslaunch", "rosrun")
+DEBIAN = (
+    "python3-rospy python3-actionlib python3-roslaunch python3-rostopic python3-diagnostic-msgs "
+    "python3-sensor-msgs python3-std-srvs rosbash catkin ros-message-generation"
+)
+WITHOUT = "Without ROS: `eehal demo --no-ros`."
+
+
+def need_ros() -> None:
+    """Raise RosError when ROS or its messages are not here; it says how to get them."""
+    missing = [name for name in PROGRAMS if shutil.which(name) is None]
+    missing += [] if importlib.util.find_spec("rospy") else ["rospy"]
+    if missing:
+        raise RosError(
+            f"ROS is not installed: {', '.join(missing)} not found.",
+            todo=f"On Debian 12: `make setup`, or `apt install {DEBIAN}`. {WITHOUT}",
+        )
+    if importlib.util.find_spec("end_effector_msgs") is None:
+        raise RosError(
+            "The ROS messages are not built, or not sourced.",
+            todo=f"Run `make demo`, or ros/build.sh and then `. build/catkin/devel/setup.sh`. {WITHOUT}",
+        )
+
+
+def play_ros(scenario: Scenario, world: World, folder: Path) -> None:
+    """Play a scenario through HALMain's actions, recorded by DataLogger into ``folder``.
+
+    Raises:
+        RosError: a program of ROS does not start or does not end; with the last lines of its log.
+    """
+    port = _free_port()
+    logs = folder / "ros"
+    logs.mkdir(exist_ok=True)
+    env = {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_IP": "127.0.0.1",
+        "ROS_LOG_DIR": str(logs.absolute()),
+        "PYTHONUNBUFFERED": "1",
+        # the nodes ask `env` for python3: it is to be this one
+        "PATH": f"{Path(sys.executable).parent}:{os.environ.get('PATH', os.defpath)}",
+    }
+    start, states = world.children.start, folder / "states.csv"
+    description = str(world.description_path.absolute())
+    master = start(
+        "roscore", ["roscore", "-p", str(port)], log=folder / "roscore.log", failed=RosError, env=env,
+        end_by=signal.SIGINT,
+    )  # fmt: skip
+    master.wait_until(lambda: _answers(port), timeout_s=START_S, what="it answered")
+    launch = start(
+        "launch file",
+        ["roslaunch", "--wait", "end_effector_hal", LAUNCH, f"description:={description}", "owner:=false"],
+        log=folder / "roslaunch.log", failed=RosError, env=env, end_by=signal.SIGINT, patience_s=END_S,
+    )  # fmt: skip
+    # not by the launch file: it is to end before the nodes do, so that their end is not recorded as a state
+    logger = start(
+        "DataLogger",
+        [*RUN, "data_logger", f"_description:={description}", f"_directory:={folder.absolute()}"],
+        log=folder / "data_logger.log", failed=RosError, env=env,
+    )  # fmt: skip
+    launch.wait_until(
+        lambda: last_state(states) is EndEffectorState.STAND_BY,
+        timeout_s=START_S,
+        what="STAND_BY was recorded",
+    )
+    supervisor = start(
+        "Supervisor", [*RUN, "supervisor", f"_script:={scenario.script}"],
+        log=folder / "supervisor.log", failed=RosError, env=env,
+    )  # fmt: skip
+    supervisor.wait_for_end(timeout_s=scenario.longest_s(world.description) + START_S)
+    world.children.end_since(logger)
+    world.children.end_since(master)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _answers(port: int) -> bool:
+    try:
+        with socket.create_connection(("127.0.0.1", port), timeout=0.5):
+            return True
+    except OSError:
+        return False

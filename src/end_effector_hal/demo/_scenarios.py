@@ -1,0 +1,148 @@
+"""The scenarios of the paper (Figs. 7 to 9) and those of ``make demo-all``, for any description."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import Description
+from end_effector_hal.trace import Command, EndEffectorState
+
+from ._scenario import Expected, Order, Scenario
+
+HOLD_S = 2.0
+REST_S = 0.5
+"""What a recording shows of the state that it ends in."""
+
+State = EndEffectorState
+_LOCK = Order(Command.LOCK, REST_S)
+_GRIP = Order(Command.GRIP, HOLD_S)
+_DROP = Order(Command.RELEASE, REST_S)
+_HELD = (State.STAND_BY, State.GRIPPING, State.GRIPPED, State.RELEASING)
+
+
+def culprit_of(description: Description) -> str:
+    """The actuator that fails in the demo: the first cylinder after the first step, else the second step."""
+    later = description.ordered[1:] or description.ordered
+    return next((name for name, actuator in later if actuator.kind == "cylinder"), later[0][0])
+
+
+def scenarios(description: Description, *, everything: bool = False) -> tuple[Scenario, ...]:
+    """The three of the paper; with ``everything`` also a cancel, a failing release, and unlock and lock."""
+    paper = (_nominal(description), _fails_once(description), _never_confirms(description))
+    if not everything:
+        return paper
+    more = (_cancelled(description), _stuck_release(description))
+    return (*paper, *more, _unlock_and_lock()) if description.tool_changer else (*paper, *more)
+
+
+def _nominal(description: Description) -> Scenario:
+    return Scenario(
+        name="nominal",
+        title="grip, hold, drop",
+        bench="nominal",
+        orders=(*_first(description), _GRIP, _DROP),
+        expected=Expected(
+            (*_HELD, State.STAND_BY),
+            _commands(description, Command.GRIP, Command.RELEASE),
+            dict.fromkeys(description.sequence, 1),
+        ),
+        figure="Fig. 7",
+    )
+
+
+def _fails_once(description: Description) -> Scenario:
+    culprit = culprit_of(description)
+    recovers = description.actuators[culprit].attempts > 1
+    recovered = Expected(
+        (*_HELD, State.STAND_BY),
+        _commands(description, Command.GRIP, Command.RELEASE),
+        dict.fromkeys(description.sequence, 1) | {culprit: 2},
+        {culprit: 1},
+    )
+    return Scenario(
+        name="fails-once",
+        title=f"{culprit} fails once and recovers",
+        bench=f"fails-once:{culprit}",
+        orders=(*_first(description), _GRIP, *((_DROP,) if recovers else ())),
+        expected=recovered if recovers else _aborted(description, culprit),
+        figure="Fig. 8",
+    )
+
+
+def _never_confirms(description: Description) -> Scenario:
+    culprit = culprit_of(description)
+    return Scenario(
+        name="never-confirms",
+        title=f"{culprit} never confirms",
+        bench=f"never-confirms:{culprit}",
+        orders=(*_first(description), Order(Command.GRIP, REST_S)),
+        expected=_aborted(description, culprit),
+        figure="Fig. 9",
+    )
+
+
+def _aborted(description: Description, culprit: str) -> Expected:
+    attempts = description.actuators[culprit].attempts
+    return Expected(
+        (State.STAND_BY, State.GRIPPING, State.GRIP_ERROR, State.RELEASING, State.STAND_BY),
+        _commands(description, Command.GRIP, Command.RELEASE),
+        _before(description, culprit) | {culprit: attempts},
+        {culprit: attempts},
+    )
+
+
+def _cancelled(description: Description) -> Scenario:
+    culprit = culprit_of(description)
+    holds = description.endings.gripping.cancel == "hold"
+    shown = (Command.GRIP,) if holds else (Command.GRIP, Command.CANCEL)
+    after = (State.GRIP_ERROR,) if holds else (State.RELEASING, State.STAND_BY)
+    middle_s = min(3.0, 0.6 * description.actuators[culprit].timeout_s)
+    grip = Order(Command.GRIP, middle_s, background=True)
+    return Scenario(
+        name="cancel",
+        title=f"cancelled while {culprit} is pending",
+        bench=f"never-confirms:{culprit}",
+        orders=(*_first(description), grip, Order(Command.CANCEL, REST_S)),
+        expected=Expected(
+            (State.STAND_BY, State.GRIPPING, *after),
+            _commands(description, *shown),
+            _before(description, culprit) | {culprit: 1},
+        ),
+    )
+
+
+def _stuck_release(description: Description) -> Scenario:
+    culprit = culprit_of(description)
+    return Scenario(
+        name="stuck-release",
+        title=f"{culprit} does not release",
+        bench=f"stuck-release:{culprit}",
+        orders=(*_first(description), Order(Command.GRIP, REST_S), _DROP),
+        expected=Expected(
+            (*_HELD, State.RELEASE_ERROR),
+            _commands(description, Command.GRIP, Command.RELEASE),
+            dict.fromkeys(description.sequence, 1),
+            slow_release=culprit,
+        ),
+    )
+
+
+def _unlock_and_lock() -> Scenario:
+    return Scenario(
+        name="unlock-lock",
+        title="unlock and lock",
+        bench="nominal",
+        orders=(Order(Command.UNLOCK, 1.0), _LOCK),
+        expected=Expected((State.STAND_BY,), (Command.UNLOCK, Command.LOCK)),
+    )
+
+
+def _first(description: Description) -> tuple[Order, ...]:
+    return (_LOCK,) if description.tool_changer else ()
+
+
+def _commands(description: Description, *commands: Command) -> tuple[Command, ...]:
+    return (Command.LOCK, *commands) if description.tool_changer else commands
+
+
+def _before(description: Description, culprit: str) -> dict[str, int]:
+    """One attempt of everything before the culprit."""
+    return dict.fromkeys(description.sequence[: description.sequence.index(culprit)], 1)

@@ -1,0 +1,218 @@
+"""``eehal check`` and ``eehal schema`` as they are used: output, exit codes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from end_effector_hal.cli import _check, _schema
+from end_effector_hal.description import markdown, profile_path, schema_text
+
+SHIPPED = profile_path().read_text(encoding="utf-8")
+Check = Callable[..., Result]
+
+
+@pytest.fixture
+def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Check:
+    """Runs the command on the shipped description with a text replaced in it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+
+    def run(*options: str, replace: dict[str, str] | None = None) -> Result:
+        text = SHIPPED
+        for old, new in (replace or {}).items():
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        Path("tool.yaml").write_text(text, encoding="utf-8")
+        return CliRunner().invoke(_check.command, ["tool.yaml", *options], catch_exceptions=False)
+
+    return run
+
+
+def test_a_valid_description_is_told_in_short(check: Check) -> None:
+    result = check()
+    assert (result.exit_code, result.stderr) == (0, "")
+    words = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert words[0].startswith("verdin_gripper multifunction end-effector on a Toradex Verdin")
+    assert words[1:] == [
+        "actuator kind line pin channel time-out reset gone",
+        "bottom_vacuum vacuum SODIMM_208 X20 pin 28 bottom 3 x 5 s 1 s 2 s",
+        "cylinder cylinder SODIMM_210 X20 pin 29 cylinder 3 x 5 s 1 s 2 s",
+        "top_vacuum vacuum SODIMM_212 X20 pin 30 top 3 x 5 s 1 s 2 s",
+        "changer SODIMM_206, X20 pin 27; locked or unlocked within 2 s; unlock at most 3 s",
+        "lines gpiod",
+        "link /dev/verdin-uart1, ees1-ascii, 115200 baud",
+        f"automata {profile_path().with_name('end_effector.xml')}",
+    ]
+
+
+def test_without_a_file_it_is_the_shipped_one() -> None:
+    result = CliRunner().invoke(_check.command, ["--json"], catch_exceptions=False)
+    assert result.exit_code == 0
+    assert json.loads(result.stdout) == {"ok": True, "faults": [], "not_fitted": []}
+
+
+def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
+    result = check(replace={"timeout_s: 5.0": "timeout_ms: 5000", "kind: cylinder": "kind: cylinderr"})
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.splitlines() == [
+        "tool.yaml:25:5: wrong unit in key 'timeout_ms' (timeout_ms: 5000), expected seconds; "
+        "write timeout_s: 5 [EE-210]",
+        "tool.yaml:33:11: unknown kind of actuator (cylinderr), expected vacuum or cylinder; "
+        "did you mean 'cylinder'? [EE-209]",
+    ]
+
+
+def test_faults_as_json(check: Check) -> None:
+    result = check("--json", replace={"timeout_s: 5.0": "timeout_s: 5000"})
+    assert (result.exit_code, result.stderr) == (2, "")
+    message = "'timeout_s' is out of range (5000), expected more than 0 and at most 600 s; "
+    assert json.loads(result.stdout) == {
+        "ok": False,
+        "faults": [
+            {
+                "code": "EE-208",
+                "file": "tool.yaml",
+                "line": 25,
+                "column": 16,
+                "message": message + "milliseconds? write timeout_s: 5",
+            }
+        ],
+        "not_fitted": [],
+    }
+
+
+def test_what_the_prototype_s_byte_does_not_carry_is_told(check: Check) -> None:
+    result = check("--json", replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["not_fitted"] == [
+        "bottom_vacuum: bottom is carried by legacy-nibble as a bit: thresholds are off",
+        "cylinder: cylinder is not carried by legacy-nibble: thresholds are off",
+        "cylinder: cylinder_retracted is not carried by legacy-nibble: "
+        "it is taken as the opposite of extended",
+        "top_vacuum: top is carried by legacy-nibble as a bit: thresholds are off",
+        "supply pressure: not carried by legacy-nibble: IL-06 is off, 600 kPa is taken for it",
+        "tool stand: not carried by legacy-nibble: tool_present, in_stand: IL-02 is off",
+        "e-stop: not carried by legacy-nibble: estop_ok: IL-13 is off",
+    ]
+    plain = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+    assert plain.stdout.count("not fitted  ") == 7
+
+
+def test_an_unknown_codec_is_a_fault_at_its_place(check: Check) -> None:
+    result = check(replace={"codec: ees1-ascii ": "codec: ees1-asci "})
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "tool.yaml:13:10: there is no such codec (ees1-asci), expected one of ees1-ascii, legacy-nibble; "
+        "did you mean 'ees1-ascii'? [EE-226]\n"
+    )
+
+
+CHANNELS = (
+    "bottom, cylinder, top, supply, locked, unlocked, tool_present, in_stand, cylinder_extended, "
+    "cylinder_retracted, estop_ok"
+)
+
+
+def test_an_actuator_that_nothing_can_confirm_is_a_fault(check: Check) -> None:
+    result = check(replace={"channel: bottom": "channel: botom"})
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "tool.yaml:22:14: ees1-ascii carries nothing that could confirm 'bottom_vacuum' (botom), "
+        f"expected a channel of ees1-ascii: {CHANNELS}; did you mean 'bottom'? [EE-225]\n"
+    )
+
+
+def test_a_cylinder_may_be_confirmed_by_its_bit_alone(check: Check) -> None:
+    replace = {"channel: cylinder": "channel: elsewhere"}
+    result = check("--json", replace=replace)
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["not_fitted"] == [
+        "cylinder: elsewhere is not carried by ees1-ascii: thresholds are off"
+    ]
+    replace = {"channel: cylinder": "channel: elsewhere\n    extended_bit: ~\n    retracted_bit: ~"}
+    assert "carries nothing that could confirm 'cylinder'" in check(replace=replace).stderr
+
+
+def test_samples_that_take_longer_than_the_time_out_can_never_confirm(check: Check) -> None:
+    slow = {"codec: ees1-ascii ": "codec: legacy-nibble ", "lost_kpa: 50.0": "confirmed_samples: 6"}
+    result = check(replace=slow)
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "tool.yaml:31:24: 'bottom_vacuum' can never be confirmed: 6 samples take 5 s (legacy-nibble), "
+        "expected less than timeout_s = 5 [EE-225]\n"
+    )
+    assert check(replace=slow | {"lost_kpa: 50.0": "confirmed_samples: 5"}).exit_code == 0
+
+
+def test_what_is_switched_off_is_told(check: Check) -> None:
+    result = check(replace={"bounds:": "interlocks: {IL-05: false, IL-06: false}\nbounds:"})
+    assert "switched off  IL-05, IL-06\n" in result.stdout
+
+
+def test_words_of_the_user_are_not_markup(check: Check) -> None:
+    result = check(replace={"summary: multifunction": "summary: '[bold]x[/bold] :smile:' #"})
+    assert result.stdout.startswith("verdin_gripper  [bold]x[/bold] :smile: (")
+
+
+def test_a_description_without_a_tool_changer(check: Check) -> None:
+    stanza = SHIPPED[SHIPPED.index("tool_changer:") : SHIPPED.index("bounds:")]
+    result = check("--json", replace={stanza: ""})
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["not_fitted"] == [
+        "tool changer: none in the description: IL-01 to IL-05 are off"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("</nta>", ""), ("ATTEMPTS[i]", "ATTEMPTZ[i]"), ("<template>", "<tmplate>")],
+    ids=["cut off", "unknown name", "unknown element"],
+)
+def test_broken_automata_are_found(check: Check, tmp_path: Path, old: str, new: str) -> None:
+    text = profile_path().with_name("end_effector.xml").read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "end_effector.xml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    result = check()
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "Traceback" not in result.stderr
+    assert result.stderr.startswith(str(tmp_path / "end_effector.xml") + ":")
+    assert result.stderr.endswith("[EE-300]\n")
+    fault = json.loads(check("--json").stdout)["faults"][0]
+    assert (fault["code"], fault["file"]) == ("EE-300", str(tmp_path / "end_effector.xml"))
+    assert fault["line"] > 0
+
+
+def test_automata_without_a_constant_of_the_description(check: Check, tmp_path: Path) -> None:
+    text = profile_path().with_name("end_effector.xml").read_text(encoding="utf-8")
+    own = tmp_path / "end_effector.xml"
+    own.write_text(text.replace("ATTEMPTS", "TRIES"), encoding="utf-8")
+    result = check()
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"{own}: declares no global constant 'ATTEMPTS'.")
+
+
+def test_a_process_that_the_automata_do_not_have_is_found(check: Check) -> None:
+    result = check(replace={"bounds:": "automata: {grip: [Griper, Actuator]}\nbounds:"})
+    assert result.exit_code == 2
+    line = SHIPPED[: SHIPPED.index("bounds:")].count("\n") + 1
+    assert result.stderr.startswith(f"tool.yaml:{line}:11: ")
+    assert "Griper" in result.stderr
+    assert "Gripper" in result.stderr
+
+
+def test_a_file_that_is_missing() -> None:
+    result = CliRunner().invoke(_check.command, ["/nowhere/tool.yaml"])
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "/nowhere/tool.yaml: there is no such file, expected the path of a description [EE-201]\n"
+    )
+
+
+def test_schema_for_editors_and_tables_for_people() -> None:
+    assert CliRunner().invoke(_schema.command).stdout == schema_text()
+    assert CliRunner().invoke(_schema.command, ["--markdown"]).stdout == markdown()

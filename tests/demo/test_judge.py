@@ -1,0 +1,164 @@
+"""Recordings made in virtual time tell their stories; a recording that is wrong in one point does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from end_effector_hal.demo import Report, Scenario, judge, scenarios
+from end_effector_hal.description import Description
+from end_effector_hal.trace import Command, EndEffectorState, StatesLog, StatesRow
+
+NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
+Rows = list[StatesRow]
+
+
+@pytest.fixture
+def told(verdin: Description, recordings: dict[str, StatesLog]) -> Callable[..., Report]:
+    """The report on a recording, after an edit of its rows."""
+
+    def tell(name: str, edit: Callable[[Rows], Rows] = list, description: Description = verdin) -> Report:
+        scenario = next(each for each in scenarios(verdin, everything=True) if each.name == name)
+        log = recordings[name]
+        rows = edit(list(log.rows))
+        assert edit is list or tuple(rows) != log.rows
+        return judge(scenario, description, replace(log, rows=tuple(rows)))
+
+    return tell
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_scenario_tells_its_story(told: Callable[..., Report], name: str) -> None:
+    assert told(name).faults == ()
+
+
+def test_what_was_measured_stands_beside_the_description(told: Callable[..., Report]) -> None:
+    assert [str(measure) for measure in told("never-confirms").measures] == [
+        "cylinder time-out 1: 5.000 s (expected 5 s)",
+        "cylinder time-out 2: 5.000 s (expected 5 s)",
+        "cylinder time-out 3: 5.000 s (expected 5 s)",
+        "cylinder reset 1: 1.000 s (expected 1 s)",
+        "cylinder reset 2: 1.000 s (expected 1 s)",
+    ]
+    assert [str(measure) for measure in told("stuck-release").measures] == [
+        "cylinder release: 2.000 s (expected 2 s)"
+    ]
+    assert told("nominal").measures == ()
+    assert told("fails-once").attempts == {"bottom_vacuum": 1, "cylinder": 2, "top_vacuum": 1}
+
+
+def test_the_expected_times_are_those_of_the_description(
+    verdin: Description, told: Callable[..., Report]
+) -> None:
+    cylinder = verdin.actuators["cylinder"].model_copy(update={"timeout_s": 4.0, "reset_s": 1.2})
+    other = verdin.model_copy(update={"actuators": {**verdin.actuators, "cylinder": cylinder}})
+    assert told("fails-once", description=other).faults == (
+        "cylinder time-out 1: 5.000 s (expected 4 s): not within 100 ms after it",
+        "cylinder reset 1: 1.000 s (expected 1.2 s): not within 100 ms after it",
+    )
+
+
+def moved(seconds: float) -> Callable[[Rows], Rows]:
+    """Everything from the first time-out of the cylinder on comes later."""
+
+    def edit(rows: Rows) -> Rows:
+        first = next(i for i, row in enumerate(rows) if row.actuators[1] == 1)
+        out = next(i for i, row in enumerate(rows) if i > first and row.actuators[1] == 0)
+        return rows[:out] + [replace(row, time_s=row.time_s + seconds) for row in rows[out:]]
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    ("seconds", "ok"),
+    [(-0.001, False), (-0.00001, False), (0.00001, True), (0.099, True), (0.1, True), (0.101, False)],
+)
+def test_never_early_and_at_most_100_ms_late(told: Callable[..., Report], seconds: float, ok: bool) -> None:
+    report = told("fails-once", moved(seconds))
+    assert report.ok is ok
+    assert report.measures[0].ok is ok
+    assert report.measures[1].ok
+
+
+def without(*states: EndEffectorState) -> Callable[[Rows], Rows]:
+    return lambda rows: [row for row in rows if row.end_effector not in states]
+
+
+def with_actuators(edit: Callable[[tuple[int, ...]], tuple[int, ...]]) -> Callable[[Rows], Rows]:
+    return lambda rows: [replace(row, actuators=edit(row.actuators)) for row in rows]
+
+
+def commanded(old: Command, new: Command) -> Callable[[Rows], Rows]:
+    return lambda rows: [replace(row, command=new) if row.command is old else row for row in rows]
+
+
+def swapped_release(rows: Rows) -> Rows:
+    """Bottom vacuum goes before the cylinder."""
+    return [
+        replace(row, actuators=(0, 2, 0)) if row.actuators == (2, 0, 0) and row.end_effector == 4 else row
+        for row in rows
+    ]
+
+
+WRONG: list[tuple[str, str, Callable[[Rows], Rows]]] = [
+    ("nominal", "start", lambda rows: [row for row in rows if row.time_s > 1.2]),
+    ("nominal", "commands", commanded(Command.LOCK, Command.NONE)),
+    ("nominal", "commands", commanded(Command.RELEASE, Command.CANCEL)),
+    ("nominal", "states", without(EndEffectorState.RELEASING)),
+    ("nominal", "states", lambda rows: rows[:-1]),
+    ("nominal", "attempts", with_actuators(lambda a: (a[0], a[1], 0))),
+    ("nominal", "order", with_actuators(lambda a: (a[2], a[1], a[0]))),
+    ("nominal", "pending", lambda rows: [row for row in rows if 1 not in row.actuators[1:2]]),
+    ("nominal", "deactivated", swapped_release),
+    ("nominal", "left active", with_actuators(lambda a: (a[0], a[1], max(a[2], 1)))),
+    (
+        "fails-once",
+        "time-outs",
+        lambda rows: [row for row in rows if row.actuators != (2, 0, 0) or row.end_effector == 4],
+    ),
+    ("never-confirms", "states", without(EndEffectorState.GRIP_ERROR)),
+    ("never-confirms", "commands", commanded(Command.RELEASE, Command.GRIP)),
+    ("never-confirms", "left active", lambda rows: [*rows[:-1], replace(rows[-1], actuators=(2, 0, 0))]),
+    ("cancel", "states", lambda rows: rows[:-1]),
+    (
+        "stuck-release",
+        "states",
+        lambda rows: [*rows[:-1], replace(rows[-1], end_effector=EndEffectorState.STAND_BY)],
+    ),
+    ("unlock-lock", "commands", commanded(Command.UNLOCK, Command.NONE)),
+]
+
+
+@pytest.mark.parametrize(("name", "what", "edit"), WRONG)
+def test_what_is_wrong_is_found(
+    told: Callable[..., Report], name: str, what: str, edit: Callable[[Rows], Rows]
+) -> None:
+    report = told(name, edit)
+    assert not report.ok
+    assert what in [finding.what for finding in report.findings if not finding.ok]
+
+
+def test_a_recording_without_a_row_is_no_story(told: Callable[..., Report]) -> None:
+    report = told("nominal", lambda rows: [])
+    assert not report.ok
+    assert "start: expected at rest, found nothing recorded" in report.faults
+
+
+def test_the_report_as_json(told: Callable[..., Report]) -> None:
+    content = told("fails-once").as_json()
+    assert content["scenario"] == "fails-once"
+    assert content["figure"] == "Fig. 8"
+    assert content["outcome"] == "Cylinder confirmed on attempt 2: GRIPPED, then dropped"
+    assert content["ok"] is True
+    assert content["measured"][0] == {
+        "what": "cylinder time-out 1",
+        "expected_s": 5.0,
+        "measured_s": 5.0,
+        "ok": True,
+    }
+
+
+def test_scenarios_are_values() -> None:
+    assert Scenario.__dataclass_params__.frozen  # type: ignore[attr-defined]

@@ -1,0 +1,83 @@
+"""What is played follows from the description."""
+
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.demo import Scenario, culprit_of, scenarios
+from end_effector_hal.description import Description
+from end_effector_hal.testbench import parse_scenario
+from end_effector_hal.tool import read_script
+from end_effector_hal.trace import Command, EndEffectorState
+
+NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
+
+
+def of(description: Description, name: str) -> Scenario:
+    return next(each for each in scenarios(description, everything=True) if each.name == name)
+
+
+def without_changer(description: Description) -> Description:
+    return description.model_copy(update={"tool_changer": None})
+
+
+def test_the_paper_has_three_and_all_are_six(verdin: Description) -> None:
+    assert [scenario.name for scenario in scenarios(verdin)] == NAMES[:3]
+    assert [scenario.name for scenario in scenarios(verdin, everything=True)] == NAMES
+    assert [scenario.figure for scenario in scenarios(verdin)] == ["Fig. 7", "Fig. 8", "Fig. 9"]
+
+
+def test_the_failing_actuator_is_the_cylinder(verdin: Description) -> None:
+    assert culprit_of(verdin) == "cylinder"
+    assert of(verdin, "never-confirms").bench == "never-confirms:cylinder"
+
+
+@pytest.mark.parametrize(
+    ("sequence", "culprit"),
+    [
+        (("cylinder", "bottom_vacuum"), "bottom_vacuum"),
+        (("bottom_vacuum", "top_vacuum"), "top_vacuum"),
+        (("top_vacuum",), "top_vacuum"),
+    ],
+)
+def test_another_sequence_has_another_culprit(
+    verdin: Description, sequence: tuple[str, ...], culprit: str
+) -> None:
+    assert culprit_of(verdin.model_copy(update={"sequence": sequence})) == culprit
+
+
+def test_the_attempts_expected_are_those_of_the_description(verdin: Description) -> None:
+    cylinder = verdin.actuators["cylinder"].model_copy(update={"attempts": 5})
+    other = verdin.model_copy(update={"actuators": {**verdin.actuators, "cylinder": cylinder}})
+    assert of(other, "never-confirms").expected.attempts == {"bottom_vacuum": 1, "cylinder": 5}
+    assert of(other, "never-confirms").expected.timeouts == {"cylinder": 5}
+
+
+def test_a_single_attempt_cannot_recover(verdin: Description) -> None:
+    cylinder = verdin.actuators["cylinder"].model_copy(update={"attempts": 1})
+    other = verdin.model_copy(update={"actuators": {**verdin.actuators, "cylinder": cylinder}})
+    assert EndEffectorState.GRIP_ERROR in of(other, "fails-once").expected.states
+    assert [order.command for order in of(other, "fails-once").orders] == [Command.LOCK, Command.GRIP]
+
+
+def test_a_tool_without_changer_is_not_locked(verdin: Description) -> None:
+    found = scenarios(without_changer(verdin), everything=True)
+    assert [scenario.name for scenario in found] == NAMES[:5]
+    for scenario in found:
+        assert Command.LOCK not in [order.command for order in scenario.orders]
+        assert Command.LOCK not in scenario.expected.commands
+
+
+def test_supervisor_and_testbench_understand_every_scenario(verdin: Description) -> None:
+    for scenario in scenarios(verdin, everything=True):
+        orders = [order for order in read_script(scenario.script) if order.command is not None]
+        assert [order.command for order in orders] == [
+            *(order.command for order in scenario.orders),
+            Command.QUIT,
+        ]
+        assert [order.background for order in orders[:-1]] == [order.background for order in scenario.orders]
+        parse_scenario(scenario.bench, verdin)
+
+
+def test_the_script_of_the_cancel(verdin: Description) -> None:
+    assert of(verdin, "cancel").script == ("wait 0.5; lock; wait 0.5; grip &; wait 3; cancel; wait 0.5; quit")
