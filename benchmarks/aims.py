@@ -1,0 +1,44 @@
+"""The aims, and whether the figures meet them. Nothing depends on it: a busy machine misses them as well."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+RATIO, P99_MS, CPU_PERCENT, MEMORY_MB, REQUIREMENTS_S, GROWTH = 1.5, 5.0, 15.0, 250.0, 1.0, 2.0
+OWNER = "line owner"  # no node, but no node works without it
+
+
+def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Of everything that was measured: text, figure in words, and whether it is met."""
+    found: list[dict[str, Any]] = []
+
+    def aim(text: str, value: float, most: float, words: str) -> None:
+        found.append({"text": text, "measured": words, "met": value <= most})
+
+    for part, where in (("core", "without ROS"), ("ros", "through ROS")):
+        result = written.get(part)
+        if not result:
+            continue
+        for name in ("reaction", "command", "state"):
+            ratio = result["latencies_us"][name]["ratio_of_medians"]
+            aim(f"{name} {where}: median at most {RATIO} x the floor", ratio, RATIO, f"{ratio:.2f} x")
+        p99 = result["latencies_us"]["reaction"]["product"]["p99"] / 1000
+        aim(f"reaction {where}: p99 under {P99_MS:g} ms on an idle machine", p99, P99_MS, f"{p99:.2f} ms")
+        for field, unit, most, text in (
+            ("cpu_percent", 1.0, CPU_PERCENT, "% of a core"),
+            ("pss_kib", 1024 / 1e6, MEMORY_MB, "MB (PSS)"),
+        ):
+            owner = result["usage"][OWNER][field] * unit
+            nodes = sum(one[field] for one in result["usage"].values()) * unit - owner
+            words = f"{nodes:.1f} {text}, with the line owner {nodes + owner:.1f}"
+            aim(f"all nodes {where}: under {most:g} {text} while holding", nodes, most, words)
+    if measured := written.get("verification"):
+        seconds = sum(answer["seconds"] for answer in measured["requirements"]["answers"])
+        finished = measured["requirements"]["finished"]
+        words = f"{seconds:.1f} s" if finished else "not finished in their time"
+        text = f"all requirements of the shipped tool under {REQUIREMENTS_S:g} s"
+        aim(text, seconds if finished else float("inf"), REQUIREMENTS_S, words)
+        if (growth := measured["growth_exponent"]) is not None:
+            aim(f"cost grows at most as steps^{GROWTH:g}", growth, GROWTH, f"steps^{growth:.2f}")
+    return found

@@ -1,0 +1,75 @@
+"""The floor's other end of the wires: frames into a pty, and a watched file.
+
+``run SECONDS PHASE_US``: 50 frames a second at this phase; each tenth is a ping. Notes: pings and edges.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+import tty
+from pathlib import Path
+
+from inotify_simple import INotify, flags
+from wire import GO, LAST_US, now_us, obey, rest_until
+
+PERIOD_US, PING_EACH = 20_000, 10
+FILLING = b"," + b"0" * 60  # a frame is about as long as one of the product
+
+
+class Lines(threading.Thread):
+    """Sees each line that is appended to a file."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(daemon=True)
+        path.touch()
+        self._fd = os.open(path, os.O_RDONLY)
+        self._inotify = INotify()
+        self._inotify.add_watch(path, flags.MODIFY)
+        self.notes: list[dict[str, object]] = []
+
+    def run(self) -> None:
+        while True:
+            self._inotify.read()
+            data = os.read(self._fd, 1 << 16)
+            seen = now_us()
+            for line in data.splitlines():
+                word, at = line.split()
+                self.notes.append({"edge": word.decode(), "at": int(at), "seen": seen})
+
+
+def main(link: str, lines: str, notes: str) -> None:
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    os.symlink(os.ttyname(slave), link)
+    seen = Lines(Path(lines))
+    seen.start()
+    count = 0
+
+    def run(words: list[str]) -> None:
+        nonlocal count
+        pings: list[dict[str, object]] = []
+        due = (now_us() // PERIOD_US + 1) * PERIOD_US + int(words[2])
+        end = due + round(float(words[1]) * 1e6)
+        while due < end:
+            rest_until(due)
+            count += 1
+            ping = count % PING_EACH == 0
+            frame = (GO if ping else b"$") + b"p%d" % count + FILLING + b"\n"
+            at = now_us()
+            os.write(master, frame)
+            if ping:
+                pings.append({"ping": f"p{count}", "at": at})
+            due += PERIOD_US
+        rest_until(end + LAST_US)
+        with open(notes, "a", encoding="utf-8") as file:
+            file.writelines(json.dumps(note) + "\n" for note in [*pings, *seen.notes])
+        seen.notes.clear()
+
+    obey(run)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

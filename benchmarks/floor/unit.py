@@ -1,0 +1,37 @@
+"""The floor's node Grip: pings of the topic and commands of the service go to the owner, then a topic tells."""
+
+from __future__ import annotations
+
+import sys
+
+import rospy
+from end_effector_msgs.srv import HalCommand, HalCommandResponse
+from std_msgs.msg import String
+from wire import GO, Owner, word_of
+
+
+def main(socket: str) -> None:
+    rospy.init_node("floor_unit")
+    owner = Owner(socket)
+    publisher = rospy.Publisher("floor/unit_state", String, tcp_nodelay=True, queue_size=100)
+
+    def on_frame(message: String) -> None:
+        frame = message.data.encode()
+        if frame.startswith(GO):
+            word = word_of(frame)
+            owner.ask(word)
+            publisher.publish(word.decode())
+
+    def on_command(request: HalCommand) -> HalCommandResponse:
+        word = f"c{request.until_us}"
+        owner.ask(word.encode())
+        publisher.publish(word)
+        return HalCommandResponse(True, "", 0)
+
+    rospy.Service("floor/command", HalCommand, on_command)
+    rospy.Subscriber("floor/frame", String, on_frame, queue_size=50, tcp_nodelay=True)
+    rospy.spin()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

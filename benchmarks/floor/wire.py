@@ -1,0 +1,62 @@
+"""What the programs of the floor have in common: a port to read, an owner to ask, words of the parent."""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+GO = b"!"
+"""A frame that begins with it is passed on to the owner, like one that confirms; the others end at the reader."""
+
+LAST_US = 500_000
+"""After the end of a block, until the last of its messages has certainly gone through."""
+
+
+def now_us() -> int:
+    return time.monotonic_ns() // 1000
+
+
+def rest_until(at: int) -> None:
+    time.sleep(max(0, at - now_us()) / 1e6)
+
+
+def read_frames(path: str) -> Iterator[bytes]:
+    """Lines of a serial port, blocked in select as the product's reader is."""
+    fd, rest = os.open(path, os.O_RDONLY | os.O_NOCTTY), b""
+    while True:
+        select.select([fd], [], [])
+        *frames, rest = (rest + os.read(fd, 4096)).split(b"\n")
+        yield from frames
+
+
+def word_of(frame: bytes) -> bytes:
+    """``!p12,…`` is the ping ``p12``."""
+    return frame[1:].split(b",", 1)[0]
+
+
+class Owner:
+    """Asks the owner, one at a time."""
+
+    def __init__(self, path: str) -> None:
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        while self._socket.connect_ex(path):
+            time.sleep(0.05)
+        self._lock = threading.Lock()
+
+    def ask(self, word: bytes) -> None:
+        with self._lock:
+            self._socket.sendall(word + b"\n")
+            self._socket.recv(4096)
+
+
+def obey(run: Callable[[list[str]], None]) -> None:
+    """Run each line of standard input; say ``ready`` first and ``done`` after each."""
+    print("ready", flush=True)
+    for line in sys.stdin:
+        run(line.split())
+        print("done", flush=True)

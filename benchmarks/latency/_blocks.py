@@ -1,0 +1,88 @@
+"""Blocks of the product and of its floor, in turns, under one and the same load of the machine."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from usage import Meter, Usage
+
+from end_effector_hal.errors import EndEffectorError
+
+from ._driven import Driven
+from ._floor import Floor
+from ._hardware import Hardware
+from ._matching import MatchError, Note, floor_latencies, product_latencies
+from ._plan import Plan
+from ._result import Result
+
+CYCLE_S = 2.0
+"""A grip and a drop take at least as long."""
+LONGEST_S = 30.0
+
+
+def measure(
+    hardware: Hardware, floor: Floor, client: Driven, notes: Path, plan: Plan, say: Callable[[str], None]
+) -> Result:
+    """Alternate; each block of the product begins and ends with nothing gripped."""
+    result, lines = Result(), [part.line for _, part in hardware.description.ordered]
+    tail, floor_tails = _Tail(notes), [_Tail(path) for path in floor.notes]
+    client.tell("cycles 1")  # whatever is slow the first time
+    client.wait_done(expected_s=CYCLE_S, timeout_s=LONGEST_S)
+    floor.run(1.0, hardware.phase_us())
+    for follower in (tail, *floor_tails):
+        follower.new()
+    for block in range(plan.blocks):
+        say(f"block {block + 1} of {plan.blocks}")
+        client.tell(f"cycles {plan.cycles}")
+        failed = client.wait_done(expected_s=plan.cycles * CYCLE_S, timeout_s=plan.cycles * LONGEST_S)
+        meter = Meter(floor.nodes)
+        floor.run(plan.floor_s, hardware.phase_us())
+        result.floor_usage = meter.read()
+        noted, floor_noted = tail.new(), [note for each in floor_tails for note in each.new()]
+        try:
+            if failed:
+                raise MatchError(" ".join(failed))
+            pair = product_latencies(_read(hardware.events), noted, lines), floor_latencies(floor_noted)
+        except MatchError as error:
+            # a machine that stands still for long makes readings stale: told, and not measured
+            result.left_out.append(str(error))
+            say(f"left out: {error}")
+        else:
+            result.product.append(pair[0])
+            result.floor.append(pair[1])
+    if not result.product:
+        raise EndEffectorError("No block could be measured.", todo="Is the machine very busy? Try again.")
+    return result
+
+
+def hold(
+    client: Driven, pids: Mapping[str, int], seconds: float, say: Callable[[str], None]
+) -> dict[str, Usage]:
+    """Grip, and measure what some processes use while it is held."""
+    say(f"holding for {seconds:g} s")
+    client.tell("grip")
+    if failed := client.wait_done(expected_s=1.0, timeout_s=LONGEST_S):
+        raise EndEffectorError(f"It could not be gripped: {failed[-1]}")
+    meter = Meter(pids)
+    time.sleep(seconds)
+    return meter.read()
+
+
+class _Tail:
+    """What is new in a file of notes."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._read = path, 0
+
+    def new(self) -> list[Note]:
+        notes = _read(self._path)
+        begin, self._read = self._read, len(notes)
+        return notes[begin:]
+
+
+def _read(path: Path) -> list[Note]:
+    # the last line may not be whole yet
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").split("\n")[:-1]]

@@ -1,0 +1,59 @@
+"""The floor's processes, with ROS or without, and what they noted."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from end_effector_hal.demo._children import Children
+
+from ._driven import BENCHMARKS, Driven
+
+HALF_PERIOD_US = 10_000
+
+
+class Floor:
+    """Its chain, ready to run.
+
+    Args:
+        children: start its processes, and end them.
+        place: for pty, socket and file.
+        folder: receives logs and notes.
+        env: of ROS; None: the chain without ROS.
+    """
+
+    def __init__(
+        self, children: Children, place: Path, folder: Path, env: Mapping[str, str] | None = None
+    ) -> None:
+        port, socket, lines = place / "floor-uart", place / "floor.sock", place / "floor-lines"
+        self.notes = (folder / "floor-edges.jsonl", folder / "floor-states.jsonl")
+        self._bench = Driven(children, "floor/testbench.py", [port, lines, self.notes[0]], folder)
+        self._bench.wait_ready()
+        start = children.start
+        python, floor = sys.executable, BENCHMARKS / "floor"
+
+        def process(name: str, *arguments: object) -> int:
+            command = [python, str(floor / f"{name}.py"), *map(str, arguments)]
+            return start(f"floor/{name}.py", command, log=folder / f"floor-{name}.log", env=env).pid
+
+        self.owner = process("owner", socket, lines)
+        self.nodes: dict[str, int] = {}
+        if env is None:
+            self._client = Driven(children, "floor/tool.py", [port, socket, self.notes[1]], folder)
+            self.nodes["tool"] = self._client.pid
+        else:
+            self.nodes["unit"] = process("unit", socket)
+            self.nodes["main"] = process("main")
+            self.nodes["link"] = process("link", port)
+            self._client = Driven(children, "floor/client.py", [self.notes[1]], folder, env)
+        self._client.wait_ready()
+        time.sleep(1.0)  # for every connection
+
+    def run(self, seconds: float, phase_us: int) -> None:
+        """One block; its frames come in the middle between those of the testbench."""
+        self._bench.tell(f"run {seconds} {phase_us + HALF_PERIOD_US}")
+        self._client.tell(f"run {seconds}")
+        for program in (self._bench, self._client):
+            program.wait_done(expected_s=0.0, timeout_s=seconds + 10.0)

@@ -1,0 +1,73 @@
+"""What a phase of the measurement gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from statistics import median
+from typing import Any
+
+from figures import figures
+from usage import Usage
+
+from ._matching import Latencies
+
+
+@dataclass
+class Result:
+    """Latencies of the product and of its floor, block by block, and what the processes used.
+
+    Attributes:
+        product, floor: a mapping of name to samples for each block; they alternated.
+        left_out: why blocks are not among them.
+        usage: of each process while holding.
+        floor_usage: of each process of the floor's chain while it ran.
+    """
+
+    product: list[Latencies] = field(default_factory=list)
+    floor: list[Latencies] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    usage: Mapping[str, Usage] = field(default_factory=dict)
+    floor_usage: Mapping[str, Usage] = field(default_factory=dict)
+
+    def pooled(self, name: str) -> tuple[list[int], list[int]]:
+        """All samples of the product, all of the floor."""
+        return _pool(self.product, name), _pool(self.floor, name)
+
+    def ratio(self, name: str) -> float | None:
+        """Of the medians."""
+        product, floor = self.pooled(name)
+        return median(product) / median(floor) if product and floor else None
+
+    def block_ratios(self, name: str) -> list[float]:
+        """Of the medians of each pair of blocks: how steady the ratio is."""
+        pairs = zip(self.product, self.floor, strict=False)
+        return [median(one[name]) / median(other[name]) for one, other in pairs if one[name] and other[name]]
+
+    def as_json(self) -> dict[str, Any]:
+        """For the file."""
+        return {
+            "latencies_us": {name: self._latency(name) for name in self.names},
+            "left_out": self.left_out,
+            "usage": {name: vars(usage) for name, usage in self.usage.items()},
+            "floor_usage": {name: vars(usage) for name, usage in self.floor_usage.items()},
+            "samples_us": {"product": self.product, "floor": self.floor},
+        }
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the latencies."""
+        return tuple(self.product[0])
+
+    def _latency(self, name: str) -> dict[str, Any]:
+        product, floor = map(figures, self.pooled(name))
+        return {
+            "product": product and vars(product),
+            "floor": floor and vars(floor),
+            "ratio_of_medians": self.ratio(name),
+            "block_ratios": self.block_ratios(name),
+        }
+
+
+def _pool(blocks: Sequence[Latencies], name: str) -> list[int]:
+    return [sample for block in blocks for sample in block[name]]

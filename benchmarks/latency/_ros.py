@@ -1,0 +1,86 @@
+"""Through ROS: a master of its own, the shipped launch file, an application with an action client."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from end_effector_hal.demo._children import Children
+from end_effector_hal.description import Description
+from end_effector_hal.errors import RosError
+
+from ._blocks import hold, measure
+from ._driven import Driven
+from ._floor import Floor
+from ._hardware import Hardware
+from ._plan import Plan
+from ._result import Result
+
+NODES = ("HALMain", "Grip", "ToolChange", "Pressure", "Position")
+START_S, END_S = 40.0, 20.0
+
+
+def measure_ros(description: Description, folder: Path, plan: Plan, say: Callable[[str], None]) -> Result:
+    """Measure the five nodes with a line owner and a testbench; logs go to ``folder``."""
+    notes = folder / "states.jsonl"
+    with Hardware(description, folder) as hardware:
+        env = _environment(hardware.children, folder)
+        floor = Floor(hardware.children, hardware.place, folder, env)
+        hardware.children.start(
+            "launch file",
+            ["roslaunch", "--wait", "end_effector_hal", "end_effector.launch", "owner:=false",
+             f"description:={hardware.description_path.absolute()}"],
+            log=folder / "roslaunch.log", failed=RosError, env=env, end_by=signal.SIGINT, patience_s=END_S,
+        )  # fmt: skip
+        client = Driven(hardware.children, "latency/_action_client.py", [notes], folder, env)
+        client.wait_ready()
+        result = measure(hardware, floor, client, notes, plan, say)
+        pids = _pids(hardware.children) | {"line owner": hardware.owner.pid}
+        result.usage = hold(client, pids, plan.hold_s, say)
+        return result
+
+
+def _environment(children: Children, folder: Path) -> dict[str, str]:
+    """Of a master that is started for this."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    logs = folder / "ros"
+    logs.mkdir(exist_ok=True)
+    env = {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_IP": "127.0.0.1",
+        "ROS_LOG_DIR": str(logs.absolute()),
+        "PYTHONUNBUFFERED": "1",
+        # the nodes ask `env` for python3: it is to be this one
+        "PATH": f"{Path(sys.executable).parent}:{os.environ.get('PATH', os.defpath)}",
+    }
+    master = children.start(
+        "roscore", ["roscore", "-p", str(port)], log=folder / "roscore.log", failed=RosError, env=env,
+        end_by=signal.SIGINT,
+    )  # fmt: skip
+
+    def answers() -> bool:
+        with suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=0.5):
+            return True
+        return False
+
+    master.wait_until(answers, timeout_s=START_S, what="it answered")
+    return env
+
+
+def _pids(children: Children) -> dict[str, int]:
+    """Of the five nodes; roslaunch tells each its name."""
+    found = {}
+    for pid in children.left():
+        with suppress(OSError):
+            words = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+            found |= {name: pid for name in NODES if f"__name:={name}".encode() in words}
+    if missing := [name for name in NODES if name not in found]:
+        raise RosError(f"The nodes {', '.join(missing)} do not run.")
+    return found

@@ -1,0 +1,98 @@
+"""``make bench``: latencies against their floor, processor time, memory, verification."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import latency
+import verification
+from aims import aims
+from machine import load_now, machine
+from rich.console import Console
+from table import print_latencies, print_usage, print_verification
+
+from end_effector_hal.demo import need_ros
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import EndEffectorError, RosError
+
+PARTS = {"core": "without ROS", "ros": "through ROS"}
+progress, console = Console(stderr=True, highlight=False), Console(width=150, highlight=False)
+
+
+def main() -> int:
+    arguments = _arguments()
+    begun, plan = time.monotonic(), latency.QUICK if arguments.quick else latency.FULL
+    written: dict[str, Any] = {"machine": machine(), "quick": arguments.quick}
+    for part in PARTS:
+        if part in arguments.parts:
+            written[part] = _latencies(part, plan)
+    if "verification" in arguments.parts:
+        measured = verification.measure_verification(
+            verification.QUICK if arguments.quick else verification.FULL, _say("verification")
+        )
+        print_verification(console, measured)
+        written["verification"] = measured.as_json()
+    written["machine"]["load_after"] = load_now()
+    written["aims"] = aims(written)
+    written["seconds"] = time.monotonic() - begun
+    for aim in written["aims"]:
+        console.print(f"{'met   ' if aim['met'] else 'MISSED'} {aim['text']}: {aim['measured']}")
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    arguments.output.write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
+    load = f"load {written['machine']['load'][0]:.1f} before, {load_now():.1f} after"
+    console.print(f"{written['seconds']:.0f} s, {load}; {arguments.output}")
+    return 0
+
+
+def _latencies(part: str, plan: latency.Plan) -> dict[str, Any] | None:
+    where = PARTS[part]
+    if part == "ros":
+        try:
+            need_ros()
+        except RosError as error:
+            progress.print(f"{where}: left out. {error}")
+            return None
+    folder = Path(tempfile.mkdtemp(prefix="eehal-bench-"))
+    measure = latency.measure_ros if part == "ros" else latency.measure_core
+    try:
+        result = measure(load(profile_path()), folder, plan, _say(where))
+    except BaseException:
+        progress.print(f"{where}: the logs are in {folder}")
+        raise
+    shutil.rmtree(folder)
+    print_latencies(console, f"Latencies {where}", result)
+    print_usage(console, f"Use while holding at 50 Hz, {where}", result.usage)
+    print_usage(console, f"Use of the floor at 50 Hz, {where}", result.floor_usage)
+    return result.as_json()
+
+
+def _say(part: str) -> Any:
+    return lambda text: progress.print(f"{part}: {text}")
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a minute or two: see that it works")
+    parser.add_argument(
+        "--parts", nargs="+", choices=[*PARTS, "verification"], default=[*PARTS, "verification"]
+    )
+    parser.add_argument("-o", "--output", type=Path, default=Path("runs/bench.json"))
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    # an end by `timeout` ends every process that was started, too
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        sys.exit(main())
+    except EndEffectorError as error:
+        print(error, file=sys.stderr)
+        sys.exit(error.exit_code)

@@ -1,0 +1,99 @@
+"""The tables at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from figures import Figures, figures
+from latency import Result
+from rich.console import Console
+from rich.table import Table
+from usage import Usage
+from verification import Measured, Subject
+
+WORDS = {
+    "reaction": "reaction: confirming frame → line edge",
+    "reaction_seen": "  … → edge seen by the testbench",
+    "command": "command: goal → first line edge",
+    "state": "state: line edge → state received",
+}
+
+
+def print_latencies(console: Console, title: str, result: Result) -> None:
+    """Median, p99 and maximum in ms, the floor beside them."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("ms", no_wrap=True)
+    for head in ("median", "p99", "max", "n", "floor median", "p99", "max", "n", "ratio", "by block"):
+        table.add_column(head, justify="right")
+    for name in result.names:
+        product, floor = map(figures, result.pooled(name))
+        ratio, blocks = result.ratio(name), result.block_ratios(name)
+        spread = f"{min(blocks):.1f}–{max(blocks):.1f}" if blocks else ""
+        table.add_row(WORDS[name], *_cells(product), *_cells(floor), f"{ratio:.2f}" if ratio else "", spread)
+    console.print(table)
+
+
+def print_usage(console: Console, title: str, usage: Mapping[str, Usage]) -> None:
+    """Processor time, memory and wake-ups of each process, and of all."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("process")
+    for head in ("% of a core", "PSS MiB", "RSS MiB", "wake-ups/s"):
+        table.add_column(head, justify="right")
+    for name, one in usage.items():
+        table.add_row(name, *_used(one))
+    total = [sum(getattr(one, field) for one in usage.values()) for field in Usage.__dataclass_fields__]
+    table.add_section()
+    table.add_row("all", *_used(Usage(*total)))
+    console.print(table)
+
+
+def print_verification(console: Console, measured: Measured) -> None:
+    """Seconds, states and memory of each subject."""
+    table = Table(title="Verification", title_justify="left")
+    table.add_column("what", min_width=40)
+    for head in ("CPU s", "states", "states/s", "peak MiB"):
+        table.add_column(head, justify="right")
+    subject = measured.requirements
+    for answer in subject.answers:
+        mark = "" if answer.holds else "  DOES NOT HOLD"
+        table.add_row(answer.sentence + mark, *_rate(answer.seconds, answer.states), "")
+    table.add_row(f"all of these{_left(subject)}", *_rate(subject.seconds, subject.states), _mib(subject))
+    table.add_section()
+    for one in measured.fischer:
+        row = (*_rate(one.seconds, one.states), _mib(one))
+        table.add_row(f"Fischer, {one.size} processes{_left(one)}", *row)
+    table.add_section()
+    for one in measured.steps:
+        seconds, states = measured.common.get(one.size, (0.0, 0))
+        name = f"{one.size} steps, {len(one.answers)} requirements answered{_left(one)}"
+        table.add_row(name, *_rate(seconds, states), _mib(one))
+    console.print(table)
+    if measured.growth is not None and measured.growth_of_states is not None:
+        console.print(
+            f"Those answered for every number of steps: time grows as N^{measured.growth:.2f}, "
+            f"states as N^{measured.growth_of_states:.2f}.",
+            highlight=False,
+        )
+
+
+def _cells(found: Figures | None) -> tuple[str, str, str, str]:
+    if found is None:
+        return "", "", "", "0"
+    return (*(f"{us / 1000:.3f}" for us in (found.median, found.p99, found.maximum)), str(found.n))
+
+
+def _used(usage: Usage) -> tuple[str, str, str, str]:
+    memory = (f"{kib / 1024:.1f}" for kib in (usage.pss_kib, usage.rss_kib))
+    return (f"{usage.cpu_percent:.1f}", *memory, f"{usage.wakeups_per_s:.0f}")
+
+
+def _rate(seconds: float, states: int) -> tuple[str, str, str]:
+    return f"{seconds:.3f}", f"{states:,}", f"{states / seconds:,.0f}" if seconds else ""
+
+
+def _mib(subject: Subject) -> str:
+    return f"{subject.peak_kib / 1024:.0f}"
+
+
+def _left(subject: Subject) -> str:
+    return "" if subject.finished else " (not finished in its time)"

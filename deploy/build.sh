@@ -1,0 +1,36 @@
+#!/bin/sh
+# Puts the project into one folder that needs no source any more: a Python environment with the wheel and the locked
+# dependencies, the messages and launch files as a ROS install space in PREFIX/ros, and PREFIX/bin/eehal-hal.
+# Usage: deploy/build.sh [PREFIX]     default: /opt/eehal-<version>; what stands there is replaced.
+# Needs the packages of debian-packages.txt (deploy/debian.sh). ROS is left out where catkin is not installed.
+set -eu
+root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
+version=$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/pyproject.toml" | head -n 1)
+prefix=${1:-/opt/eehal-$version}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+[ ! -e "$prefix" ] || [ -f "$prefix/pyvenv.cfg" ] || { echo "$prefix exists and was not made by this script" >&2; exit 2; }
+rm -rf "$prefix"
+
+# Debian's interpreter and its packages, or rospy is missing; the environment's own packages win.
+/usr/bin/python3 -m venv "$work/uv"
+"$work/uv/bin/pip" install -q --disable-pip-version-check 'uv>=0.5,<1'
+"$work/uv/bin/uv" venv -q --system-site-packages -p /usr/bin/python3 "$prefix"
+cd "$root"
+VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
+    "$work/uv/bin/uv" sync -q --frozen --no-dev --no-editable --reinstall-package end-effector-hal -p /usr/bin/python3
+mkdir -p "$prefix/share/doc"
+cp docs/deployment.md docs/wiring.md SAFETY.md "$prefix/share/doc/"
+
+if command -v catkin_make >/dev/null 2>&1; then
+    mkdir -p "$work/ws/src"
+    ln -s "$root/ros/end_effector_msgs" "$root/ros/end_effector_hal" "$work/ws/src/"
+    # only Python is generated
+    ROS_LANG_DISABLE=gencpp:genlisp catkin_make -C "$work/ws" -DPYTHON_EXECUTABLE=/usr/bin/python3 \
+        -DCATKIN_ENABLE_TESTING=OFF "-DCMAKE_INSTALL_PREFIX=$prefix/ros" install >"$work/catkin.log" 2>&1 ||
+        { tail -n 20 "$work/catkin.log" >&2; exit 1; }
+    install -m 755 deploy/eehal-hal deploy/container/eehal-container deploy/container/eehal-healthy "$prefix/bin/"
+else
+    echo "catkin is not installed: without the ROS nodes" >&2
+fi
+echo "$prefix: $("$prefix/bin/eehal" --version)"

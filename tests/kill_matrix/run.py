@@ -1,0 +1,143 @@
+"""``make kill-matrix``: every process that may die is killed, stopped or ended, in every state, for real."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import queue
+import shutil
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+from tempfile import mkdtemp
+
+from cells import Cell, chosen, full, telling
+from play import Play, Row
+from rich.console import Console
+from system import System
+from table import show
+from waiting import Late, Stopped, stopping
+
+from end_effector_hal.demo import need_ros
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import EndEffectorError
+
+console = Console(width=190, highlight=False)
+
+
+def main() -> int:
+    arguments = _arguments()
+    description = load(profile_path())
+    cells = list(full(description) if arguments.full else telling(description))
+    if arguments.cells:
+        cells = chosen(arguments.cells, description)
+    if arguments.list:
+        console.print("\n".join(map(str, cells)))
+        return 0
+    try:
+        need_ros()
+    except EndEffectorError as error:
+        console.print(str(error))
+        return 3
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, lambda *_: stopping.set())
+    begun, folder = time.monotonic(), Path(mkdtemp(prefix="eehal-kill-"))
+    rows = Matrix(cells, folder, arguments.systems).run()
+    rows.sort(key=lambda row: cells.index(row.cell))
+    show(console, rows)
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    arguments.output.write_text(
+        json.dumps([row.as_json() for row in rows], indent=1) + "\n", encoding="utf-8"
+    )
+    hold = sum(row.ok for row in rows)
+    text = f"{hold} of {len(cells)} cells hold, {time.monotonic() - begun:.0f} s; {arguments.output}"
+    if hold == len(cells):
+        shutil.rmtree(folder, ignore_errors=True)
+    else:
+        text += f"; logs: {folder}"
+    console.print(text)
+    return int(hold != len(cells))
+
+
+class Matrix:
+    """Plays cells on some systems at once; a system in which a cell does not hold is not used any more."""
+
+    def __init__(self, cells: list[Cell], folder: Path, systems: int) -> None:
+        self._folder, self._total = folder, len(cells)
+        self._left: queue.SimpleQueue[Cell] = queue.SimpleQueue()
+        # those that take longest first
+        for cell in sorted(cells, key=lambda cell: (cell.process != "roscore", cell.state)):
+            self._left.put(cell)
+        self._rows: list[Row] = []
+        self._threads = [
+            threading.Thread(target=self._work, args=(i,)) for i in range(min(systems, len(cells)))
+        ]
+
+    def run(self) -> list[Row]:
+        """All rows that came to an end."""
+        for thread in self._threads:
+            thread.start()
+        for thread in self._threads:
+            while thread.is_alive():
+                thread.join(0.2)  # signals are handled between
+        return self._rows
+
+    def _work(self, number: int) -> None:
+        count = 0
+        cell: Cell | None = None
+        try:
+            while cell or not self._left.empty():
+                count += 1
+                with System(self._folder / f"{number}-{count}") as system:
+                    cell = self._play(system, cell)
+        except Stopped:
+            return
+        except (EndEffectorError, Late) as error:
+            console.print(f"system {number} cannot be started: {error}", style="red")
+
+    def _play(self, system: System, cell: Cell | None) -> Cell | None:
+        """Cells, one after the other; ends when one does not hold. One that could not begin is returned, once."""
+        again = cell is not None
+        while cell := cell or self._next():
+            begun = time.monotonic()
+            play = Play(system, cell)
+            try:
+                row = play.run()
+            except (Late, EndEffectorError) as error:
+                if not again:
+                    return cell
+                wanted = play.expected.text(play.names)
+                row = Row(cell, wanted, f"could not be played: {error}", False, time.monotonic() - begun)
+            self._rows.append(row)
+            mark = "ok  " if row.ok else "FAIL"
+            console.print(
+                f"{len(self._rows):3}/{self._total} {mark} {row.seconds:5.1f} s  {cell}: {row.observed}"
+            )
+            if not row.ok:
+                return None
+            cell, again = None, False
+        return None
+
+    def _next(self) -> Cell | None:
+        try:
+            return self._left.get_nowait()
+        except queue.Empty:
+            return None
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--full", action="store_true", help="all cells")
+    parser.add_argument("--systems", type=int, default=2, metavar="N", help="systems at once (default 2)")
+    parser.add_argument("--list", action="store_true", help="list the cells, play none")
+    parser.add_argument("-o", "--output", type=Path, default=Path("runs/kill-matrix.json"), metavar="FILE")
+    parser.add_argument(
+        "cells", nargs="*", metavar="PROCESS:SIGNAL:STATE", help="only these; parts may be cut off"
+    )
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,22 @@
+"""The table of the matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cells import parts
+from play import Row
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+
+def show(console: Console, rows: Iterable[Row]) -> None:
+    """A row per cell."""
+    table = Table(
+        "process", "signal", "state", "expected", "observed", "", title="Kill matrix", pad_edge=False
+    )
+    for row in rows:
+        verdict = "[green]ok[/]" if row.ok else "[red]FAIL[/]"
+        table.add_row(*parts(row.cell), escape(row.expected), escape(row.observed), verdict)
+    console.print(table)

@@ -1,0 +1,59 @@
+"""The declared endings, spelled out for the shipped tool."""
+
+from __future__ import annotations
+
+import pytest
+from cells import PROCESSES, SIGNALS, Cell, full, states, telling
+from expected import expected
+
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.trace import EndEffectorState as State
+
+UNLOCK, BOTTOM, CYLINDER, TOP = "SODIMM_206", "SODIMM_208", "SODIMM_210", "SODIMM_212"
+
+
+@pytest.fixture(scope="module")
+def description() -> Description:
+    return load(profile_path())
+
+
+@pytest.mark.parametrize(
+    ("cell", "state", "moved", "active"),
+    [
+        ("Grip:SIGKILL:STAND_BY", State.STAND_BY, [], []),
+        ("Grip:SIGKILL:GRIPPING cylinder", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
+        ("Grip:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("Grip:SIGTERM:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("Grip:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
+        ("HALMain:SIGKILL:GRIPPING cylinder", State.GRIPPED, [(TOP, True)], [BOTTOM, CYLINDER, TOP]),
+        ("LineOwner:SIGKILL:GRIPPING top_vacuum", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("LineOwner:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("roscore:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+    ],
+)
+def test_endings(description: Description, cell: str, state: State, moved: list, active: list) -> None:
+    want = expected(description, Cell(*cell.split(":")))
+    assert want.states == {state}
+    assert [*want.unlock, *want.gripping] == moved
+    assert want.active == set(active)
+
+
+def test_what_is_declared_is_expected(description: Description) -> None:
+    endings = description.endings.gripping.model_copy(update={"process_death": "hold"})
+    other = description.model_copy(
+        update={"endings": description.endings.model_copy(update={"gripping": endings})}
+    )
+    want = expected(other, Cell("Grip", "SIGKILL", "GRIPPING cylinder"))
+    assert (want.gripping, want.active, want.states) == ((), {BOTTOM, CYLINDER}, {State.GRIP_ERROR})
+    assert expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder")).states == {State.STAND_BY}
+
+
+def test_every_cell_is_there_once_and_enough_are_told_in_five_minutes(description: Description) -> None:
+    cells = list(full(description))
+    assert len(cells) == len(set(cells)) == len(PROCESSES) * len(SIGNALS) * len(states(description)) == 189
+    chosen = list(telling(description))
+    assert len(chosen) >= 40
+    assert {cell.process for cell in chosen} == set(PROCESSES)
+    assert {cell.signal for cell in chosen} == set(SIGNALS)
+    assert {cell.state for cell in chosen} >= set(states(description)) - {"GRIPPING cylinder"}
