@@ -56,7 +56,6 @@ class Goal:
             outcome = "REJECTED" if status == GoalStatus.REJECTED else "CANCELLED"
         self.succeeded = status == GoalStatus.SUCCEEDED and outcome == "SUCCEEDED"
         reason = (result.reason if result is not None else "") or self.handle.get_goal_status_text()
-        self.ended.set()
         if outcome == "REJECTED" or result is None:
             return f"{self.name}: {outcome}. {reason}".rstrip()
         state = EndEffectorState(result.state).name
@@ -67,7 +66,6 @@ class Goal:
     def lose(self) -> str:
         """The server has gone."""
         self.succeeded = False
-        self.ended.set()
         return f"{self.name}: UNREACHABLE. HALMain has gone; what it was doing is unknown."
 
 
@@ -109,6 +107,7 @@ class Goals:
                 goal.handle = handle
                 if handle.get_comm_state() == actionlib.CommState.DONE and not goal.ended.is_set():
                     self._say(goal.end())
+                    goal.ended.set()  # not before it is said: whoever waits goes on at once, perhaps to its end
 
         def fed(_handle: Any, feedback: Any) -> None:
             if text := goal.fed(feedback):
@@ -127,6 +126,7 @@ class Goals:
                 connected = time.monotonic()
             elif time.monotonic() - connected > _SILENT_S:
                 self._say(goal.lose())
+                goal.ended.set()
 
     @property
     def any_failed(self) -> bool:

@@ -74,8 +74,8 @@ class HalMainNode:
                 self._aggregate.grip = status
             else:
                 self._aggregate.tool_change = status
-            # the time of the unit that changed: the other one's clock of the same instant is a little off
-            self._at_us = status.at_us
+            # of the unit that changed; two units speak over two connections, and time never runs backwards
+            self._at_us = max(self._at_us, status.at_us)
             self._tell(self._at_us)
         self._goals.on_status(name, status)
 
