@@ -2,6 +2,8 @@
 
 import errno
 import glob
+import os
+import re
 from types import SimpleNamespace
 
 import gpiod
@@ -9,6 +11,7 @@ import pytest
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
 from end_effector_hal.wires.lines import GpiodLines, VirtualChip, VirtualLines
+from end_effector_hal.wires.lines._holders import stop_holders
 
 A, B, C = "SODIMM_206", "SODIMM_208", "SODIMM_210"
 
@@ -129,10 +132,9 @@ class FakeChip(FakeContext):
         self.kernel.requests.append((self.path, sorted(flat), consumer))
         for offset, settings in flat.items():
             self.lines[offset]["by"] = consumer
-            if settings.direction == gpiod.line.Direction.OUTPUT:
-                level = settings.output_value == gpiod.line.Value.ACTIVE
-                self.lines[offset] |= {"out": True, "level": level}
-        return FakeRequest(self, list(flat))
+        request = FakeRequest(self, list(flat))
+        request.reconfigure_lines(config)
+        return request
 
 
 class FakeRequest(FakeContext):
@@ -142,6 +144,14 @@ class FakeRequest(FakeContext):
     def get_values(self, offsets):
         value = gpiod.line.Value
         return [value.ACTIVE if self.chip.lines[offset]["level"] else value.INACTIVE for offset in offsets]
+
+    def reconfigure_lines(self, config):
+        flat = {o: s for key, s in config.items() for o in (key if isinstance(key, tuple) else (key,))}
+        assert sorted(flat) == sorted(self.offsets), "what is not named is reset"
+        for offset, settings in flat.items():
+            if settings.direction == gpiod.line.Direction.OUTPUT:
+                level = settings.output_value == gpiod.line.Value.ACTIVE
+                self.chip.lines[offset] |= {"out": True, "level": level}
 
     def set_values(self, values):
         for offset, value in values.items():
@@ -178,8 +188,41 @@ def test_adoption_is_one_request_of_outputs_by_the_name_of_the_product(kernel, t
     fake, make = kernel(gpiochip0=[A, B, "", C])
     make().request([B, A])
     chip = str(tmp_path / "gpiochip0")
-    assert fake.requests == [(chip, [0, 1], "end-effector-hal")] * 2
+    assert fake.requests == [(chip, [0, 1], "end-effector-hal")]
     assert [line["out"] for line in fake.chips[chip]] == [True, True, False, False]
+
+
+def test_a_chip_that_fails_in_the_middle_is_given_back(kernel, monkeypatch, tmp_path):
+    fake, make = kernel(gpiochip0=[A, B])
+
+    def fail(self, config):
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(FakeRequest, "get_values", fail)
+    with pytest.raises(WireError, match=r"gpiochip0: the lines cannot be claimed: Input/output error"):
+        make().request([A, B])
+    assert [line["by"] for line in fake.chips[str(tmp_path / "gpiochip0")]] == ["", ""]
+
+
+@pytest.mark.parametrize("use", ["levels", "set"])
+def test_a_chip_that_goes_is_a_sentence(kernel, monkeypatch, use):
+    _, make = kernel(gpiochip0=[A])
+    lines = make()
+    lines.request([A])
+
+    def gone(self, values):
+        raise OSError(errno.ENODEV, "No such device")
+
+    monkeypatch.setattr(FakeRequest, "get_values" if use == "levels" else "set_values", gone)
+    with pytest.raises(WireError, match="do not work any more: No such device"):
+        lines.levels() if use == "levels" else lines.set({A: True})
+
+
+def test_processes_that_hold_lines_are_named(tmp_path):
+    for pid, target in {f"{os.getpid()}": "anon_inode:gpio-line", "2": "/dev/null"}.items():
+        (tmp_path / pid / "fd").mkdir(parents=True)
+        (tmp_path / pid / "fd" / "7").symlink_to(target)
+    assert re.fullmatch(rf".*; pid {os.getpid()} \(.+\) holds lines\.", stop_holders(str(tmp_path)))
 
 
 def test_lines_on_two_chips(kernel):

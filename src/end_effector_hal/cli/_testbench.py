@@ -33,7 +33,8 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
 @click.option(
     "--lines",
     metavar="WHERE",
-    help="Where the lines are seen: virtual:PATH, rpi3, gpiod, gpiod:LINE=NAME,...  "
+    help="Where the lines are seen: virtual:PATH, rpi3, gpiod, gpiod:LINE=NAME,..., gpio-sim, "
+    "virtio-gpio:SOCKET.  "
     "[default: the description's virtual chip]",
 )
 @click.option(

@@ -17,11 +17,13 @@ from ._records import Events, Record
 from ._run import run_testbench
 from ._scenario import Effect, Scenario
 from ._sensor import Sensor
+from ._sim_inputs import GpioSimInputs
 from ._supply import Supply
 from ._testbench import Testbench, Watcher
 from ._tool_changer import ToolChanger
 from ._vacuum import VacuumCircuit
 from ._valve import Valve
+from .virtio_gpio import VirtioGpioInputs
 
 __all__ = [
     "FAULTS",
@@ -33,6 +35,7 @@ __all__ = [
     "Events",
     "Fault",
     "GpioInputs",
+    "GpioSimInputs",
     "LineInputs",
     "Model",
     "Noise",
@@ -48,6 +51,7 @@ __all__ = [
     "ToolChanger",
     "VacuumCircuit",
     "Valve",
+    "VirtioGpioInputs",
     "VirtualInputs",
     "Watcher",
     "carried",

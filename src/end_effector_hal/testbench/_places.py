@@ -10,11 +10,13 @@ from ._gpio_inputs import GpioInputs
 from ._inputs import LineInputs, VirtualInputs
 from ._parse import TOOL_CHANGER
 from ._ports import Port, PtyPort, SerialPort
+from ._sim_inputs import GpioSimInputs
+from .virtio_gpio import VirtioGpioInputs
 
 RPI3 = {TOOL_CHANGER: "GPIO19", "bottom": "GPIO16", "cylinder": "GPIO26", "top": "GPIO20"}
 """Board pins 35 to 38 of a Raspberry Pi, by the channel that proves the actuator on the line."""
 RPI3_PORT = "/dev/serial0"
-_CHOICES = "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,... or rpi3."
+_CHOICES = "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3, gpio-sim or virtio-gpio:SOCKET."
 
 
 def open_inputs(text: str | None, description: Description, *, power_cycle: bool = False) -> LineInputs:
@@ -22,7 +24,8 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
 
     Args:
         text: ``virtual:PATH``; ``gpiod``: lines of the same names on this machine; ``gpiod:LINE=NAME,...``:
-            of other names; ``rpi3``; None: the description's virtual chip.
+            of other names; ``rpi3``; ``gpio-sim``: simulated ones of this machine's kernel;
+            ``virtio-gpio:SOCKET``: those of a virtual machine; None: the description's virtual chip.
         description: whose lines are to be seen.
         power_cycle: of a virtual chip.
 
@@ -44,6 +47,10 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
         raise UsageError("only virtual lines can be power-cycled.")
     if kind == "gpiod":
         return GpioInputs(_renamed(rest, lines) if rest else {line: line for line in lines}, text)
+    if text == "gpio-sim":
+        return GpioSimInputs(lines)
+    if kind == "virtio-gpio" and rest:
+        return VirtioGpioInputs(rest, lines)
     if text == "rpi3":
         return GpioInputs(_preset(description), text)
     raise UsageError(f"lines cannot be seen at {text!r}.", todo=_CHOICES)

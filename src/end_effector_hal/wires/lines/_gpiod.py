@@ -5,11 +5,13 @@ from __future__ import annotations
 import errno
 import glob
 import importlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
+from end_effector_hal.wires.lines._holders import stop_holders
 from end_effector_hal.wires.lines._not_found import line_not_found
 
 CONSUMER = "end-effector-hal"
@@ -45,7 +47,8 @@ class GpiodLines:
         active = self._gpiod.line.Value.ACTIVE
         levels: dict[str, bool] = {}
         for request, offsets in self._requests:
-            values = request.get_values(list(offsets.values()))
+            with self._working():
+                values = request.get_values(list(offsets.values()))
             levels |= {name: value == active for name, value in zip(offsets, values, strict=True)}
         return levels
 
@@ -54,12 +57,24 @@ class GpiodLines:
         for request, offsets in self._requests:
             values = {offsets[name]: self._value(level) for name, level in levels.items() if name in offsets}
             if values:
-                request.set_values(values)
+                with self._working():
+                    request.set_values(values)
 
     def close(self) -> None:
         """Give the claim back; whether the levels stay is up to the kernel's driver (gpio-mxc keeps them)."""
         while self._requests:
             self._requests.pop()[0].release()
+
+    @contextmanager
+    def _working(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise WireError(
+                f"the lines do not work any more: {error.strerror}.",
+                where=self._pattern,
+                todo="The GPIO chip has gone, or its driver fails: dmesg may say why.",
+            ) from error
 
     def _value(self, level: bool) -> Any:
         value = self._gpiod.line.Value
@@ -109,35 +124,38 @@ class GpiodLines:
             raise WireError(f"the GPIO chip cannot be opened: {error.strerror}.", where=path) from error
 
     def _adopt(self, path: str, offsets: Mapping[str, int]) -> Any:
-        """Claim as it is, read direction and level, then claim as outputs with these levels.
+        """Claim as it is, read direction and level, then make all of them outputs with these levels.
 
-        Two requests, because reconfiguring one would reset what it does not mention, and because the level of
-        a line can be read by its holder only.
+        One request to the end: given back in between, some controllers drop the level, and another program may
+        take the lines. `reconfigure_lines` resets what it does not name; here it names every line.
         """
         line, settings = self._gpiod.line, self._gpiod.LineSettings
         with self._open(path) as chip:
+            request = None
             try:
                 as_is = {tuple(offsets.values()): settings(direction=line.Direction.AS_IS)}
-                with chip.request_lines(config=as_is, consumer=CONSUMER) as request:
-                    values = dict(
-                        zip(offsets.values(), request.get_values(list(offsets.values())), strict=True)
-                    )
-                    kept = {
-                        offset: chip.get_line_info(offset).direction == line.Direction.OUTPUT
-                        and values[offset] == line.Value.ACTIVE
-                        for offset in values
-                    }
-                outputs = {
-                    offset: settings(direction=line.Direction.OUTPUT, output_value=self._value(level))
-                    for offset, level in kept.items()
+                request = chip.request_lines(config=as_is, consumer=CONSUMER)
+                levels = request.get_values(list(offsets.values()))
+                kept = {
+                    offset: level == line.Value.ACTIVE
+                    and chip.get_line_info(offset).direction == line.Direction.OUTPUT
+                    for offset, level in zip(offsets.values(), levels, strict=True)
                 }
-                return chip.request_lines(config=outputs, consumer=CONSUMER)
+                request.reconfigure_lines(
+                    {
+                        offset: settings(direction=line.Direction.OUTPUT, output_value=self._value(level))
+                        for offset, level in kept.items()
+                    }
+                )
             except OSError as error:
+                if request is not None:
+                    request.release()
                 if error.errno == errno.EBUSY:
                     raise LineBusyError(
-                        f"{self._holders(chip, offsets)}.", where=path, todo="Stop the program that holds it."
+                        f"{self._holders(chip, offsets)}.", where=path, todo=stop_holders()
                     ) from error
                 raise WireError(f"the lines cannot be claimed: {error.strerror}.", where=path) from error
+            return request
 
     def _holders(self, chip: Any, offsets: Mapping[str, int]) -> str:
         infos = {name: chip.get_line_info(offset) for name, offset in offsets.items()}

@@ -1,0 +1,12 @@
+"""A GPIO chip for a virtual machine: the other half of the guest's gpio-virtio driver, over vhost-user.
+
+Sources: virtio 1.2, sections 2.7 (split virtqueues) and 5.18 (GPIO device); QEMU's vhost-user specification.
+"""
+
+from ._front_end import FrontEnd
+from ._inputs import VirtioGpioInputs
+from ._memory import GuestMemory
+from ._pins import Pins, Request
+from ._virtqueue import Virtqueue
+
+__all__ = ["FrontEnd", "GuestMemory", "Pins", "Request", "VirtioGpioInputs", "Virtqueue"]
