@@ -130,7 +130,7 @@ class FakeChip(FakeContext):
         if any(self.lines[offset]["by"] for offset in flat):
             raise OSError(errno.EBUSY, "Device or resource busy")
         self.kernel.requests.append((self.path, sorted(flat), consumer))
-        for offset, settings in flat.items():
+        for offset in flat:
             self.lines[offset]["by"] = consumer
         request = FakeRequest(self, list(flat))
         request.reconfigure_lines(config)

@@ -75,13 +75,20 @@ class VirtualInputs:
                 todo="It was made for another tool: give another path, or --power-cycle to make it anew.",
             )
 
+        levels: dict[str, bool] = {}
+
         def seen(edge: Edge) -> None:
-            if edge.line in self._names:
+            # an input that becomes an inactive output is a record of the chip, and no change of the pin
+            if edge.line in self._names and levels.get(edge.line) != edge.level:
+                levels[edge.line] = edge.level
                 on_edge(edge.line, edge.level, edge.at)
 
         self._watcher = ChipWatcher(self._path, seen)
         state = self._watcher.start()
-        return {name: state.lines[name].level for name in self._names}
+        began = {name: state.lines[name].level for name in self._names}
+        for name, level in began.items():
+            levels.setdefault(name, level)  # an edge may have come already
+        return began
 
     def close(self) -> None:
         if self._watcher is not None:

@@ -1,0 +1,111 @@
+"""Every side on which the testbench sees lines, by one conformance test; the kernel's parts are stand-ins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from gpio_kernel import Kernel, Kind
+from virtual_machine import VirtualMachine
+
+from end_effector_hal.errors import LineNotFoundError, WireError
+from end_effector_hal.testbench import GpioInputs, GpioSimInputs, VirtioGpioInputs, VirtualInputs
+from end_effector_hal.testbench import _gpio_inputs as gpio_module
+from end_effector_hal.testbench.conformance import A, B, LineInputsConformance, Wires
+from end_effector_hal.wires import VirtualLines, now_us
+
+
+class TestVirtual(LineInputsConformance):
+    @pytest.fixture
+    def wires(self, tmp_path: Path) -> Iterator[Wires]:
+        lines = VirtualLines(tmp_path / "chip")
+        claimed: list[str] = []
+
+        def drive(line: str, level: bool) -> None:
+            if not claimed:
+                claimed.extend(lines.request([A, B]))
+            lines.set({line: level})
+
+        inputs = VirtualInputs(tmp_path / "chip", [A, B])
+        yield SimpleNamespace(inputs=inputs, drive=drive)
+        inputs.close()
+        lines.close()
+
+
+class TestGpiod(LineInputsConformance):
+    at_is_now = True
+
+    @pytest.fixture
+    def wires(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[Wires]:
+        kernel = Kernel({"/dev/null": [A, "", B]})
+        monkeypatch.setattr(gpio_module, "importlib", SimpleNamespace(import_module=lambda name: kernel))
+        levels: dict[str, bool] = {}
+
+        def drive(line: str, level: bool) -> None:
+            if level != levels.get(line, False):
+                kind = Kind.RISING_EDGE if level else Kind.FALLING_EDGE
+                kernel.requests["/dev/null"].happen({A: 0, B: 2}[line], kind, now_us())
+            levels[line] = level
+
+        inputs = GpioInputs({A: A, B: B}, "gpiod", "/dev/nul[l]")
+        yield SimpleNamespace(inputs=inputs, drive=drive)
+        inputs.close()
+
+
+class TestGpioSim(LineInputsConformance):
+    @pytest.fixture
+    def wires(self, tmp_path: Path) -> Iterator[Wires]:
+        simulated(tmp_path, [A, B])
+        inputs = GpioSimInputs([A, B], tmp_path / "config", tmp_path / "devices")
+
+        def drive(line: str, level: bool) -> None:
+            level_file(tmp_path, {A: 0, B: 1}[line]).write_text(f"{level:d}\n")
+
+        yield SimpleNamespace(inputs=inputs, drive=drive)
+        inputs.close()
+
+
+class TestVirtioGpio(LineInputsConformance):
+    @pytest.fixture
+    def wires(self, tmp_path: Path) -> Iterator[Wires]:
+        inputs = VirtioGpioInputs(tmp_path / "chip.sock", [A, B])
+        running: list[VirtualMachine] = []
+
+        def drive(line: str, level: bool) -> None:
+            if not running:
+                running.append(VirtualMachine(tmp_path / "chip.sock").boot())
+            running[0].drive({A: 0, B: 1}[line], level)
+
+        yield SimpleNamespace(inputs=inputs, drive=drive)
+        inputs.close()
+        for machine in running:
+            machine.off()
+
+
+def level_file(tmp_path: Path, number: int) -> Path:
+    return tmp_path / f"devices/gpio-sim.0/gpiochip1/sim_gpio{number}/value"
+
+
+def simulated(tmp_path: Path, names: list[str]) -> None:
+    """A chip of gpio-sim as it stands in configfs and sysfs."""
+    chip = tmp_path / "config" / "chip"
+    for number, name in enumerate(names):
+        (chip / "bank0" / f"line{number}").mkdir(parents=True)
+        (chip / "bank0" / f"line{number}" / "name").write_text(f"{name}\n")
+        level_file(tmp_path, number).parent.mkdir(parents=True)
+        level_file(tmp_path, number).write_text("0\n")
+    (chip / "dev_name").write_text("gpio-sim.0\n")
+    (chip / "bank0" / "chip_name").write_text("gpiochip1\n")
+
+
+def test_simulated_lines_of_another_tool(tmp_path: Path) -> None:
+    simulated(tmp_path, [A, "other"])
+    with pytest.raises(LineNotFoundError, match=rf"have no line {B}, only {A}, other"):
+        GpioSimInputs([A, B], tmp_path / "config", tmp_path / "devices").start(lambda *_: None)
+
+
+def test_a_kernel_without_simulated_chips(tmp_path: Path) -> None:
+    with pytest.raises(WireError, match=r"modprobe gpio-sim"):
+        GpioSimInputs([A], Path("/proc/no/gpio-sim"), tmp_path).start(lambda *_: None)
