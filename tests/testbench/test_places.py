@@ -4,7 +4,16 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.testbench import GpioInputs, PtyPort, SerialPort, VirtualInputs, open_inputs, open_port
+from end_effector_hal.testbench import (
+    GpioInputs,
+    GpioSimInputs,
+    PtyPort,
+    SerialPort,
+    VirtioGpioInputs,
+    VirtualInputs,
+    open_inputs,
+    open_port,
+)
 
 
 @pytest.fixture
@@ -48,6 +57,13 @@ def test_lines_of_this_machine(verdin: Description) -> None:
     assert other.lines["SODIMM_212"] == "D"
 
 
+def test_lines_of_a_kernel_that_simulates_them_and_of_a_virtual_machine(verdin: Description) -> None:
+    assert isinstance(open_inputs("gpio-sim", verdin), GpioSimInputs)
+    guest = open_inputs("virtio-gpio:/run/x.sock", verdin)
+    assert isinstance(guest, VirtioGpioInputs)
+    assert guest.text == "virtio-gpio:/run/x.sock"
+
+
 def test_ports(verdin: Description) -> None:
     pty, device = open_port("pty:/tmp/x", verdin, "rpi3"), open_port("/dev/ttyUSB0", verdin, "virtual:/x")
     assert isinstance(pty, PtyPort)
@@ -61,6 +77,7 @@ def test_ports(verdin: Description) -> None:
         (None, "the description has no virtual lines"),  # the HAL's own outputs are never taken as inputs
         ("virtual", "lines cannot be seen at 'virtual'"),
         ("virtual:", "lines cannot be seen"),
+        ("virtio-gpio", "lines cannot be seen at 'virtio-gpio'"),
         ("rpi4", "Expected: virtual:PATH, gpiod"),
         ("gpiod:SODIMM_206=A", "Expected: gpiod:SODIMM_206=NAME,SODIMM_208=NAME"),
         ("gpiod:SODIMM_206=,SODIMM_208=B,SODIMM_210=C,SODIMM_212=D", "does not name each line once"),
