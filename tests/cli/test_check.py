@@ -15,6 +15,8 @@ from end_effector_hal.description import markdown, profile_path, schema_text
 SHIPPED = profile_path().read_text(encoding="utf-8")
 Check = Callable[..., Result]
 
+NO_E_STOP = "e-stop: none in the description: IL-13 is off"
+
 
 @pytest.fixture
 def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Check:
@@ -47,13 +49,18 @@ def test_a_valid_description_is_told_in_short(check: Check) -> None:
         "lines gpiod",
         "link /dev/verdin-uart1, ees1-ascii, 115200 baud",
         f"automata {profile_path().with_name('end_effector.xml')}",
+        f"not fitted {NO_E_STOP}",
     ]
 
 
 def test_without_a_file_it_is_the_shipped_one() -> None:
     result = CliRunner().invoke(_check.command, ["--json"], catch_exceptions=False)
     assert result.exit_code == 0
-    assert json.loads(result.stdout) == {"ok": True, "faults": [], "not_fitted": []}
+    assert json.loads(result.stdout) == {
+        "ok": True,
+        "faults": [],
+        "not_fitted": [NO_E_STOP],
+    }
 
 
 def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
@@ -97,7 +104,7 @@ def test_what_the_prototype_s_byte_does_not_carry_is_told(check: Check) -> None:
         "top_vacuum: top is carried by legacy-nibble as a bit: thresholds are off",
         "supply pressure: not carried by legacy-nibble: IL-06 is off, 600 kPa is taken for it",
         "tool stand: not carried by legacy-nibble: tool_present, in_stand: IL-02 is off",
-        "e-stop: not carried by legacy-nibble: estop_ok: IL-13 is off",
+        NO_E_STOP,
     ]
     plain = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
     assert plain.stdout.count("not fitted  ") == 7
@@ -110,6 +117,12 @@ def test_an_unknown_codec_is_a_fault_at_its_place(check: Check) -> None:
         "tool.yaml:13:10: there is no such codec (ees1-asci), expected one of ees1-ascii, legacy-nibble; "
         "did you mean 'ees1-ascii'? [EE-226]\n"
     )
+
+
+def test_an_e_stop_that_the_codec_does_not_carry_is_told(check: Check) -> None:
+    replace = {"codec: ees1-ascii ": "codec: legacy-nibble ", "bounds:": "e_stop: {}\n\nbounds:"}
+    told = json.loads(check("--json", replace=replace).stdout)["not_fitted"]
+    assert told[-1] == "e-stop: not carried by legacy-nibble: estop_ok: IL-13 is off"
 
 
 CHANNELS = (
@@ -132,7 +145,8 @@ def test_a_cylinder_may_be_confirmed_by_its_bit_alone(check: Check) -> None:
     result = check("--json", replace=replace)
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
-        "cylinder: elsewhere is not carried by ees1-ascii: thresholds are off"
+        "cylinder: elsewhere is not carried by ees1-ascii: thresholds are off",
+        NO_E_STOP,
     ]
     replace = {"channel: cylinder": "channel: elsewhere\n    extended_bit: ~\n    retracted_bit: ~"}
     assert "carries nothing that could confirm 'cylinder'" in check(replace=replace).stderr
@@ -164,7 +178,8 @@ def test_a_description_without_a_tool_changer(check: Check) -> None:
     result = check("--json", replace={stanza: ""})
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
-        "tool changer: none in the description: IL-01 to IL-05 are off"
+        "tool changer: none in the description: IL-01 to IL-05 are off",
+        NO_E_STOP,
     ]
 
 

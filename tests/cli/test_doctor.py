@@ -27,7 +27,16 @@ from end_effector_hal.cli._doctor_holders import holders_of
 from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.tool import output_lines, owner_policy
-from end_effector_hal.wires import Frame, LineOwner, PtyPair, VirtualChip, VirtualLines, get_codec, read_chip
+from end_effector_hal.wires import (
+    Frame,
+    LineOwner,
+    PtyPair,
+    VirtualChip,
+    VirtualLines,
+    get_codec,
+    now_us,
+    read_chip,
+)
 
 LINES = output_lines(load(profile_path()))
 CODEC = get_codec("ees1-ascii")
@@ -323,7 +332,10 @@ def test_no_chip_and_the_wrong_library(tmp_path: Path, monkeypatch: pytest.Monke
 def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
     from end_effector_hal.wires import OwnerClient
 
+    said = {"locked": True, "nothing_gripped": False}
+    machine.findings("owner")  # the first look takes longer than what is said counts
     with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client:
+        client.tell(said, now_us())
         client.set({"SODIMM_208": True}, will=[("SODIMM_208", False, 0)])
         assert machine.findings("owner") == [
             (
@@ -332,8 +344,23 @@ def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
                 "",
             ),
             ("ok", "active: SODIMM_208 (bottom_vacuum)", ""),
+            ("ok", "by the sensors: locked yes, nothing_gripped no", ""),
         ]
         assert client.levels()["SODIMM_208"], "a look is not a death"
+
+
+def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(machine: Machine, owner: LineOwner) -> None:
+    from end_effector_hal.wires import OwnerClient
+
+    with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client:
+        client.latch("sensor_fault", "IL-04: both bits are set.")
+        client.tell({"locked": True}, now_us() - 2_000_000)
+        told = machine.findings("owner")[2:]
+    assert [level for level, _, _ in told] == ["warning", "warning"]
+    assert (
+        told[0][1] == "nobody says what the sensors show (locked, nothing_gripped): activations are refused"
+    )
+    assert told[1][1] == "latched: IL-04: both bits are set."
 
 
 def test_the_owner_of_another_tool(machine: Machine, owner: LineOwner) -> None:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
-from end_effector_hal.wires.owner import Exclusion, Keeper, Policy, WillStep
+from end_effector_hal.wires.owner import Exclusion, Keeper, Need, Policy, WillStep
 from end_effector_hal.wires.owner._keeper import WillRunsError
 
 UNLOCK, BOTTOM, CYLINDER, TOP = LINES = ("unlock", "bottom", "cylinder", "top")
@@ -472,3 +472,158 @@ def test_the_interlocks_hold_whatever_the_clients_do(todo):
             state[line], since[line] = level, at
             assert not (state[UNLOCK] and any(state[other] for other in GRIP))
     assert all(not session.queue for session in owner.keeper.sessions)
+
+
+# IL-01, IL-05 by what the sensors say
+
+FREE = Need("free", "IL-01", "nothing is gripped", "the sensors do not prove that nothing is gripped")
+LOCKED = Need("locked", "IL-05", "the tool is locked", "the tool is not proven to be locked")
+CLOSED = Need(
+    "closed", "IL-13", "the e-stop is closed", "the e-stop is open", latched="the e-stop was opened"
+)
+SENSING = Policy(LINES, needs={UNLOCK: (CLOSED, FREE), **dict.fromkeys(GRIP, (CLOSED, LOCKED))})
+
+
+def sensing(**told):
+    owner = Owner(SENSING)
+    owner.keeper.sensed.tell({"free": True, "locked": True, "closed": True} | told, owner.now, owner.now)
+    return owner
+
+
+def refusal(owner, session=None, line=BOTTOM):
+    session = session or owner.grip
+    before, will = dict(owner.keeper.levels), session.will
+    with pytest.raises(LineRefusedError) as caught:
+        owner.set(session, (WillStep(line),), **{line: True})
+    assert (owner.keeper.levels, session.will) == (before, will), "nothing has changed"
+    return str(caught.value)
+
+
+def test_a_line_is_activated_when_the_sensors_say_so():
+    owner = sensing()
+    owner.set(owner.grip, bottom=True)
+    owner.set(owner.changer, unlock=True)
+    assert [line for _, line, _ in owner.written] == [BOTTOM, UNLOCK]
+
+
+def test_before_anybody_said_anything_every_activation_is_refused():
+    owner = Owner(SENSING)
+    assert refusal(owner) == (
+        "IL-13: bottom is not activated: nobody who reads the sensors has said yet whether the e-stop is closed."
+    )
+
+
+def test_a_predicate_that_does_not_hold_refuses():
+    owner = sensing(locked=False)
+    assert refusal(owner) == "IL-05: bottom is not activated: the tool is not proven to be locked."
+    owner.set(owner.changer, unlock=True)
+    owner = sensing(free=False)
+    assert refusal(owner, owner.changer, UNLOCK) == (
+        "IL-01: unlock is not activated: the sensors do not prove that nothing is gripped."
+    )
+    owner.set(owner.grip, bottom=True)
+
+
+def test_a_predicate_expires_150_ms_after_the_sensors_proved_it_not_after_it_came():
+    owner = sensing()
+    owner.to(owner.now + 149_999)
+    owner.set(owner.grip, bottom=True)
+    owner.to(owner.now + 1)
+    owner.keeper.sensed.tell({"closed": True}, owner.now, owner.now)
+    assert refusal(owner, line=TOP) == (
+        "IL-05: top is not activated: for 0.15 s nobody who reads the sensors has said whether the tool is locked."
+    )
+    # what waited in a socket while the owner was stopped is as old as it is
+    owner.keeper.sensed.tell({"locked": True}, owner.now - 150 * MS, owner.now)
+    assert "for 0.15 s" in refusal(owner, line=TOP)
+    # and nobody speaks from the future
+    owner.keeper.sensed.tell({"locked": True}, owner.now + 100 * S, owner.now)
+    owner.to(owner.now + 150 * MS)
+    owner.keeper.sensed.tell({"closed": True}, owner.now, owner.now)
+    assert "for 0.15 s" in refusal(owner, line=TOP)
+
+
+def test_what_was_said_earlier_and_comes_later_counts_for_nothing():
+    owner = sensing()
+    owner.keeper.sensed.tell({"locked": False}, owner.now - 1, owner.now)
+    owner.set(owner.grip, bottom=True)
+
+
+@pytest.mark.parametrize("change", ["expired", "locked", "free", "closed"])
+def test_nothing_is_deactivated_and_no_deactivation_refused_for_want_of_a_predicate(change):
+    owner = sensing()
+    owner.set(owner.grip, (WillStep(BOTTOM),), bottom=True, top=True)
+    if change != "expired":
+        owner.keeper.sensed.tell({change: False}, owner.now, owner.now)
+    owner.to(owner.now + 10 * S)
+    assert owner.keeper.levels[BOTTOM]
+    owner.set(owner.grip, bottom=True)
+    owner.set(owner.grip, top=False)
+    assert owner.keeper.levels == {UNLOCK: False, BOTTOM: True, CYLINDER: False, TOP: False}
+    owner.die(owner.grip)
+    assert not owner.keeper.levels[BOTTOM]
+
+
+# IL-13
+
+
+def test_il_13_an_open_e_stop_latches_until_a_reset_while_it_is_closed():
+    owner = sensing()
+    owner.set(owner.grip, bottom=True)
+    owner.keeper.sensed.tell({"closed": False}, owner.now, owner.now)
+    assert owner.keeper.levels[BOTTOM], "what is held stays held"
+    assert refusal(owner, line=TOP) == "IL-13: top is not activated: the e-stop is open."
+    with pytest.raises(LineRefusedError, match=r"^IL-13: the e-stop is open: this fault stays"):
+        owner.keeper.reset(owner.now)
+    owner.keeper.sensed.tell({"closed": True}, owner.now, owner.now)
+    assert refusal(owner, line=TOP) == (
+        "IL-13: top is not activated: the e-stop was opened; reset the faults first."
+    )
+    assert owner.keeper.sensed.faults == {"closed": "IL-13: the e-stop was opened."}
+    owner.keeper.reset(owner.now)
+    assert owner.keeper.sensed.faults == {}
+    owner.set(owner.grip, top=True)
+
+
+def test_il_13_a_reset_needs_to_know_that_the_e_stop_is_closed():
+    owner = sensing(closed=False)
+    owner.keeper.sensed.tell({"closed": True}, owner.now, owner.now)
+    owner.to(owner.now + 150 * MS)
+    with pytest.raises(LineRefusedError, match="nobody who reads the sensors has said whether the e-stop"):
+        owner.keeper.reset(owner.now)
+    assert "closed" in owner.keeper.sensed.faults
+
+
+def test_a_reset_clears_every_fault_that_is_over():
+    owner = sensing(closed=False)
+    owner.keeper.sensed.latch("sensor_fault", "IL-04: both bits are set.")
+    owner.keeper.sensed.latch("sensor_fault", "another reason")
+    assert owner.keeper.sensed.faults["sensor_fault"] == "IL-04: both bits are set."
+    with pytest.raises(LineRefusedError):
+        owner.keeper.reset(owner.now)
+    assert list(owner.keeper.sensed.faults) == ["closed"]
+
+
+def test_an_expired_e_stop_refuses_and_is_no_fault():
+    owner = sensing()
+    owner.to(owner.now + 1 * S)
+    assert "for 1 s nobody" in refusal(owner)
+    assert owner.keeper.sensed.faults == {}
+
+
+# IL-08
+
+
+def test_il_08_at_least_50_ms_lie_between_the_two_lines():
+    blowing = Policy(LINES, [Exclusion(BOTTOM, TOP, "IL-08", "IL-08", 50 * MS)], min_switch_us=0)
+    owner = Owner(blowing)
+    owner.set(owner.grip, bottom=True)
+    assert refusal(owner, line=TOP) == "IL-08: top is not activated while bottom is active."
+    owner.set(owner.grip, bottom=False)
+    assert refusal(owner, line=TOP) == "IL-08: top is not activated within 50 ms after bottom."
+    owner.to(owner.now + 50 * MS - 1)
+    refusal(owner, line=TOP)
+    owner.to(owner.now + 1)
+    owner.set(owner.grip, top=True)
+    owner.set(owner.grip, top=False)
+    assert "IL-08: bottom is not activated within 50 ms after top." in refusal(owner)

@@ -16,6 +16,8 @@ from ._doctor_holders import holders_of
 _FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/tmp/eehal-0"))
 _START = "Start it: eehal owner DESCRIPTION, or systemctl start eehal-owner."
 _GROUP = "Add the user to the group gpio, which owns the socket, and log in again."
+_FRESH_US = 1_000_000
+"""Longer than the owner's own 150 ms: the machine may be slow, and a look changes nothing."""
 _say = Part("owner")
 
 
@@ -40,11 +42,29 @@ def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
     labels = {actuator.line: name for name, actuator in description.ordered}
     active = [f"{line} ({labels.get(line, 'unlock')})" for line, level in levels.items() if level]
     yield _say.ok(f"active: {', '.join(active) or 'no line'}")
+    yield from _sensed(status)
     if trips := status.get("trips"):
         yield _say.warning(
             f"IL-03 ended {len(trips)} activations, the last of {trips[-1].get('line')}",
             "Whoever unlocks should end it earlier; see the log of the owner.",
         )
+
+
+def _sensed(status: dict[str, Any]) -> Iterator[Finding]:
+    """What the owner knows of the sensors (IL-01, IL-05, IL-13), and its faults."""
+    needs, told = status.get("needs", []), status.get("told", {})
+    fresh = {name: told[name]["holds"] for name in needs if name in told and told[name]["age_us"] < _FRESH_US}
+    missing = [name for name in needs if name not in fresh]
+    if missing and status.get("clients"):
+        yield _say.warning(
+            f"nobody says what the sensors show ({', '.join(missing)}): activations are refused",
+            "The node Pressure, or eehal run, reads the sensor link and tells the owner.",
+        )
+    elif fresh:
+        shown = ", ".join(f"{name} {'yes' if holds else 'no'}" for name, holds in fresh.items())
+        yield _say.ok(f"by the sensors: {shown}")
+    for why in status.get("faults", {}).values():
+        yield _say.warning(f"latched: {why}", "See to the cause, then reset the faults.")
 
 
 def _clients(status: dict[str, Any]) -> str:

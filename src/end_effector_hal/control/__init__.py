@@ -3,24 +3,30 @@
 from ._constants import channels_of, model_constants
 from ._controller import PROGRAMS, Controller
 from ._levels import Cause, ChangerState, Evidence, ToolEvidence
+from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, Predicates, predicates_fitted
 from ._senses import Senses
 from ._status import Answer, Status, StepReport
 from ._time import to_s, to_us
 from ._will import will_of
 
 __all__ = [
+    "E_STOP_CLOSED",
+    "LOCKED",
+    "NOTHING_GRIPPED",
     "PROGRAMS",
     "Answer",
     "Cause",
     "ChangerState",
     "Controller",
     "Evidence",
+    "Predicates",
     "Senses",
     "Status",
     "StepReport",
     "ToolEvidence",
     "channels_of",
     "model_constants",
+    "predicates_fitted",
     "to_s",
     "to_us",
     "will_of",

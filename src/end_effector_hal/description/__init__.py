@@ -1,7 +1,7 @@
 """What an end-effector is made of: YAML in, frozen typed objects out; pure."""
 
 from ._actuators import Actuator, ActuatorPart, CylinderActuator, VacuumActuator
-from ._devices import Lines, Link, Supply, ToolChanger
+from ._devices import EStop, Lines, Link, Supply, ToolChanger
 from ._examine import Examination, examine, examine_text
 from ._fault import CODES, Fault, did_you_mean
 from ._fitting import Carried, not_fitted, unproven
@@ -22,6 +22,7 @@ __all__ = [
     "Carried",
     "CylinderActuator",
     "Description",
+    "EStop",
     "Ending",
     "Endings",
     "Examination",

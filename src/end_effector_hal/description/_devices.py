@@ -28,6 +28,12 @@ class ToolChanger(Part):
     service: RosName = Field(default="SetToolChanger", description="ROS service")
 
 
+class EStop(Part):
+    """An emergency-stop input (IL-13): while it is open, and until a reset, nothing is activated."""
+
+    channel: Name = Field(default="estop_ok", description="bit of the link that is set while it is closed")
+
+
 class Supply(Part):
     """The compressed-air supply (IL-06)."""
 

@@ -90,8 +90,11 @@ def _interlocks(description: Description, carried: Carried) -> Iterator[str]:
         yield f"tool changer: not carried by {codec}: {', '.join(missing)}: IL-04 and IL-05 are off"
     if changer and (missing := [bit for bit in ("tool_present", "in_stand") if bit not in channels]):
         yield f"tool stand: not carried by {codec}: {', '.join(missing)}: IL-02 is off"
-    if "estop_ok" not in channels:
-        yield f"e-stop: not carried by {codec}: estop_ok: IL-13 is off"
+    e_stop = description.e_stop
+    if e_stop is None:
+        yield "e-stop: none in the description: IL-13 is off"
+    elif e_stop.channel not in channels:
+        yield f"e-stop: not carried by {codec}: {e_stop.channel}: IL-13 is off"
 
 
 def _instead(actuator: Actuator, bit: str, kind: str | None) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from pydantic import Field, PrivateAttr
 
 from ._actuators import Actuator
-from ._devices import Lines, Link, Supply, ToolChanger
+from ._devices import EStop, Lines, Link, Supply, ToolChanger
 from ._part import Name, Names, Part
 from ._paths import profile_path
 from ._places import Place, Places
@@ -27,6 +27,7 @@ class Description(Part):
     release_order: Names | None = Field(default=None, description="default: the sequence reversed")
     actuators: dict[Name, Actuator] = Field(description="by name")
     tool_changer: ToolChanger | None = Field(default=None, description="absent: none is fitted")
+    e_stop: EStop | None = Field(default=None, description="absent: none is fitted")
     supply: Supply = Field(default=Supply(), description="the compressed air")
     endings: Endings = Field(default=Endings(), description="what each ending does to the outputs")
     interlocks: Interlocks = Field(default=Interlocks(), description="true: enforced")

@@ -29,7 +29,8 @@ def judge(command: Command, status: Any) -> tuple[int, str]:
         if status.tool_changer == wanted:
             return Outcome.SUCCEEDED, ""
         reached, name = ChangerState(status.tool_changer).name, ChangerState(wanted).name
-        return Outcome.FAILED, f"The tool changer is {reached}: its sensors do not prove {name}."
+        why = f"The tool changer is {reached}: its sensors do not prove {name}. {status.reason}"
+        return Outcome.FAILED, why.rstrip()
     if status.state == wanted:
         return Outcome.SUCCEEDED, ""
     cancelled = command is Command.GRIP and status.cause == Cause.CANCELLED

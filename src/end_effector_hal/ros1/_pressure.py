@@ -8,6 +8,7 @@ from typing import Any
 from sensor_msgs.msg import FluidPressure
 
 from end_effector_hal.description import Description
+from end_effector_hal.tool import Witness
 from end_effector_hal.wires import Frame, LinkHealth, LinkReader, LinkState
 
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
@@ -17,7 +18,11 @@ from ._table import PRESSURE, SENSOR_FRAME, pressure_topics
 
 
 class PressureNode:
-    """Frames in, messages out, in the thread of the link: the frame first, for the reaction depends on it."""
+    """Frames in, messages out, in the thread of the link: the frame first, for the reaction depends on it.
+
+    Before it, and only when it proves something else than before, the line owner is told: this node reads the
+    sensors, so the interlocks that need one (IL-01, IL-05, IL-13) rest on what it says.
+    """
 
     def __init__(self, node: Node, description: Description) -> None:
         self._log = node.log
@@ -26,6 +31,9 @@ class PressureNode:
             (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
         ]
         link = description.link
+        self._witness = Witness(description)
+        node.on_close(self._witness.close)
+        self._witness.start()
         self._reader = LinkReader(
             link.port, link.codec, link.baudrate, on_frame=self._on_frame, on_change=self._on_change
         )
@@ -34,6 +42,7 @@ class PressureNode:
         self._reader.start()
 
     def _on_frame(self, frame: Frame) -> None:
+        self._witness.frame(frame)
         self._frame(frame_to_message(frame))
         now = stamp(frame.at)
         for channel, publish in self._pressures:

@@ -48,9 +48,8 @@ class ToolChangeNode:
         reached = ChangerState(self._unit.status.changer)
         if reached is wanted:
             return SetBoolResponse(True, f"The tool changer is {wanted.name}, proven by its sensors.")
-        return SetBoolResponse(
-            False, f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
-        )
+        why = f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
+        return SetBoolResponse(False, f"{why} {self._unit.status.reason}".rstrip())
 
 
 def main(argv: Sequence[str]) -> int:

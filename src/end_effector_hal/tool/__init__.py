@@ -3,12 +3,14 @@
 from end_effector_hal.control import Answer, Status, StepReport
 
 from ._end_effector import EndEffector, Outcome
+from ._lines import output_lines, owner_policy, program_lines
 from ._open_unit import open_unit
 from ._orders import Order, read_order, read_script
 from ._outputs import LineWriter
-from ._owner import connect_owner, output_lines, owner_policy, program_lines, run_owner
+from ._owner import connect_owner, run_owner
 from ._recording import Recording, content_hash, run_info
 from ._unit import Unit
+from ._witness import Witness
 
 __all__ = [
     "Answer",
@@ -20,6 +22,7 @@ __all__ = [
     "Status",
     "StepReport",
     "Unit",
+    "Witness",
     "connect_owner",
     "content_hash",
     "open_unit",

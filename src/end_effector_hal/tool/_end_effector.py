@@ -17,6 +17,7 @@ from end_effector_hal.wires import Frame, LinkHealth, LinkReader, get_codec
 
 from ._open_unit import open_unit
 from ._unit import Unit
+from ._witness import Witness
 
 _MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
 
@@ -52,6 +53,7 @@ class EndEffector:
         self._grip = open_unit(description, "grip", self._gripper_moved)
         self._change = open_unit(description, "tool_change", self._changer_moved)
         codec = get_codec(description.link.codec)
+        self._witness = Witness(description, codec)
         self._reader = LinkReader(
             description.link.port,
             codec,
@@ -71,6 +73,7 @@ class EndEffector:
     def start(self) -> None:
         """Start reading and adopt."""
         self._reader.start()
+        self._witness.start()
         for unit in self._units:
             unit.start()
 
@@ -79,6 +82,7 @@ class EndEffector:
         for unit in self._units:
             unit.close(ending)
         self._reader.close()
+        self._witness.close()
 
     def __enter__(self) -> Self:
         return self
@@ -161,7 +165,8 @@ class EndEffector:
             if reached is wanted
             else f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
         )
-        return Outcome(reached is wanted, EndEffectorState(self.status.ee), "" if reached is wanted else why)
+        reason = f"{why} {self._change.status.reason}".strip() if why else ""
+        return Outcome(reached is wanted, EndEffectorState(self.status.ee), reason)
 
     def _merged(self, status: Status, at: int) -> Status:
         change = self._change.status
@@ -190,6 +195,7 @@ class EndEffector:
                 listener(status)
 
     def _frame_came(self, frame: Frame) -> None:
+        self._witness.frame(frame)
         for unit in self._units:
             unit.frame(frame)
         for listener in self._frame_listeners:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 from end_effector_hal.control import Status
-from end_effector_hal.errors import EndEffectorError, LineBusyError, OwnerError
+from end_effector_hal.errors import EndEffectorError, LineBusyError, LineRefusedError, OwnerError
 from end_effector_hal.wires import WillStep
 
 RETRY_US = 200_000
@@ -52,6 +52,8 @@ class Outputs:
         self.lost = False
         self.retry_at: int | None = None
         self.alarm = ""
+        self.refused = ""
+        """Why the line owner did not activate something, in words, until it activates again."""
 
     def apply(self, status: Status) -> None:
         """Bring the lines to what a status asks for; trouble becomes :attr:`alarm`."""
@@ -96,6 +98,7 @@ class Outputs:
                 self.alarm, self._said, self._undone, self.retry_at = "", will, {}, None
                 return
         except EndEffectorError as error:
+            self.refused = str(error) if isinstance(error, LineRefusedError) else self.refused
             self.alarm = f"The lines could not be written: {error}"
             self.retry_at = self.retry_at if self.lost else at + RETRY_US
         self._said = None
@@ -111,3 +114,5 @@ class Outputs:
                 self._written.pop(line, None)  # perhaps it was executed: either level is right
             raise
         self._written |= changes
+        if any(changes.values()):
+            self.refused = ""

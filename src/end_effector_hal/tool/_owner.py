@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from end_effector_hal.control import to_us
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import OwnerError, UsageError
 from end_effector_hal.wires import (
@@ -13,11 +12,11 @@ from end_effector_hal.wires import (
     LineBackend,
     LineOwner,
     OwnerClient,
-    Policy,
     VirtualLines,
     serve,
 )
 
+from ._lines import owner_policy, program_lines
 from ._service_manager import ServiceManager
 
 
@@ -69,21 +68,6 @@ class _Question:
         self._client.levels()
 
 
-def owner_policy(description: Description) -> Policy:
-    """The output interlocks of a tool: what the owner enforces whoever asks."""
-    lines, changer = output_lines(description), description.tool_changer
-    labels = {actuator.line: name for name, actuator in description.ordered}
-    if changer is None:
-        return Policy(lines, labels=labels)
-    gripping = program_lines(description, "grip")
-    return Policy(
-        lines,
-        exclusions=[(changer.line, line) for line in gripping] if description.interlocks.il_01 else [],
-        max_active_us={} if changer.latching else {changer.line: to_us(changer.unlock_max_s)},
-        labels={**labels, changer.line: "unlock"},
-    )
-
-
 def _backend(description: Description) -> LineBackend:
     if description.lines.backend == "gpiod":
         return GpiodLines()
@@ -94,16 +78,3 @@ def _backend(description: Description) -> LineBackend:
             todo="Add path: to lines.",
         )
     return VirtualLines(description.lines.path)
-
-
-def output_lines(description: Description) -> tuple[str, ...]:
-    """Every output line of a tool, actuators in sequence order, then the tool changer."""
-    lines = [actuator.line for _, actuator in description.ordered]
-    return (*lines, description.tool_changer.line) if description.tool_changer else tuple(lines)
-
-
-def program_lines(description: Description, program: str) -> tuple[str, ...]:
-    """The lines that one program writes."""
-    if program == "grip":
-        return tuple(actuator.line for _, actuator in description.ordered)
-    return (description.tool_changer.line,) if description.tool_changer else ()

@@ -227,7 +227,8 @@ class Unit:
             statuses = [self._now()]
         for status in statuses:
             self._told = extra
-            told = replace(status, alarms=(*status.alarms, *extra), reason=status.reason or self._why)
+            reason = f"{status.reason or self._why} {self._outputs.refused}".strip()
+            told = replace(status, alarms=(*status.alarms, *extra), reason=reason)
             with self._changed:
                 self._status = told
                 self._changed.notify_all()
@@ -241,7 +242,7 @@ class Unit:
             return Answer(False, f"The lines are not adopted yet. {self._obstacle}".rstrip()), []
         answer, statuses = self._controller.command(name, now_us())
         if answer.accepted:
-            self._why = ""
+            self._why = self._outputs.refused = ""
         return answer, statuses
 
     def _drive(self, name: str, active: bool) -> tuple[Answer, list[Status]]:

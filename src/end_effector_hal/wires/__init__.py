@@ -21,8 +21,10 @@ from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState, PtyPa
 from end_effector_hal.wires.owner import (
     Exclusion,
     LineOwner,
+    Need,
     OwnerClient,
     Policy,
+    Teller,
     Written,
     serve,
 )
@@ -44,9 +46,11 @@ __all__ = [
     "LinkHealth",
     "LinkReader",
     "LinkState",
+    "Need",
     "OwnerClient",
     "Policy",
     "PtyPair",
+    "Teller",
     "Value",
     "VirtualChip",
     "VirtualLines",

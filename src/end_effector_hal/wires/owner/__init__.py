@@ -6,17 +6,20 @@ no ROS: a back-end and a `Policy` are given to it.
 
 from end_effector_hal.wires.owner._client import OwnerClient, Written
 from end_effector_hal.wires.owner._keeper import Keeper
-from end_effector_hal.wires.owner._policy import Exclusion, Policy
+from end_effector_hal.wires.owner._policy import Exclusion, Need, Policy
 from end_effector_hal.wires.owner._serve import serve
 from end_effector_hal.wires.owner._server import LineOwner
+from end_effector_hal.wires.owner._teller import Teller
 from end_effector_hal.wires.will import Will, WillStep
 
 __all__ = [
     "Exclusion",
     "Keeper",
     "LineOwner",
+    "Need",
     "OwnerClient",
     "Policy",
+    "Teller",
     "Will",
     "WillStep",
     "Written",

@@ -119,6 +119,22 @@ class OwnerClient:
         """The owner's pid, clients with lease and will, and the activations that it ended (IL-03)."""
         return dict(self._call("status")["status"])
 
+    def tell(self, predicates: Mapping[str, bool], at_us: int) -> None:
+        """Say what the sensors proved at ``at_us``, and wait for the reply; `Teller` says it without waiting."""
+        self._call("tell", predicates=dict(predicates), at_us=at_us)
+
+    def latch(self, fault: str, why: str) -> None:
+        """Keep a fault by name, through a restart and until `reset`; it shows in `status`, the first ``why`` stays."""
+        self._call("latch", fault=fault, why=why)
+
+    def reset(self) -> None:
+        """Clear all latched faults.
+
+        Raises:
+            LineRefusedError: some still are the case and stay; says which.
+        """
+        self._call("reset")
+
     def close(self, will: Iterable[WillStep | Mapping[str, object]] | None = None) -> None:
         """Leave in order: ``will`` is executed at once; none: the lines stay as they are.
 

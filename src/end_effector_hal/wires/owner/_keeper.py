@@ -17,6 +17,7 @@ from typing import NamedTuple
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.wires.lines import LineBackend
 from end_effector_hal.wires.owner._policy import Policy
+from end_effector_hal.wires.owner._sensed import Sensed
 from end_effector_hal.wires.will import Will
 
 _log = logging.getLogger("end_effector_hal.owner")
@@ -59,13 +60,14 @@ class Keeper:
 
     def __init__(self, backend: LineBackend, policy: Policy, at: int) -> None:
         self.policy = policy
+        self.sensed = Sensed((need for needs in policy.needs.values() for need in needs), policy.fresh_us, {})
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._backend = backend
         self.levels = backend.request(list(policy.lines))
         self._changed = dict.fromkeys(policy.lines, at)
         for line in policy.lines:
-            if self.levels[line] and any(self.levels[partner] for partner, _ in policy.partners(line)):
+            if self.levels[line] and any(self.levels[partner.line] for partner in policy.partners(line)):
                 _log.error("%s was found active together with a line that excludes it", policy.called(line))
 
     # What clients ask for
@@ -116,7 +118,7 @@ class Keeper:
         self._own(session, levels)
         for line, level in levels.items():
             if level and not self._expected(session, line):
-                self._check_activation(session, line, levels)
+                self._check_activation(line, levels, at)
         if len(session.queue) >= MOST_WAITING:
             raise LineRefusedError(f"IL-10: {MOST_WAITING} writes wait already for their lines to settle.")
         if will is not None:
@@ -134,6 +136,16 @@ class Keeper:
         self._own(session, {step.line: False for step in will})
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
         self._end_session(session, will, at)
+
+    def reset(self, at: int) -> None:
+        """Clear latched faults and what was told of ended activations.
+
+        Raises:
+            LineRefusedError: some stay, for they still are the case; the others are cleared.
+        """
+        self.trips.clear()
+        if stay := self.sensed.reset(at):
+            raise LineRefusedError(f"{'; '.join(stay)}: this fault stays.")
 
     # What happens
 
@@ -197,13 +209,21 @@ class Keeper:
         self._own(session, {step.line: False for step in will})
         session.will = will
 
-    def _check_activation(self, session: Session, line: str, levels: Mapping[str, bool]) -> None:
-        for partner, interlock in self.policy.partners(line):
-            if levels.get(partner, self._may_be_active(partner)):
-                called = self.policy.called
+    def _check_activation(self, line: str, levels: Mapping[str, bool], at: int) -> None:
+        called = self.policy.called
+        for other, interlock, gap_us in self.policy.partners(line):
+            if levels.get(other, self._may_be_active(other)):
                 raise LineRefusedError(
-                    f"{interlock}: {called(line)} is not activated while {called(partner)} is active."
+                    f"{interlock}: {called(line)} is not activated while {called(other)} is active."
                 )
+            if at - self._changed[other] < gap_us:
+                raise LineRefusedError(
+                    f"{interlock}: {called(line)} is not activated within {gap_us // 1000} ms after "
+                    f"{called(other)}."
+                )
+        for need in self.policy.needs.get(line, ()):
+            if why := self.sensed.objection(need, at):
+                raise LineRefusedError(f"{need.interlock}: {called(line)} is not activated: {why}.")
 
     def _expected(self, session: Session, line: str) -> bool:
         """The level once everything that waits is applied."""

@@ -10,6 +10,9 @@ Requests have ``op``, and an ``id`` that the reply repeats::
     {"id": 4, "op": "levels"}
     {"id": 5, "op": "status"}
     {"id": 6, "op": "bye", "will": []}
+    {"op": "tell", "predicates": {"locked": true}, "at_us": 815000000}
+    {"id": 7, "op": "latch", "fault": "sensor_fault", "why": "IL-04: both bits of the tool changer are set."}
+    {"id": 8, "op": "reset"}
 
 ``hello`` names the lines that the client will write; each line has one writing client. It is answered with
 the code EE-402 and ``retry_us`` while the will of the one before is executed: a will runs to its end first,
@@ -19,6 +22,13 @@ is refused as a whole: its sender has given it up, and nobody knows of it any mo
 any ``set`` does, too. ``bye`` ends in order: the will in it is executed at once, the one left before is void.
 A socket that is closed without it, or a lease that ends, is the death of the client: its will is executed.
 ``levels`` and ``status`` need no hello.
+
+``tell`` comes from the process that reads the sensors, on change and at least every 50 ms: what they proved at
+``at_us`` (monotonic clock). It counts for 150 ms from then on. A line whose activation needs a predicate (IL-01,
+IL-05, IL-13) is refused without it; nothing is ever deactivated for want of one. Without an ``id`` it gets no
+reply. ``latch`` keeps a fault of a client by name through a restart; it shows in ``status`` and refuses nothing.
+``reset`` clears all faults; it is refused with EE-403 for those that still are the case (an open e-stop).
+These three need no hello, either.
 
 Replies: ``{"id", "ok", "error", "levels"}``, levels of all lines, active is true. ``error`` is a sentence,
 with ``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further
@@ -36,7 +46,8 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.will import Will, read_will
 
 LONGEST = 1 << 16
-OPS = ("hello", "set", "renew", "levels", "status", "bye")
+MOST_PREDICATES = 32
+OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset")
 
 
 class Request(NamedTuple):
@@ -49,6 +60,10 @@ class Request(NamedTuple):
     levels: Mapping[str, bool] = {}
     will: Will | None = None
     until_us: int | None = None
+    predicates: Mapping[str, bool] = {}
+    at_us: int = 0
+    fault: str = ""
+    why: str = ""
 
 
 def read_message(line: bytes) -> dict[str, Any]:
@@ -89,8 +104,35 @@ def read_request(message: dict[str, Any]) -> Request:
     until_us = message.get("until_us")
     if until_us is not None and type(until_us) is not int:
         raise UsageError("until_us is a time in µs.")
+    if op == "tell":
+        return _read_tell(message)
+    if op == "latch":
+        return _read_latch(message)
     will = None if message.get("will") is None else read_will(message["will"])
     return Request(op, number, client, tuple(lines) if op == "hello" else (), levels, will, until_us)
+
+
+def _read_tell(message: dict[str, Any]) -> Request:
+    predicates, at_us = message.get("predicates"), message.get("at_us")
+    if not (
+        isinstance(predicates, dict)
+        and 0 < len(predicates) <= MOST_PREDICATES
+        and all(isinstance(holds, bool) for holds in predicates.values())
+        and all(len(name) <= 64 for name in predicates)
+    ):
+        raise UsageError("predicates is an object of names, each true or false.")
+    if type(at_us) is not int:
+        raise UsageError("at_us is a time in µs.")
+    return Request("tell", message.get("id"), predicates=predicates, at_us=at_us)
+
+
+def _read_latch(message: dict[str, Any]) -> Request:
+    fault, why = message.get("fault"), message.get("why")
+    if not (isinstance(fault, str) and 0 < len(fault) <= 64):
+        raise UsageError("fault is a name of at most 64 letters.")
+    if not (isinstance(why, str) and 0 < len(why) <= 500):
+        raise UsageError("why is a sentence of at most 500 letters.")
+    return Request("latch", message.get("id"), fault=fault, why=why)
 
 
 def write_message(message: Mapping[str, object]) -> bytes:

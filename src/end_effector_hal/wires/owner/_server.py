@@ -23,6 +23,7 @@ from end_effector_hal.wires.owner._protocol import (
     read_request,
     write_message,
 )
+from end_effector_hal.wires.owner._report import report
 from end_effector_hal.wires.owner._socket import listen, no_socket
 
 _log = logging.getLogger("end_effector_hal.owner")
@@ -91,7 +92,8 @@ class LineOwner:
             self._keeper.advance(now_us())
 
     def _serve(self, wait_s: float | None) -> None:
-        for key, _ in self._selector.select(wait_s):
+        # What the sensors say comes first: it was sent before any write that follows from it.
+        for key, _ in sorted(self._selector.select(wait_s), key=_writes):
             if key.fd == self._wake_read:
                 self._stops += len(os.read(self._wake_read, 8))
                 self._stopped_at = self._stopped_at or now_us()
@@ -161,7 +163,10 @@ class LineOwner:
             data = b""
         *lines, connection.rest = (connection.rest + data).split(b"\n")
         for line in lines:
-            if connection.sock.fileno() >= 0 and not self._send(connection, self._answer(connection, line)):
+            if connection.sock.fileno() < 0:
+                break
+            reply = self._answer(connection, line)
+            if reply is not None and not self._send(connection, reply):
                 self._drop(connection, "it does not read its replies")
         if not data:
             self._drop(connection, "its socket was closed")
@@ -169,12 +174,15 @@ class LineOwner:
             self._send(connection, _error(None, UsageError("this message is too long.")))
             self._drop(connection, "its message was too long")
 
-    def _answer(self, connection: _Connection, line: bytes) -> dict[str, Any]:
+    def _answer(self, connection: _Connection, line: bytes) -> dict[str, Any] | None:
         number = None
         try:
             message = read_message(line)
             number = message.get("id")
-            more = self._do(connection, read_request(message))
+            request = read_request(message)
+            more = self._do(connection, request)
+            if request.op == "tell" and number is None:
+                return None
         except EndEffectorError as error:
             return _error(number, error) | {"levels": self._keeper.levels}
         except Exception:  # noqa: BLE001 the owner must outlive whatever a client sends
@@ -185,9 +193,18 @@ class LineOwner:
     def _do(self, connection: _Connection, request: Request) -> dict[str, Any]:
         keeper, session, at = self._keeper, connection.session, now_us()
         if request.op == "status":
-            return {"status": self._status(at)}
+            return {"status": {"pid": os.getpid(), **report(keeper, at)}}
         if request.op == "levels":
             return {"levels": self._backend.levels()}
+        if request.op == "tell":
+            keeper.sensed.tell(request.predicates, request.at_us, at)
+            return {}
+        if request.op == "latch":
+            keeper.sensed.latch(request.fault, request.why)
+            return {}
+        if request.op == "reset":
+            keeper.reset(at)
+            return {}
         if request.op == "hello":
             if session:
                 raise OwnerError(f"{session.client} has said hello already.")
@@ -207,24 +224,6 @@ class LineOwner:
             keeper.bye(session, request.will or (), at)
             connection.session = None
         return {}
-
-    def _status(self, at: int) -> dict[str, Any]:
-        return {
-            "pid": os.getpid(),
-            "clients": [
-                {
-                    "client": session.client,
-                    "pid": session.pid,
-                    "lines": sorted(session.lines),
-                    "ended": session.ended,
-                    "waiting": len(session.queue),
-                    "lease_us": max(0, session.lease_until - at),
-                    "will": [step.as_json() for step in session.will],
-                }
-                for session in self._keeper.sessions
-            ],
-            "trips": [{"at": at, "line": line, "interlock": "IL-03"} for at, line in self._keeper.trips],
-        }
 
     def _send(self, connection: _Connection, message: dict[str, Any]) -> bool:
         """Whether it went out whole; a client that lets its replies pile up does not live."""
@@ -250,6 +249,11 @@ class LineOwner:
                 error = OwnerError("the lease ended: this client was not heard of, its will is executed.")
                 self._send(key.data, _error(None, error))
                 self._drop(key.data, "its lease ended")
+
+
+def _writes(ready: tuple[selectors.SelectorKey, int]) -> bool:
+    data = ready[0].data
+    return isinstance(data, _Connection) and data.session is not None
 
 
 def _error(number: object, error: EndEffectorError) -> dict[str, Any]:

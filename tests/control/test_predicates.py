@@ -1,0 +1,88 @@
+"""What the line owner is told of the sensors."""
+
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.control import Predicates, predicates_fitted
+from end_effector_hal.description import Description, EStop, load, profile_path
+from end_effector_hal.wires import Frame, get_codec
+
+MS, PERIOD = 1_000, 20_000
+QUIET = {
+    "bottom": 0, "cylinder": 0, "top": 0, "supply": 600_000, "cylinder_extended": False,
+    "cylinder_retracted": True, "locked": True, "unlocked": False, "estop_ok": True,
+}  # fmt: skip
+ALL = {"locked": True, "nothing_gripped": True, "e_stop_closed": True}
+
+
+class Feed:
+    """Frames at 50 Hz; at the start all is proven."""
+
+    def __init__(self, description: Description) -> None:
+        self.predicates = Predicates(description, get_codec("ees1-ascii"))
+        self.at, self.values = 1_000_000, dict(QUIET)
+        assert self(20) == ALL
+
+    def __call__(self, frames: int = 1, **values: int | bool | None) -> dict[str, bool]:
+        self.values |= values  # type: ignore[arg-type]
+        for _ in range(frames):
+            self.at += PERIOD
+            said = self.predicates.frame(Frame(self.at, None, None, self.values))
+        return said
+
+
+@pytest.fixture
+def feed() -> Feed:
+    return Feed(load(profile_path()).model_copy(update={"e_stop": EStop()}))
+
+
+def test_nothing_is_proven_before_the_first_frame() -> None:
+    predicates = Predicates(load(profile_path()), get_codec("ees1-ascii"))
+    assert predicates.advance(5) == {"locked": False, "nothing_gripped": False}
+
+
+@pytest.mark.parametrize(
+    ("values", "lost"),
+    [
+        ({"bottom": -10_000}, "nothing_gripped"),
+        ({"top": -80_000}, "nothing_gripped"),
+        ({"cylinder": 50_000}, "nothing_gripped"),
+        ({"cylinder_extended": True}, "nothing_gripped"),
+        ({"bottom": None}, "nothing_gripped"),
+        ({"estop_ok": False}, "e_stop_closed"),
+        ({"locked": False, "unlocked": True}, "locked"),
+        ({"unlocked": True}, "locked"),
+    ],
+)
+def test_each_sensor_counts(feed: Feed, values: dict[str, int | bool | None], lost: str) -> None:
+    assert feed(50, **values) == ALL | {lost: False}
+    assert feed(50, **QUIET) == ALL
+
+
+def test_what_is_stale_proves_nothing(feed: Feed) -> None:
+    assert feed.predicates.advance(feed.at + 149 * MS) == ALL
+    assert feed.predicates.advance(feed.at + 150 * MS) == dict.fromkeys(ALL, False)
+
+
+def test_what_the_codec_does_not_carry_is_not_fitted() -> None:
+    description = load(profile_path()).model_copy(update={"e_stop": EStop()})
+    nibble = get_codec("legacy-nibble")
+    assert predicates_fitted(description, nibble) == {"locked", "nothing_gripped"}
+    values = {"locked": True, "unlocked": False, "bottom": False, "top": False, "cylinder_extended": False}
+    predicates = Predicates(description, nibble)
+    for second in range(1, 4):
+        said = predicates.frame(Frame(second * 1_000_000, None, None, values))
+    assert said == {"locked": True, "nothing_gripped": True}
+    changerless = description.model_copy(update={"tool_changer": None, "e_stop": None})
+    assert predicates_fitted(changerless, nibble) == {"nothing_gripped"}
+
+
+def test_an_actuator_that_is_not_carried_does_not_stand_in_the_way() -> None:
+    description = load(profile_path())
+    top = description.actuators["top_vacuum"].model_copy(update={"channel": "elsewhere"})
+    description = description.model_copy(update={"actuators": {**description.actuators, "top_vacuum": top}})
+    predicates = Predicates(description, get_codec("ees1-ascii"))
+    for frame in range(1, 30):
+        said = predicates.frame(Frame(frame * PERIOD, None, None, QUIET))
+    assert said["nothing_gripped"]

@@ -1,0 +1,125 @@
+"""Interlocks that need a sensor, at the line owner: real owner, real testbench; no program can pass them by."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from end_effector_hal.demo._world import World
+from end_effector_hal.description import Description, EStop, load, profile_path
+from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.tool import EndEffector, Witness
+from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.wires import OwnerClient, read_chip
+
+pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
+UNLOCK, BOTTOM = "SODIMM_206", "SODIMM_208"
+
+
+def quick() -> Description:
+    """The shipped tool with one short attempt per step, and an e-stop."""
+    tool = load(profile_path())
+    short = {"timeout_s": 1.0, "attempts": 1}
+    actuators = {name: part.model_copy(update=short) for name, part in tool.actuators.items()}
+    return tool.model_copy(update={"actuators": actuators, "e_stop": EStop()})
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with World(quick(), "nominal", tmp_path_factory.mktemp("world")) as running:
+        yield running
+
+
+def until(condition: Callable[[], bool], timeout_s: float = 20.0) -> None:
+    end = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.02)
+
+
+def active(world: World, line: str) -> bool:
+    return bool(read_chip(world.chip).lines[line].level)
+
+
+def refusal(client: OwnerClient, line: str) -> str:
+    with pytest.raises(LineRefusedError) as caught:
+        client.set({line: True})
+    return str(caught.value)
+
+
+def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
+    with OwnerClient(world.socket, "hand", [UNLOCK, BOTTOM]) as hand:
+        assert "nobody who reads the sensors has said yet whether nothing is gripped" in refusal(hand, UNLOCK)
+        assert "nobody who reads the sensors has said yet whether the tool is locked" in refusal(hand, BOTTOM)
+    with EndEffector.open(world.description) as tool:
+        assert tool.wait_ready()
+        until(lambda: tool.lock().succeeded)
+        assert tool.grip().succeeded
+        os.kill(world.testbench.pid, signal.SIGSTOP)
+        try:
+            with OwnerClient(world.socket, "look") as look:
+                until(lambda: look.status()["told"]["locked"]["age_us"] > 150_000)
+            assert active(world, BOTTOM), "a predicate that expires deactivates nothing"
+            assert tool.status.ee == EndEffectorState.GRIPPED
+        finally:
+            os.kill(world.testbench.pid, signal.SIGCONT)
+        until(lambda: tool.drop().succeeded)
+
+
+def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) -> None:
+    """The owner knows of a frame before the program that decides by it."""
+    with EndEffector.open(world.description) as tool:
+        assert tool.wait_ready()
+        until(lambda: tool.lock().succeeded)
+        for _ in range(3):
+            assert tool.grip().reason == ""
+            assert tool.drop().reason == ""
+            assert tool.unlock().reason == ""
+            assert tool.lock().reason == ""
+
+
+def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    with EndEffector.open(world.description) as tool:
+        assert tool.wait_ready()
+        until(lambda: tool.lock().succeeded)
+        monkeypatch.setattr(Witness, "frame", lambda *_: None)
+        time.sleep(0.2)
+        outcome = tool.unlock()
+        assert not outcome.succeeded
+        assert f"IL-01: {UNLOCK} (unlock) is not activated: for " in outcome.reason
+        until(lambda: tool.lock().succeeded)
+        outcome = tool.grip()
+        assert (outcome.succeeded, outcome.state) == (False, EndEffectorState.STAND_BY)
+        assert outcome.reason.startswith("Bottom vacuum was not confirmed within 1 s in 1 attempts.")
+        assert f"IL-05: {BOTTOM} (bottom_vacuum) is not activated: for " in outcome.reason
+        by_hand = tool.set_actuator("cylinder", True)
+        assert not by_hand.accepted
+        assert by_hand.reason.startswith("IL-05: SODIMM_210 (cylinder) is not activated: for ")
+        monkeypatch.undo()
+        until(lambda: tool.grip().succeeded)
+        assert tool.status.reason == ""
+        assert tool.drop().succeeded
+
+
+def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> None:
+    with EndEffector.open(world.description) as tool, OwnerClient(world.socket, "look") as look:
+        assert tool.wait_ready()
+        until(lambda: tool.lock().succeeded)
+        assert tool.grip().succeeded
+        world.choose("estop-open")
+        until(lambda: "e_stop_closed" in look.status()["faults"])
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        assert tool.drop().succeeded, "a deactivation is never refused"
+        outcome = tool.grip()
+        assert "is not activated: the emergency stop is open." in outcome.reason
+        with pytest.raises(LineRefusedError, match="stop is open: this fault stays"):
+            look.reset()
+        world.choose("nominal")
+        until(lambda: look.status()["told"]["e_stop_closed"]["holds"])
+        assert "the emergency stop was opened; reset the faults first." in tool.grip().reason
+        look.reset()
+        assert tool.grip().succeeded
