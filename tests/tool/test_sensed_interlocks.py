@@ -75,7 +75,7 @@ def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) 
     with EndEffector.open(world.description) as tool:
         assert tool.wait_ready()
         until(lambda: tool.lock().succeeded)
-        for _ in range(3):
+        for _ in range(2):
             assert tool.grip().reason == ""
             assert tool.drop().reason == ""
             assert tool.unlock().reason == ""
