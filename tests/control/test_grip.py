@@ -238,7 +238,7 @@ def test_active_outputs_with_a_reading_that_is_invalid_wait_a_second(description
 @pytest.mark.parametrize(
     ("scenario", "reason"),
     [
-        ("supply:300", "IL-06: the supply pressure is under 400 kPa, or not known."),
+        ("supply:300", "IL-06: the supply pressure is 300 kPa, a grip takes 400 kPa."),
         ("invalid:top_vacuum", "IL-07: Top vacuum has no valid reading."),
     ],
 )

@@ -10,8 +10,9 @@ from end_effector_hal.trace import Command, EndEffectorState
 from end_effector_hal.wires.codecs import get_codec
 from end_effector_hal.wires.frame import Frame
 
-from ._levels import Cause, ToolEvidence
-from ._reasons import explain, refusal
+from ._hold_monitor import HoldMonitor
+from ._levels import Cause, Evidence, ToolEvidence
+from ._reasons import explain, latched, refusal
 from ._senses import Senses
 from ._status import Answer, Status
 from ._steps import StepLog
@@ -36,12 +37,14 @@ class Controller:
     def __init__(self, description: Description, network: Network, program: str) -> None:
         self._description = description
         self._program = program
-        self._senses = Senses(description, get_codec(description.link.codec))
+        codec = get_codec(description.link.codec)
+        self._senses = Senses(description, codec)
+        self._hold = HoldMonitor(description, self._senses, codec.period_us)
         processes = getattr(description.automata, program)
         self._execution = Execution(network, executed=processes, interface=description.automata.interface)
         self._steps = StepLog(description.sequence)
         self._values = {name: self._execution.value(name) for name in _watched(len(description.sequence))}
-        self._cause, self._cause_at = int(Cause.NONE), -1
+        self._cause, self._cause_at, self._reason = int(Cause.NONE), -1, ""
         self._levels: Mapping[str, bool] = {}
         self._adopt_by: int | None = None
         self._adopted = False
@@ -73,17 +76,20 @@ class Controller:
         self._at = max(self._at, frame.at, at or 0)
         statuses: list[Status] = []
         if expired is not None and expired < frame.at:
-            for event in self._senses.advance(expired):
+            events = self._senses.advance(expired)
+            self._hold.sample(expired, held=self._held)
+            for event in events:
                 statuses += self._receive(event, self._at, expired)
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
         events = self._senses.frame(frame)
+        told = self._hold.sample(frame.at, held=self._held)
         for event in events:
             statuses += self._receive(event, self._at, frame.at)
         self._execution.write({"supply_ok": int(self._senses.supply.ok)})
         if not self._adopted and self._senses.settled:
             statuses += self._adopt(self._at)
-        return statuses if statuses or not events else [self.status()]
+        return statuses if statuses or not (events or told) else [self.status()]
 
     def tell(self, values: Mapping[str, int], at: int) -> list[Status]:
         """What another program says: interface variables by name."""
@@ -102,8 +108,16 @@ class Controller:
             why = refusal(self._description, name, self.status(), self._senses, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
         if name in ("grip", "drop"):
-            self._cause, self._cause_at = Cause.NONE, -1
+            self._take_cause(Cause.NONE, -1)
+            self._hold.dropped()
         return Answer(True), statuses + self._told(reaction.steps)
+
+    def acknowledge(self, at: int) -> list[Status]:
+        """Alarms that are over were seen: they are forgotten. Nothing else is changed by it."""
+        at = self._until(at)
+        statuses = self._due_before(at)
+        self._hold.acknowledge()
+        return [*statuses, self.status()]
 
     def refuse_maintenance(self, *, active: bool) -> str:
         """Why the line of an actuator may not be driven by hand now (IL-12); empty: it may."""
@@ -123,7 +137,9 @@ class Controller:
         while (due := self.deadline) is not None and due <= at:
             # what is late is taken now, and told as late: nobody may see a time at which nothing happened
             self._at = at
-            for event in self._senses.advance(at):
+            events = self._senses.advance(at)
+            self._hold.sample(at, held=self._held)
+            for event in events:
                 statuses += self._receive(event, at)
             if self._adopt_by is not None and at >= self._adopt_by:
                 statuses += self._adopt(at)
@@ -133,13 +149,11 @@ class Controller:
 
     def status(self) -> Status:
         """The state as it is now."""
-        values, outputs = self._values, self._outputs if self._adopted else self._found
+        values, outputs = self._values, self._levels_now
         ee = values["ee"]
         command = values["changer_command" if self._program == "tool_change" else "command"]
-        latched = ee == EndEffectorState.GRIP_ERROR and command == Command.NONE
-        # what was found active is held until it is adopted and known better
-        held = ee == EndEffectorState.GRIPPED or ((latched or not self._adopted) and any(outputs))
         evidence = tuple(int(level) for level in self._senses.evidence)
+        proven = ee == EndEffectorState.GRIPPED and all(level == Evidence.CONFIRMED for level in evidence)
         step = self._steps.step
         readings = self._senses.readings
         return Status(
@@ -155,27 +169,29 @@ class Controller:
             deadline=self._execution.deadline,
             cause=self._cause,
             cause_at=self._cause_at,
-            reason=explain(self._description, self._cause, self._cause_at),
-            lift_allowed=ee == EndEffectorState.GRIPPED and all(level == 3 for level in evidence),
-            held=held,
+            reason=self._reason,
+            lift_allowed=proven and self._hold.allows_lift,
+            held=self._held,
+            secure=proven and self._hold.secure,
             changer=values["changer"],
             unlock_output=bool(values["unlock_valve"]),
             link_up=readings.link_up(self._at),
             stale=readings.stale(self._at),
             missed=self._missed,
             worst_late_us=self._worst_late_us,
-            alarms=self._alarms(held),
+            alarms=self._alarms(),
             steps=self._steps.steps,
         )
 
-    def _alarms(self, held: bool) -> tuple[str, ...]:
+    def _alarms(self) -> tuple[str, ...]:
         alarms = []
-        readings = self._senses.readings
-        if self._adopted and not readings.link_up(self._at):
-            alarms.append(f"The sensor link {self._description.link.port} is down.")
-        if held and any(level == 0 for level in self._senses.evidence):
-            alarms.append("A part is held and its sensors give no valid reading: outputs stay as they are.")
-        if self._senses.supply.low:
+        link, supply = self._description.link, self._senses.supply
+        if self._adopted and not self._senses.readings.link_up(self._at):
+            alarms.append(f"The sensor link {link.port} is down.")
+        if self._latched:
+            alarms.append(latched(EndEffectorState(self._values["ee"]), self._reason))
+        alarms += self._hold.alarms
+        if supply.low and not self._held:
             alarms.append(f"Supply pressure under {self._description.supply.warn_kpa:g} kPa.")
         return tuple(alarms)
 
@@ -212,10 +228,31 @@ class Controller:
             self._at = max(self._at, step.at)
             self._values.update((change.name, change.new) for change in step.changes)
             if self._values["cause"]:
-                self._cause, self._cause_at = self._values["cause"], self._values["cause_at"]
+                self._take_cause(self._values["cause"], self._values["cause_at"])
             self._steps.take(self._values["ee"], self._outputs, self._actuators, step.at)
             statuses.append(self.status())
         return statuses
+
+    def _take_cause(self, cause: int, at: int) -> None:
+        if (cause, at) != (self._cause, self._cause_at):
+            # in the words of this moment: the reading that decided it is soon another one
+            self._reason = explain(self._description, cause, at, self._senses, self._at)
+            self._cause, self._cause_at = cause, at
+
+    @property
+    def _latched(self) -> bool:
+        error = self._values["ee"] in (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
+        return error and self._values["command"] == Command.NONE
+
+    @property
+    def _held(self) -> bool:
+        # what was found active is held until it is adopted and known better
+        doubtful = not self._adopted or (self._latched and self._values["ee"] == EndEffectorState.GRIP_ERROR)
+        return self._values["ee"] == EndEffectorState.GRIPPED or (doubtful and any(self._levels_now))
+
+    @property
+    def _levels_now(self) -> tuple[bool, ...]:
+        return self._outputs if self._adopted else self._found
 
     @property
     def _outputs(self) -> tuple[bool, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Actuator, Description, VacuumActuator
 from end_effector_hal.trace import EndEffectorState, display_name
 
 from ._levels import Cause, ChangerState, Evidence, ToolEvidence
@@ -10,12 +10,14 @@ from ._senses import Senses
 from ._status import Status
 
 
-def explain(description: Description, cause: int, cause_at: int) -> str:
-    """Why a grip or a release ended as it did; empty for no cause."""
+def explain(description: Description, cause: int, cause_at: int, senses: Senses, at: int) -> str:
+    """Why a grip or a release ended as it did at ``at`` µs; empty for no cause."""
     name, actuator = description.ordered[cause_at] if cause_at >= 0 else ("", None)
     who = display_name(name) or "The grip"
     if cause == Cause.TIMED_OUT and actuator:
         return f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts."
+    if cause == Cause.LOST and actuator:
+        return f"{who} was lost{_shown(actuator, senses, at)}."
     return {
         Cause.NONE: "",
         Cause.LOST: f"{who} was lost.",
@@ -24,6 +26,23 @@ def explain(description: Description, cause: int, cause_at: int) -> str:
         Cause.NOT_PROVEN: "Everything is deactivated, but a reading is not valid: it is not proven that all is gone.",
         Cause.UNPROVEN_AT_START: "Outputs were active at the start and the sensors do not confirm a grip.",
     }.get(Cause(cause), "")
+
+
+def latched(state: EndEffectorState, reason: str) -> str:
+    """A latched error as an alarm: what has happened, what is now, and what to do."""
+    kept = "The outputs stay as they are; only a Drop releases."
+    todo = kept if state is EndEffectorState.GRIP_ERROR else "Remedy it, then Drop again."
+    return " ".join(filter(None, (f"{state.name}:", reason, todo)))
+
+
+def _shown(actuator: Actuator, senses: Senses, at: int) -> str:
+    """What the sensor of a lost actuator shows, and what it would have to."""
+    value = senses.readings.get(actuator.channel, at)
+    if value is None or isinstance(value, bool):
+        return ": its sensor shows nothing any more"
+    if isinstance(actuator, VacuumActuator):
+        return f": {-value / 1000:.1f} kPa below ambient, it takes {actuator.lost_kpa:g}"
+    return f": {value / 1000:.0f} kPa, it takes {actuator.extended_fraction:.0%} of the supply pressure"
 
 
 def refusal(description: Description, command: str, status: Status, senses: Senses, at: int) -> str:
@@ -66,8 +85,18 @@ def _grip_refusal(description: Description, status: Status, senses: Senses, at: 
     if locks.il_05 and status.unlock_output:
         return "IL-05: the unlock output is active."
     if locks.il_06 and not senses.supply.ok:
-        return f"IL-06: the supply pressure is under {description.supply.refuse_kpa:g} kPa, or not known."
+        return f"IL-06: {_no_air(description, senses)}"
     return "The grip is not taken now."
+
+
+def _no_air(description: Description, senses: Senses) -> str:
+    supply, kpa = description.supply, senses.supply.kpa
+    if kpa is None:
+        return "the supply pressure has no valid reading, or its switch shows no air."
+    if kpa < supply.refuse_kpa:
+        return f"the supply pressure is {kpa:.0f} kPa, a grip takes {supply.refuse_kpa:g} kPa."
+    again_kpa = supply.refuse_kpa + supply.hysteresis_kpa
+    return f"the supply pressure was too low and is {kpa:.0f} kPa, a grip takes {again_kpa:g} kPa again."
 
 
 def _present(description: Description, senses: Senses) -> str:

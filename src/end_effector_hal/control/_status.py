@@ -43,6 +43,7 @@ class Status:
     reason: str = ""
     lift_allowed: bool = False
     held: bool = False
+    secure: bool = False
     changer: int = 0
     unlock_output: bool = False
     link_up: bool = False

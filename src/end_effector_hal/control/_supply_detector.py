@@ -14,16 +14,22 @@ class SupplyDetector:
         self._supply = supply
         self.ok = True
         self.low = False
+        self.kpa: float | None = None
 
     def sample(self, readings: Readings, at: int) -> bool:
         """Whether a grip may start, after one more sample at ``at`` µs."""
         value = readings.get(self._supply.channel, at)
         if value is None:
-            self.ok = False
+            self.ok, self.kpa = False, None
             return self.ok
         if not readings.arrived(self._supply.channel):
             return self.ok
+        if isinstance(value, bool):
+            # no thresholds: the bit itself says whether there is air
+            self.ok, self.low = value, not value
+            return self.ok
         kpa, part = value / 1000, self._supply
+        self.kpa = kpa
         self.ok = kpa >= part.refuse_kpa + (0.0 if self.ok else part.hysteresis_kpa)
         self.low = kpa < part.warn_kpa + (part.hysteresis_kpa if self.low else 0.0)
         return self.ok

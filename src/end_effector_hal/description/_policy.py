@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -33,6 +33,21 @@ class Endings(Part):
         default=GrippingEndings(), description="before GRIPPED: nothing is held yet"
     )
     held: HeldEndings = Field(default=HeldEndings(), description="while a part is held")
+
+
+class Hold(Part):
+    """What is watched while a part is held; it warns, and never releases anything."""
+
+    secure_within_s: Seconds = Field(
+        default=2.0, description="a vacuum that is not secure so long after GRIPPED: a weak grip"
+    )
+    trend_s: Seconds = Field(default=2.0, description="a vacuum is judged over this long for a leak")
+    warn_ahead_s: Seconds = Field(
+        default=10.0, description="a vacuum that would be lost within this, as it falls now: a leak"
+    )
+    lift_needs: Literal["confirmed", "secure"] = Field(
+        default="confirmed", description="secure: lift_allowed also waits for secure_kpa; else a warning only"
+    )
 
 
 class Interlocks(Part):

@@ -32,6 +32,9 @@ from ._table import (
 )
 
 
+_ERRORS = (State.GRIP_ERROR, State.RELEASE_ERROR)
+
+
 class HalMainNode:
     """Every status that a unit sends becomes one EndEffectorState, in order; besides that one at 10 Hz."""
 
@@ -110,13 +113,14 @@ class HalMainNode:
     def _close(self) -> None:
         with self._lock:
             self._state.state, self._state.command = State.OFF, Command.NONE
-            self._state.lift_allowed, self._state.at_us = False, now_us()
+            self._state.lift_allowed, self._state.secure, self._state.at_us = False, False, now_us()
             self._state.header.stamp = stamp()
             self._publish(self._state)
 
     def _health(self) -> Health:
         state = self._state
-        level = ERROR if self._gone or not state.link_up else WARN if state.alarms or state.missed else OK
+        bad = self._gone or not state.link_up or state.state in _ERRORS
+        level = ERROR if bad else WARN if state.alarms or state.missed else OK
         return Health(
             level,
             " ".join(state.alarms) or "As it should be.",
@@ -124,6 +128,7 @@ class HalMainNode:
                 "state": TableState(state.state).name,
                 "reason": state.reason,
                 "held": state.held,
+                "secure": state.secure,
                 "lift allowed": state.lift_allowed,
                 **{f"position of {name}": position for name, position in self._positions.items()},
             },

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
-from end_effector_hal.description import Actuator, Description, VacuumActuator
+from end_effector_hal.control import margin_pa
+from end_effector_hal.description import Actuator, Description
 
 from ._frames import AMBIENT_PA
 
@@ -27,12 +28,9 @@ class Margins:
         return [self._margin(part, stale) for _, part in self._description.ordered]
 
     def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
-        gauge = self._gauge(part.channel, stale)
-        if isinstance(part, VacuumActuator):
-            return -gauge - part.lost_kpa * 1000
         supply = self._gauge(self._supply.channel, stale)
-        reference = self._supply.nominal_kpa * 1000 if math.isnan(supply) else supply
-        return gauge - part.extended_fraction * reference
+        gauge = self._gauge(part.channel, stale)
+        return margin_pa(part, self._supply, gauge, None if math.isnan(supply) else supply)
 
     def _gauge(self, channel: str, stale: Collection[str] | None) -> float:
         if stale is None or channel in stale:

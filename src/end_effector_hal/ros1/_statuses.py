@@ -34,6 +34,7 @@ def status_to_message(status: Status, since_us: int, count: int) -> Any:
         reason=status.reason,
         held=status.held,
         lift_allowed=status.lift_allowed,
+        secure=status.secure,
         tool_changer=status.changer,
         unlock_output=status.unlock_output,
         link_up=status.link_up,

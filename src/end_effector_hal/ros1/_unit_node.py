@@ -104,7 +104,8 @@ class UnitNode:
 
     def _health(self) -> Health:
         status = self.unit.status
-        level = ERROR if not status.link_up else WARN if status.alarms or status.missed else OK
+        bad = not status.link_up or status.ee in (State.GRIP_ERROR, State.RELEASE_ERROR)
+        level = ERROR if bad else WARN if status.alarms or status.missed else OK
         late = f"{status.missed} edges were taken later than the reaction bound." if status.missed else ""
         return Health(
             level,

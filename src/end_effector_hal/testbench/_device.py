@@ -24,9 +24,9 @@ class Device(Model):
         """Lose what is held, with the valve still energised: here, the air supply of this device fails."""
         self.valve.command(False, at)
 
-    def leak(self, litres_min: float) -> None:
-        """Leak this much from now on; only a vacuum does."""
-        if litres_min:
+    def leak(self, litres_min: float, grows_l_min_s: float = 0.0) -> None:
+        """Leak this much from now on, and more with each second of suction; only a vacuum does."""
+        if litres_min or grows_l_min_s:
             raise ValueError(f"{type(self).__name__} has no leak")
 
     @property

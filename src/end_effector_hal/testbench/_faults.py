@@ -63,6 +63,8 @@ FAULTS: tuple[Fault, ...] = (
     Fault("stuck-release", "its feedback stays after the deactivation", lambda _: {"stuck": True}, ANY),
     Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, frozenset({"vacuum"}),
           Number("l_min", 0.1, 2000, default=4.0)),
+    Fault("leak-grows", "its leak grows by so much in each second: weak, and lost in the end",
+          lambda q: {"leak_grows_l_min_s": q}, frozenset({"vacuum"}), Number("l_min_s", 0.01, 100, default=1.0)),
     Fault("lost-after", "what it holds is lost, so long after the activation",
           lambda s: {"lost_after_us": _micros(s)}, AIR, Number("seconds", 0.001, 86400)),
     Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, AIR),

@@ -18,6 +18,8 @@ class Effect:
     """Its valve does not close again."""
     leak_l_min: float = 0.0
     """Leak at 60 kPa of vacuum."""
+    leak_grows_l_min_s: float = 0.0
+    """So much more of it with each second of suction."""
     lost_after_us: int | None = None
     """What is held is lost so long after the activation; the line stays active."""
     invalid: bool = False

@@ -22,7 +22,7 @@ class Station:
         self.due: int | None = None  # µs, when what is held will be lost
         self._activations = 0
         self._works = active
-        device.leak(self.effect.leak_l_min)
+        device.leak(self.effect.leak_l_min, self.effect.leak_grows_l_min_s)
         device.settle(active)
         self._expect_loss(device.now)
 
@@ -42,7 +42,7 @@ class Station:
         if self.active and not self._works:
             self._activations = 1
             self._works = effect.dead_activations < 1
-        self.device.leak(effect.leak_l_min)
+        self.device.leak(effect.leak_l_min, effect.leak_grows_l_min_s)
         self._drive(at)
 
     def lose(self) -> None:

@@ -47,7 +47,7 @@ class VacuumCircuit(Device):
         self._ultimate = ATMOSPHERE_KPA - ultimate_kpa
         self._per_l_min = ATMOSPHERE_KPA / LEAK_AT_KPA / 60.0 / volume_l
         self._vent_l_min = vent_l_min
-        self._leak_l_min = 0.0
+        self._leak_l_min = self._leak_grows = 0.0
         self._lost = False
         self._absolute = ATMOSPHERE_KPA
         self._sensor = Sensor(lag_s)
@@ -72,7 +72,8 @@ class VacuumCircuit(Device):
     @property
     def settled(self) -> bool:
         slow = abs(self._slope(self._absolute)) * STEP_S < _STILL_KPA
-        return slow and self.valve.settled and self._sensor.shows(self.vacuum_kpa)
+        grows = self.valve.is_open and self._leak_grows > 0
+        return slow and not grows and self.valve.settled and self._sensor.shows(self.vacuum_kpa)
 
     def command(self, active: bool, at: int) -> None:
         self._lost = False
@@ -82,8 +83,8 @@ class VacuumCircuit(Device):
         """The part comes off the cup; the ejector goes on."""
         self._lost = True
 
-    def leak(self, litres_min: float) -> None:
-        self._leak_l_min = litres_min
+    def leak(self, litres_min: float, grows_l_min_s: float = 0.0) -> None:
+        self._leak_l_min, self._leak_grows = litres_min, grows_l_min_s
 
     def settle(self, active: bool) -> None:
         self.valve.is_open = active
@@ -96,6 +97,8 @@ class VacuumCircuit(Device):
 
     def step(self) -> None:
         self.valve.advance(self.now)
+        if self.valve.is_open:
+            self._leak_l_min += self._leak_grows * STEP_S
         self._absolute = min(self._absolute + self._slope(self._absolute) * STEP_S, ATMOSPHERE_KPA)
         self._sensor.follow(self.vacuum_kpa)
 

@@ -1,0 +1,66 @@
+"""What an operator must know: sentences that stay until somebody has had the chance to read them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+
+class AlarmKind(Enum):
+    """What the hold monitor finds while a part is held."""
+
+    WEAK = "weak grip"
+    LEAK = "leak"
+    STALE = "no valid reading"
+    SUPPLY = "supply pressure"
+
+
+@dataclass(frozen=True, slots=True)
+class Alarm:
+    """One finding; ``over``: it is so no longer, and is shown until it is acknowledged."""
+
+    kind: AlarmKind
+    at: int
+    """µs when it began."""
+    text: str
+    over: bool = False
+
+
+class AlarmLog:
+    """Alarms in the order in which they began; each is kept until it is over *and* acknowledged."""
+
+    def __init__(self) -> None:
+        self._alarms: dict[tuple[AlarmKind, str], Alarm] = {}
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """All of them, in words."""
+        return tuple(alarm.text for alarm in self._alarms.values())
+
+    def active(self, kind: AlarmKind) -> bool:
+        """Whether there is one of a kind that is not over."""
+        return any(alarm.kind is kind and not alarm.over for alarm in self._alarms.values())
+
+    def raise_(self, kind: AlarmKind, who: str, text: str, at: int) -> bool:
+        """It is so now; False when that was known. The text is that of its beginning: it does not flicker."""
+        known = self._alarms.get((kind, who))
+        if known is not None and not known.over:
+            return False
+        self._alarms[kind, who] = Alarm(kind, known.at if known else at, text)
+        return True
+
+    def end(self, kind: AlarmKind, who: str, text: str) -> bool:
+        """It is so no longer; False when that was known."""
+        known = self._alarms.get((kind, who))
+        if known is None or known.over:
+            return False
+        self._alarms[kind, who] = replace(known, text=text, over=True)
+        return True
+
+    def acknowledge(self) -> None:
+        """Forget what is over."""
+        self._alarms = {key: alarm for key, alarm in self._alarms.items() if not alarm.over}
+
+    def clear(self) -> None:
+        """Forget everything: what it was about has ended."""
+        self._alarms.clear()

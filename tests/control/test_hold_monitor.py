@@ -1,0 +1,211 @@
+"""What is watched while a part is held, in virtual time against the testbench's physics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from virtual_tool import VirtualTool
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description, load, profile_path
+
+GRIP_ERROR, GRIPPED, STAND_BY = 2, 3, 6
+
+
+@pytest.fixture(scope="module")
+def description() -> Description:
+    return load(profile_path())
+
+
+def gripped(description: Description, scenario: str = "nominal", seconds: float = 3.0) -> VirtualTool:
+    tool = VirtualTool(description, scenario)
+    tool.run(1.0)
+    assert tool.command("grip").accepted
+    tool.run(seconds)
+    assert tool.status.ee == GRIPPED
+    return tool
+
+
+def first(tool: VirtualTool, such: Callable[[Status], bool]) -> float:
+    """Seconds at which a status was first such."""
+    return next(status.at for status in tool.statuses if such(status)) / 1e6
+
+
+def has(words: str) -> Callable[[Status], bool]:
+    return lambda status: any(words in alarm for alarm in status.alarms)
+
+
+def choose(tool: VirtualTool, scenario: str) -> None:
+    tool.bench.choose(scenario, tool.at)
+
+
+def test_a_good_grip_is_confirmed_then_secure_and_nothing_is_told(description: Description) -> None:
+    tool = gripped(description)
+    confirmed, secure = first(tool, lambda status: status.ee == GRIPPED), first(tool, lambda s: s.secure)
+    assert 0.3 < secure - confirmed < 1.0  # the physics: 55 kPa after 0.33 s, 75 kPa after 0.95 s
+    assert tool.status.lift_allowed
+    tool.run(60.0)
+    assert not any(status.alarms for status in tool.statuses if status.ee == GRIPPED)
+    assert tool.status.secure
+    tool.command("drop")
+    assert not tool.status.secure
+
+
+def test_a_vacuum_that_never_gets_secure_is_weak_after_its_time(description: Description) -> None:
+    tool = gripped(description, "leak:top_vacuum", 6.0)
+    weak, since = first(tool, has("Weak grip")), first(tool, lambda status: status.ee == GRIPPED)
+    assert weak - since == pytest.approx(2.02)  # 2 s, seen with the next frame
+    assert tool.status.alarms == (
+        "Weak grip: Top vacuum did not reach 75 kPa within 2 s (67.8 kPa).",
+    )  # fmt: skip
+    assert tool.status.lift_allowed  # confirmed and fresh: a warning is no refusal
+    assert not tool.status.secure
+
+
+def test_where_a_lift_needs_a_secure_grip_it_waits_for_it(description: Description) -> None:
+    hold = description.hold.model_copy(update={"lift_needs": "secure"})
+    strict = description.model_copy(update={"hold": hold})
+    assert not gripped(strict, "leak:top_vacuum", 6.0).status.lift_allowed
+    tool = gripped(strict)
+    assert first(tool, lambda status: status.lift_allowed) == first(tool, lambda status: status.secure)
+
+
+def test_secure_has_a_hysteresis_of_15_kpa(description: Description) -> None:
+    tool = gripped(description)
+    choose(tool, "leak:top_vacuum")  # settles at 68 kPa, between 60 and 75
+    tool.run(10.0)
+    assert tool.status.secure
+    choose(tool, "leak:top_vacuum:8")  # settles at 58 kPa
+    tool.run(10.0)
+    assert not tool.status.secure
+    assert any(alarm.startswith("Weak grip: Top vacuum fell to ") for alarm in tool.status.alarms)
+    choose(tool, "leak:top_vacuum")
+    tool.run(10.0)
+    assert not tool.status.secure
+    choose(tool, "nominal")
+    tool.run(10.0)
+    assert tool.status.secure
+
+
+def test_a_weak_grip_that_is_over_stays_told_until_a_drop(description: Description) -> None:
+    tool = gripped(description)
+    choose(tool, "leak:top_vacuum:8")
+    tool.run(5.0)
+    choose(tool, "nominal")
+    tool.run(5.0)
+    assert [alarm for alarm in tool.status.alarms if "Top vacuum was not secure for a while" in alarm]
+    assert tool.command("drop").accepted
+    assert tool.status.alarms == ()
+    tool.run(3.0)
+    assert tool.status.ee == STAND_BY
+
+
+def test_acknowledged_is_what_is_over_and_nothing_else(description: Description) -> None:
+    tool = gripped(description, "leak:bottom_vacuum", 6.0)
+    choose(tool, "leak:bottom_vacuum,leak:top_vacuum:8")
+    tool.run(5.0)
+    choose(tool, "leak:bottom_vacuum")
+    tool.run(5.0)
+    assert len([alarm for alarm in tool.status.alarms if "secure" in alarm or "Weak" in alarm]) == 2
+    tool.grip.acknowledge(tool.at)
+    assert [alarm.split(" (")[0] for alarm in tool.status.alarms] == [
+        "Weak grip: Bottom vacuum did not reach 75 kPa within 2 s",
+    ]
+
+
+def test_a_growing_leak_is_told_before_the_grip_is_lost(description: Description) -> None:
+    tool = gripped(description)
+    edges = tool.edges.copy()
+    choose(tool, "leak-grows:top_vacuum:2")
+    tool.run(20.0)
+    assert tool.status.ee == GRIP_ERROR
+    told, lost = (
+        first(tool, has("Leak: Top vacuum falls")),
+        first(tool, lambda status: status.ee == GRIP_ERROR),
+    )
+    assert lost - told > 2.0
+    at_leak = next(status for status in tool.statuses if has("Leak:")(status))
+    assert at_leak.ee == GRIPPED
+    assert at_leak.evidence == (3, 3, 3)
+    assert not at_leak.lift_allowed  # what is about to be lost is not lifted
+    assert tool.edges == edges  # a warning moves no line, nor does the loss
+
+
+@pytest.mark.parametrize("leak", ["1", "2", "4", "6", "8"])
+def test_a_leak_that_the_ejector_keeps_up_with_is_no_trend(description: Description, leak: str) -> None:
+    tool = gripped(description)
+    choose(tool, f"leak:top_vacuum:{leak}")
+    tool.run(30.0)
+    assert tool.status.ee == GRIPPED
+    assert not any(has("Leak:")(status) for status in tool.statuses)
+
+
+def test_stale_while_held_is_told_and_stays_told_when_it_is_over(description: Description) -> None:
+    tool = gripped(description)
+    choose(tool, "invalid:top_vacuum")
+    tool.run(1.0)
+    status = tool.status
+    assert (status.ee, status.evidence[2], status.held, status.lift_allowed) == (GRIPPED, 0, True, False)
+    assert status.alarms == (
+        "Top vacuum is held with no valid reading: outputs stay as they are, only a Drop releases.",
+    )
+    choose(tool, "nominal")
+    tool.run(3.0)
+    assert tool.status.lift_allowed
+    assert tool.status.alarms == ("Top vacuum had no valid reading for a while; it is read again.",)
+
+
+def test_a_supply_that_falls_while_held_is_told_and_releases_nothing(description: Description) -> None:
+    tool = gripped(description)
+    edges = tool.edges.copy()
+    choose(tool, "supply:430")
+    tool.run(5.0)
+    assert any("The supply pressure fell under 450 kPa" in alarm for alarm in tool.status.alarms)
+    assert tool.status.ee == GRIPPED
+    assert tool.edges == edges
+
+
+def test_a_lost_grip_says_what_was_seen_and_what_to_do(description: Description) -> None:
+    tool = gripped(description, "lost-after:bottom_vacuum:6", 10.0 - 5.0)
+    tool.run(5.0)
+    status = tool.status
+    assert status.ee == GRIP_ERROR
+    assert status.reason.startswith("Bottom vacuum was lost: ")
+    assert status.reason.endswith(" kPa below ambient, it takes 50.")
+    kpa = float(status.reason.split()[4])
+    assert kpa < 50.0
+    assert status.alarms == (
+        f"GRIP_ERROR: {status.reason} The outputs stay as they are; only a Drop releases.",
+    )
+
+
+def test_an_adopted_part_is_watched_as_well(description: Description) -> None:
+    levels = {part.line: True for _, part in description.ordered}
+    tool = VirtualTool(description, "leak:top_vacuum", levels=levels)
+    tool.run(4.0)
+    assert tool.status.ee == GRIPPED
+    assert any(alarm.startswith("Weak grip: Top vacuum did not reach") for alarm in tool.status.alarms)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "reason"),
+    [
+        ("supply:395", "IL-06: the supply pressure is 395 kPa, a grip takes 400 kPa."),
+        ("supply:410", "IL-06: the supply pressure was too low and is 410 kPa, a grip takes 420 kPa again."),
+    ],
+)
+def test_too_little_air_refuses_a_grip_and_says_how_much_it_takes(
+    description: Description, scenario: str, reason: str
+) -> None:
+    tool = VirtualTool(description, "supply:300")
+    tool.run(1.0)
+    choose(tool, scenario)
+    tool.run(2.0)
+    assert tool.command("grip").reason == reason
+    choose(tool, "supply:425")
+    tool.run(2.0)
+    assert tool.command("grip").accepted
+    tool.run(3.0)
+    assert tool.status.ee == GRIPPED  # under 450 kPa: a warning only
+    assert any("supply pressure" in alarm for alarm in tool.status.alarms)
