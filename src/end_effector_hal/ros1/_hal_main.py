@@ -31,7 +31,6 @@ from ._table import (
     pressure_topics,
 )
 
-
 _ERRORS = (State.GRIP_ERROR, State.RELEASE_ERROR)
 
 
