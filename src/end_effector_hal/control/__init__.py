@@ -3,8 +3,8 @@
 from ._constants import channels_of, model_constants
 from ._controller import PROGRAMS, Controller
 from ._levels import Cause, ChangerState, Evidence, ToolEvidence
-from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, Predicates, predicates_fitted
 from ._margin import margin_pa
+from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, Predicates, predicates_fitted
 from ._senses import Senses
 from ._status import Answer, Status, StepReport
 from ._time import to_s, to_us
