@@ -7,11 +7,22 @@ from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._loader import load_network, make_network
 from end_effector_hal.automata._network import Channel, Edge, Location, Network, Process, State, Variable
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
-from end_effector_hal.automata._steps import Change, Event, Reaction, Step, TakenEdge
+from end_effector_hal.automata._steps import (
+    Begun,
+    Change,
+    Event,
+    Observation,
+    Reaction,
+    Received,
+    Step,
+    TakenEdge,
+    Written,
+)
 from end_effector_hal.automata._xml_reader import load_document, read_document
 from end_effector_hal.automata._xml_writer import export, write_document
 
 __all__ = [
+    "Begun",
     "Bound",
     "Change",
     "Channel",
@@ -24,15 +35,18 @@ __all__ = [
     "Fired",
     "Location",
     "Network",
+    "Observation",
     "Process",
     "RangeError",
     "Reaction",
+    "Received",
     "Semantics",
     "State",
     "Step",
     "TakenEdge",
     "Transition",
     "Variable",
+    "Written",
     "export",
     "load_document",
     "load_network",

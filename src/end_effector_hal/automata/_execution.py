@@ -10,14 +10,24 @@ entry into the present discrete state on, at which the model allows it, and it i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from end_effector_hal.automata._faults import RangeError, fault
 from end_effector_hal.automata._network import Edge, Network, State
 from end_effector_hal.automata._schedule import NEVER, Candidate, Clocks, Schedule
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
 from end_effector_hal.automata._sides import Sides
-from end_effector_hal.automata._steps import Change, Event, Reaction, Step, TakenEdge
+from end_effector_hal.automata._steps import (
+    Begun,
+    Change,
+    Event,
+    Observation,
+    Reaction,
+    Received,
+    Step,
+    TakenEdge,
+    Written,
+)
 from end_effector_hal.errors import ModelError, UsageError
 
 _MOST_STEPS = 10_000  # at one instant: more is a livelock
@@ -31,6 +41,7 @@ class Execution:
         executed: names of processes or templates; everything else is the environment.
         interface: names of the variables that both sides share.
         unit_us: length of the model's unit of time.
+        observe: is told of everything that goes in and of each step, in order.
 
     Raises:
         UsageError: a name is unknown.
@@ -38,9 +49,16 @@ class Execution:
     """
 
     def __init__(
-        self, network: Network, executed: Iterable[str], interface: Iterable[str] = (), *, unit_us: int = 1000
+        self,
+        network: Network,
+        executed: Iterable[str],
+        interface: Iterable[str] = (),
+        *,
+        unit_us: int = 1000,
+        observe: Callable[[Observation], None] | None = None,
     ) -> None:
         self.network = network
+        self._observe = observe or _unobserved
         self._sides = Sides(network, executed, interface)
         self._semantics = Semantics(network, self._sides.executed)
         self._clocks = Clocks(len(network.clocks), unit_us)
@@ -88,6 +106,7 @@ class Execution:
         writes = self._sides.writes(inputs or {})
         self._now = at
         self._clocks.start(at)
+        self._observe(Begun(at, dict(inputs or {})))
         self._state = _with(self._state, writes)
         self._schedule.renew(self._state, at, None)
         return tuple(self._at_once())
@@ -108,6 +127,7 @@ class Execution:
         """
         channel, writes = self._sides.input(event.channel), self._sides.writes(event.writes)
         steps = self._before(at, stamp)
+        self._observe(Received(self._told(None), event.channel, event.writes))
         taken = self._receive(event.channel, channel, writes)
         return Reaction(taken is not None, (*steps, *([taken] if taken else []), *self._at_once()))
 
@@ -119,10 +139,10 @@ class Execution:
         offsets = self._sides.writes(writes)
         if at is None:
             self._told(None)
-            self._write(offsets)
+            self._rewrite(offsets, writes)
             return ()
         steps = self._before(at)
-        self._write(offsets)
+        self._rewrite(offsets, writes)
         return (*steps, *self._at_once())
 
     def advance(self, at: int) -> tuple[Step, ...]:
@@ -153,6 +173,12 @@ class Execution:
         """Take what does not wait for a clock: all but what reaches a lower bound at this very instant."""
         now = self._told(None)
         return self._take(now, first_before=now)
+
+    def _rewrite(self, offsets: Mapping[int, int], writes: Mapping[str, int]) -> None:
+        before = self._state
+        self._write(offsets)
+        if self._state != before:
+            self._observe(Written(self._told(None), writes))
 
     def _write(self, offsets: Mapping[int, int]) -> None:
         state = _with(self._state, offsets)
@@ -189,7 +215,7 @@ class Execution:
         self._schedule.renew(self._state, now, transition)
         sent = transition.channel if received is None else None
         changes = zip(self.network.offsets, old, fired.state.values, strict=True)
-        return Step(
+        step = Step(
             at=now,
             due=due,
             late_us=now - due if due is not None else 0,
@@ -199,6 +225,8 @@ class Execution:
             edges=tuple(map(self._taken, transition.edges)),
             changes=tuple(Change(name, before, after) for name, before, after in changes if before != after),
         )
+        self._observe(step)
+        return step
 
     def _taken(self, edge: Edge) -> TakenEdge:
         process = self.network.processes[edge.process]
@@ -224,3 +252,7 @@ def _with(state: State, offsets: Mapping[int, int]) -> State:
     for offset, value in offsets.items():
         values[offset] = value
     return State(state.locations, tuple(values))
+
+
+def _unobserved(_: Observation) -> None:
+    """Nobody looks."""

@@ -65,3 +65,32 @@ class Reaction:
 
     taken: bool
     steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """An execution began at ``at`` µs, all clocks at zero, with these values of the interface."""
+
+    at: int
+    writes: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The environment set variables of the interface, without an event."""
+
+    at: int
+    writes: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """An event of the environment came to be taken; the next observation is its step, if anybody took it."""
+
+    at: int
+    channel: str
+    writes: Mapping[str, int]
+
+
+Observation = Begun | Written | Received | Step
+"""What can be seen of an execution from outside, in order: enough to judge whether it is a run of the network."""
