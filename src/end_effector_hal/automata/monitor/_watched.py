@@ -69,8 +69,10 @@ def _plain(process: Process) -> str:
 def _touched(processes: Collection[Process]) -> set[str]:
     total = Effects()
     for process in processes:
-        for part in (*process.locations, *process.edges):
-            total.add(part.effects)
+        for location in process.locations:
+            total.add(location.effects)
+        for edge in process.edges:
+            total.add(edge.effects)
     return total.reads | total.writes
 
 
