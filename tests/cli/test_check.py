@@ -114,7 +114,8 @@ def test_an_unknown_codec_is_a_fault_at_its_place(check: Check) -> None:
     result = check(replace={"codec: ees1-ascii ": "codec: ees1-asci "})
     assert result.exit_code == 2
     assert result.stderr == (
-        "tool.yaml:13:10: there is no such codec (ees1-asci), expected one of ees1-ascii, legacy-nibble; "
+        "tool.yaml:13:10: there is no such codec (ees1-asci), expected one of ees1-ascii, "
+        "ees1-cobs, legacy-nibble, modbus-rtu-epick, modbus-rtu-onrobot-vg, modbus-rtu-transmitters; "
         "did you mean 'ees1-ascii'? [EE-226]\n"
     )
 

@@ -1,4 +1,6 @@
+import tomllib
 from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -6,7 +8,7 @@ from hypothesis import strategies as st
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import Frame, Kind, get_codec
-from end_effector_hal.wires.codecs import Ees1Ascii, LegacyNibble, _registry
+from end_effector_hal.wires.codecs import Ees1Ascii, Ees1Cobs, LegacyNibble, _registry
 from end_effector_hal.wires.codecs.conformance import CodecConformance
 
 BITS = (
@@ -45,8 +47,14 @@ class TestEes1Ascii(CodecConformance):
     vectors = VECTORS
 
 
+class TestEes1Cobs(CodecConformance):
+    codec = Ees1Cobs()
+    vectors = ((bytes.fromhex("0004010129033403010ac6f3705d1cf4e85d0e0356c600"), VECTORS[1][1]),)
+
+
 class TestLegacyNibble(CodecConformance):
     codec = LegacyNibble()
+    has_checksum = False
     vectors = (
         (
             b"\x0e",
@@ -177,7 +185,9 @@ def test_nibble_refuses_a_high_nibble():
 def test_unknown_codec():
     with pytest.raises(UsageError, match="Did you mean ees1-ascii"):
         get_codec("ees1-asci")
-    with pytest.raises(UsageError, match="There are: ees1-ascii, legacy-nibble"):
+    with pytest.raises(
+        UsageError, match="There are: ees1-ascii, ees1-cobs, legacy-nibble, modbus-rtu-epick, "
+    ):
         get_codec("x")
 
 
@@ -186,10 +196,77 @@ def test_entry_point(monkeypatch):
         [
             EntryPoint("mine", "end_effector_hal.wires.codecs:LegacyNibble", _registry.GROUP),
             EntryPoint("broken", "no_such_module:X", _registry.GROUP),
+            EntryPoint("half", "end_effector_hal.wires.codecs:Sequence", _registry.GROUP),
         ]
     )
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **kw: points.select(**kw))
     assert isinstance(get_codec("mine"), LegacyNibble)
-    assert _registry.codec_names() == ("ees1-ascii", "legacy-nibble", "broken", "mine")
+    assert _registry.codec_names() == (*_registry.OWN, "broken", "half", "mine")
     with pytest.raises(UsageError, match="cannot be loaded"):
         get_codec("broken")
+    monkeypatch.setattr("end_effector_hal.wires.codecs.Sequence", object())
+    with pytest.raises(UsageError, match="is none: it has no name, channels, period_us, baudrate"):
+        get_codec("half")
+
+
+def test_our_own_are_the_entry_points_of_this_distribution():
+    project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["entry-points"][_registry.GROUP] == _registry.OWN
+    for name in _registry.OWN:
+        assert get_codec(name).name == name
+
+
+def cobs(seq, ms=None, pressures=(0, 0, 0, 0)):
+    return Ees1Cobs().encode(ees1(seq, 20 * seq if ms is None else ms, pressures))
+
+
+def test_cobs_every_single_bit_error_is_detected():
+    frame = cobs(41, 820, (-78_250, 598_000, -76_100, 601_000))
+    for i in range(8 * len(frame)):
+        bad = bytearray(frame)
+        bad[i // 8] ^= 1 << i % 8
+        # the zeros around it may change: what is between them is whole
+        assert [each.seq for each in Ees1Cobs().decoder().feed(bytes(bad) + b"\0", 0)] in ([], [41])
+        if 8 <= i < 8 * len(frame) - 8:
+            assert Ees1Cobs().decoder().feed(bytes(bad), 0) == []
+
+
+def test_cobs_rounds_to_25_pa_and_says_what_is_invalid():
+    (frame,) = Ees1Cobs().decoder().feed(cobs(1, pressures=(-78_262, None, 12, 819_175)), 0)
+    assert [frame.values[name] for name in ("bottom", "cylinder", "top", "supply")] == [
+        -78_250,
+        None,
+        0,
+        819_175,
+    ]
+
+
+@pytest.mark.parametrize("value", [-110_001, 819_176])
+def test_cobs_refuses_what_does_not_fit(value):
+    with pytest.raises(UsageError, match="bottom"):
+        cobs(1, pressures=(value, 0, 0, 0))
+
+
+def test_cobs_of_another_version_is_no_frame():
+    from binascii import crc_hqx
+
+    from end_effector_hal.wires.codecs._cobs import stuff, unstuff
+
+    good = unstuff(cobs(1)[1:-1])
+    other = b"\2" + good[1:-2]
+    decoder = Ees1Cobs().decoder()
+    assert decoder.feed(b"\0" + stuff(other + crc_hqx(other, 0xFFFF).to_bytes(2, "little")) + b"\0", 0) == []
+    assert decoder.errors["format"] == 1
+
+
+@given(st.binary(max_size=1200))
+def test_byte_stuffing_leaves_no_zero_and_comes_back(data):
+    from end_effector_hal.wires.codecs._cobs import stuff, unstuff
+
+    stuffed = stuff(data)
+    assert 0 not in stuffed
+    assert unstuff(stuffed) == data
+
+
+def test_cobs_is_less_than_half_of_the_bytes():
+    assert (len(cobs(41)), len(SECOND)) == (23, 53)

@@ -85,12 +85,13 @@ class Heard(NamedTuple):
 
 def _listen(description: Description) -> Finding:
     from end_effector_hal.wires import get_codec, open_port
+    from end_effector_hal.wires.codecs import parity_of
 
     link = description.link
     try:
         codec = get_codec(link.codec)
         baudrate = link.baudrate or codec.baudrate
-        with open_port(link.port, baudrate) as port:
+        with open_port(link.port, baudrate, parity=parity_of(codec)) as port:
             heard = _hear(port.fileno(), codec.name, max(LISTEN_US, 3 * codec.period_us))
     except LinkError as error:
         if " is used by " in error.what:
@@ -106,12 +107,16 @@ def _listen(description: Description) -> Finding:
 def _hear(fd: int, codec: str, listen_us: int) -> Heard:
     """For ``listen_us``, or until there are enough frames; raises OSError when the port is lost."""
     from end_effector_hal.wires import get_codec, now_us
+    from end_effector_hal.wires.codecs import asks
 
     decoder, end = get_codec(codec).decoder(), now_us() + listen_us
     heard, before, first_us = Heard(b""), {}, 0
     while heard.frames < ENOUGH and (left := end - now_us()) > 0:
+        if asks(decoder):
+            os.write(fd, decoder.poll(now_us()).data)
+            left = min(left, max(1, decoder.due - now_us()))
         if not select.select([fd], [], [], left / 1e6)[0]:
-            break
+            continue
         data = os.read(fd, 4096)
         if not data:
             raise OSError("end of file")
@@ -164,7 +169,10 @@ def _fitting(data: bytes, but: str) -> Iterator[str]:
     for name in codec_names():
         if name == but:
             continue
-        decoder = get_codec(name).decoder()
+        try:
+            decoder = get_codec(name).decoder()
+        except EndEffectorError:  # somebody else's, and broken
+            continue
         if decoder.feed(data, 0) and decoder.frames > sum(
             count for kind, count in decoder.errors.items() if kind != "noise"
         ):

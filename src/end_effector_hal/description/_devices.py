@@ -64,7 +64,7 @@ class Link(Part):
         default=None, ge=300, le=4_000_000, description="bits per second; default: that of the codec"
     )
     codec: str = Field(
-        default="ees1-ascii", min_length=1, description="format of the frames; also `legacy-nibble`"
+        default="ees1-ascii", min_length=1, description="format of the frames; docs/codecs.md lists them"
     )
     stale_s: Seconds = Field(
         default=0.15, description="a reading is stale after this or stale_periods, the longer"

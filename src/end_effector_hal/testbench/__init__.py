@@ -17,6 +17,7 @@ from ._records import Events, Record
 from ._run import run_testbench
 from ._scenario import Effect, Scenario
 from ._sensor import Sensor
+from ._sensor_board import SensorBoard, Sent
 from ._sim_inputs import GpioSimInputs
 from ._supply import Supply
 from ._testbench import Testbench, Watcher
@@ -45,6 +46,8 @@ __all__ = [
     "Record",
     "Scenario",
     "Sensor",
+    "SensorBoard",
+    "Sent",
     "SerialPort",
     "Supply",
     "Testbench",

@@ -20,8 +20,10 @@ from ._supply import Supply
 from ._tool_changer import ToolChanger
 from ._vacuum import VacuumCircuit
 from ._valve import Valve
+from ._wire import disturbed
 
 NOISE_KPA = 0.1
+BOOT_US = 300_000
 
 
 class Bench:
@@ -51,7 +53,8 @@ class Bench:
         self._description = description
         self.scenario = self._parsed(scenario)
         self._noise = Noise(seed)
-        self._start = self._chosen_at = start
+        self._start = self._chosen_at = self._booted = start
+        self._frozen: dict[str, Value] = {}
         supply = Supply(self._supply_kpa(), start=start)
         kinds = device_kinds(description)
         devices = {name: self._device(name, kind, supply, start) for name, kind in kinds.items()}
@@ -94,19 +97,34 @@ class Bench:
         """
         parsed = self._parsed(scenario)
         self._advance(at)
-        self.scenario, self._chosen_at = parsed, at
+        self._booted = self.booted(at)
+        self.scenario, self._chosen_at, self._frozen = parsed, at, {}
         self._plant.supply.regulated_kpa = self._supply_kpa()
         for name, station in self._stations.items():
             station.suffer(parsed.effect(name), at)
 
+    def booted(self, at: int) -> int:
+        """µs at which the device that sends was, or will be, ready after its last start before ``at``."""
+        return self._since(self.scenario.reboot_after_us) + BOOT_US if self._rebooted(at) else self._booted
+
     def silent(self, at: int) -> bool:
         """Whether the link is silent at ``at`` (µs)."""
-        after = self.scenario.silent_after_us
-        return after is not None and at - self._chosen_at >= after
+        return self._is_over(self.scenario.silent_after_us, at) or at < self.booted(at)
 
     def corrupt(self, data: bytes, at: int) -> bytes:
         """What comes out of the link when ``data`` is sent at ``at`` (µs)."""
-        return self._noise.corrupt(data, self.scenario.noise, at - self._start)
+        random = self._noise.random(f"link {at - self._start}")
+        babble = self._is_over(self.scenario.babble_after_us, at)
+        return disturbed(data, self.scenario, random, babble=babble)
+
+    def _since(self, after_us: int | None) -> int:
+        return self._chosen_at + (after_us or 0)
+
+    def _is_over(self, after_us: int | None, at: int) -> bool:
+        return after_us is not None and at >= self._since(after_us)
+
+    def _rebooted(self, at: int) -> bool:
+        return self._is_over(self.scenario.reboot_after_us, at)
 
     def sample(self, at: int) -> dict[str, Value]:
         """What every sensor shows at ``at`` (µs).
@@ -125,10 +143,7 @@ class Bench:
         for name, actuator in description.ordered:
             device = devices[name]
             if device.pressure_kpa is not None:
-                invalid = scenario.effect(name).invalid
-                values[actuator.channel] = (
-                    None if invalid else self._pa(actuator.channel, device.pressure_kpa, at)
-                )
+                values[actuator.channel] = self._shown(name, actuator.channel, device.pressure_kpa, at)
             if actuator.kind == "cylinder":
                 places = {actuator.extended_bit: "extended", actuator.retracted_bit: "retracted"}
                 values |= {bit: device.bits[place] for bit, place in places.items() if bit}
@@ -137,7 +152,25 @@ class Bench:
             values[description.tool_changer.locked_bit] = bits["locked"]
             values[description.tool_changer.unlocked_bit] = bits["unlocked"]
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
+        self._swap(values)
         return values
+
+    def _shown(self, name: str, channel: str, kpa: float, at: int) -> Value:
+        """What the pressure sensor of a device shows while ``kpa`` is there."""
+        effect = self.scenario.effect(name)
+        if effect.invalid:
+            return None
+        shown = self._pa(channel, kpa if effect.shows_kpa is None else effect.shows_kpa, at)
+        if self._is_over(effect.frozen_after_us, at):
+            return self._frozen.setdefault(channel, shown)
+        return shown
+
+    def _swap(self, values: dict[str, Value]) -> None:
+        channels = [actuator.channel for _, actuator in self._description.ordered]
+        for index, name in enumerate(self._description.sequence):
+            if self.scenario.effect(name).swapped:
+                one, other = channels[index], channels[(index + 1) % len(channels)]
+                values[one], values[other] = values.get(other), values.get(one)
 
     def _advance(self, at: int) -> None:
         """Let time go on to ``at``, and what falls due on the way happen."""

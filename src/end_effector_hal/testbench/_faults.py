@@ -50,6 +50,9 @@ class Fault:
         )
 
 
+RATE = Number("rate", 0, 1)
+
+
 def _micros(seconds: float) -> int:
     return round(seconds * 1e6)
 
@@ -68,12 +71,26 @@ FAULTS: tuple[Fault, ...] = (
     Fault("lost-after", "what it holds is lost, so long after the activation",
           lambda s: {"lost_after_us": _micros(s)}, AIR, Number("seconds", 0.001, 86400)),
     Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, AIR),
+    Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, AIR,
+          Number("kpa", -2000, 2000)),
+    Fault("frozen-after", "its sensor stays at what it shows", lambda s: {"frozen_after_us": _micros(s)}, AIR,
+          Number("seconds", 0, 86400)),
+    Fault("swapped", "its sensor is exchanged with that of the next actuator", lambda _: {"swapped": True}, AIR),
     Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
           number=Number("kpa", 0, 2000)),
     Fault("silent-after", "the link falls silent", lambda s: {"silent_after_us": _micros(s)},
           number=Number("seconds", 0, 86400)),
-    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r},
-          number=Number("rate", 0, 1)),
+    Fault("babble-after", "the link carries random bytes only", lambda s: {"babble_after_us": _micros(s)},
+          number=Number("seconds", 0, 86400)),
+    Fault("reboot-after", "the device that sends restarts", lambda s: {"reboot_after_us": _micros(s)},
+          number=Number("seconds", 0, 86400)),
+    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r}, number=RATE),
+    Fault("flips", "this share of the bits on the link is turned over", lambda r: {"flips": r}, number=RATE),
+    Fault("bursts", "of this share of the frames some bytes in a row are changed", lambda r: {"bursts": r},
+          number=RATE),
+    Fault("lost-bytes", "this share of the bytes on the link is lost", lambda r: {"dropped": r}, number=RATE),
+    Fault("doubled-bytes", "this share of the bytes on the link comes twice", lambda r: {"doubled": r},
+          number=RATE),
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires.codecs import get_codec
+from end_effector_hal.wires.codecs import get_codec, parity_of
 
 from ._gpio_inputs import GpioInputs
 from ._inputs import LineInputs, VirtualInputs
@@ -68,12 +68,13 @@ def open_port(text: str | None, description: Description, lines: str | None) -> 
     Raises:
         UsageError: none is given and none is known.
     """
-    baudrate = description.link.baudrate or get_codec(description.link.codec).baudrate
+    codec = get_codec(description.link.codec)
+    baudrate, parity = description.link.baudrate or codec.baudrate, parity_of(codec)
     if text is not None:
         kind, _, rest = text.partition(":")
-        return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate)
+        return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate, parity)
     if lines == "rpi3":
-        return SerialPort(RPI3_PORT, baudrate)
+        return SerialPort(RPI3_PORT, baudrate, parity)
     if lines is None or lines.startswith("virtual"):
         return PtyPort(description.link.port)
     raise UsageError("the port to answer on is not known.", todo="Give --port PATH.")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import select
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
@@ -15,7 +17,7 @@ _BITS_PER_BYTE = 10  # 8N1
 
 
 class Port(Protocol):
-    """Sends frames."""
+    """Sends frames, and takes requests."""
 
     @property
     def text(self) -> str:
@@ -37,6 +39,10 @@ class Port(Protocol):
         """
         ...
 
+    def receive(self, wait_s: float) -> bytes:
+        """What has come, after at most ``wait_s``; b"" if nothing has; raises LinkError like `send`."""
+        ...
+
     def close(self) -> None:
         """Give it back."""
         ...
@@ -47,17 +53,17 @@ class SerialPort:
 
     Args:
         path: of the device.
-        baudrate: 8N1.
+        baudrate, parity: of it, with 8 bits and 1 stop bit.
     """
 
-    def __init__(self, path: str, baudrate: int) -> None:
+    def __init__(self, path: str, baudrate: int, parity: str = "N") -> None:
         self.text = path
-        self._baudrate = baudrate
+        self._baudrate, self._parity = baudrate, parity
         self._serial: serial.Serial | None = None
 
     def open(self) -> None:
         """Open the device; raises LinkError."""
-        self._serial = open_port(self.text, self._baudrate, write_timeout_s=0.5)
+        self._serial = open_port(self.text, self._baudrate, parity=self._parity, write_timeout_s=0.5)
 
     def send(self, data: bytes) -> int:
         """Send; see `Port.send`."""
@@ -69,6 +75,15 @@ class SerialPort:
             except OSError as error:
                 raise LinkError(f"the port has gone: {error}.", where=self.text) from error
         return len(data) * _BITS_PER_BYTE * 1_000_000 // self._baudrate
+
+    def receive(self, wait_s: float) -> bytes:
+        """Receive; see `Port.receive`."""
+        if self._serial is None:
+            return b""
+        try:
+            return os.read(fd, 4096) if _readable(fd := self._serial.fileno(), wait_s) else b""
+        except OSError as error:
+            raise LinkError(f"the port has gone: {error}.", where=self.text) from error
 
     def close(self) -> None:
         """Close the device."""
@@ -99,7 +114,15 @@ class PtyPort:
             self._pair.write(data)
         return 0
 
+    def receive(self, wait_s: float) -> bytes:
+        """Receive; see `Port.receive`."""
+        return self._pair.read() if self._pair is not None and _readable(self._pair.fileno(), wait_s) else b""
+
     def close(self) -> None:
         """Remove link and pty."""
         if self._pair is not None:
             self._pair.close()
+
+
+def _readable(fd: int, wait_s: float) -> bool:
+    return bool(select.select([fd], [], [], wait_s)[0])

@@ -24,6 +24,12 @@ class Effect:
     """What is held is lost so long after the activation; the line stays active."""
     invalid: bool = False
     """Its pressure is marked as invalid on the link."""
+    shows_kpa: float | None = None
+    """Its sensor shows this gauge pressure, whatever is there."""
+    frozen_after_us: int | None = None
+    """So long after the choice of the scenario its sensor stays at what it shows."""
+    swapped: bool = False
+    """Its sensor is exchanged with that of the next actuator of the sequence."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +40,20 @@ class Scenario:
     effects: Mapping[str, Effect] = field(default_factory=dict)
     silent_after_us: int | None = None
     """The link falls silent so long after the choice of the scenario."""
+    babble_after_us: int | None = None
+    """So long after the choice of the scenario the link carries nothing but random bytes."""
+    reboot_after_us: int | None = None
+    """So long after the choice of the scenario the device that sends restarts, once."""
     noise: float = 0.0
     """Share of the bytes on the link that are changed."""
+    flips: float = 0.0
+    """Share of the bits on the link that are turned over."""
+    bursts: float = 0.0
+    """Share of the frames on the link of which up to sixteen bytes in a row are changed."""
+    dropped: float = 0.0
+    """Share of the bytes on the link that are lost."""
+    doubled: float = 0.0
+    """Share of the bytes on the link that come twice."""
     supply_kpa: float | None = None
     """Regulated supply pressure; ``None``: the description's nominal one."""
     tool_present: bool = True

@@ -1,4 +1,4 @@
-"""The bench in real time: a thread that sees the lines, a thread that sends the frames."""
+"""The bench in real time: a thread that sees the lines, a thread that sends frames or answers requests."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from collections.abc import Mapping
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.wires import Codec, Frame, Value, get_codec
+from end_effector_hal.wires import Codec, Value, get_codec
+from end_effector_hal.wires.codecs import is_polled
 
 from ._bench import Bench
-from ._carried import carried
 from ._inputs import LineInputs
 from ._parse import parse_scenario
 from ._ports import Port
+from ._sensor_board import SensorBoard, Sent
+
+RECEIVE_S = 0.1
 
 
 class Watcher:
@@ -80,6 +83,7 @@ class Testbench:
                 self._bench = Bench(
                     self._description, self._scenario, self._seed, start=self._start, levels=levels
                 )
+                self._board = SensorBoard(self.codec, self._bench, self._description, self._start)
         except BaseException:
             self._inputs.close()
             self._port.close()
@@ -113,25 +117,35 @@ class Testbench:
         self._watcher.line(name, level, at, seen)
 
     def _frames(self) -> None:
-        """Each frame has its own deadline from the start, so that no lateness adds up."""
-        period_us, due, seq = self.codec.period_us, self._start, 0
         try:
-            while not self._stop.wait(max(0.0, (due - now_us()) / 1e6)):
-                # Frames that the machine slept through are left out, and not counted: the wire lost nothing.
-                due += max(0, (now_us() - due) // period_us) * period_us
-                self._send(seq, due)
-                due, seq = due + period_us, seq + 1
+            if is_polled(self.codec):
+                self._answer()
+            else:
+                self._send()
         except EndEffectorError as error:
             self._watcher.failed(error)
 
-    def _send(self, seq: int, due: int) -> None:
-        with self._lock:
-            sample = self._bench.sample(due)
-            silent = self._bench.silent(due)
-        values = carried(sample, self.codec.channels, self._description)
-        data = self.codec.encode(Frame(0, seq, (due - self._start) // 1000, values))
-        data = self._bench.corrupt(data, due)
+    def _send(self) -> None:
+        """Each frame has its own deadline from the start, so that no lateness adds up."""
+        period_us, due = self.codec.period_us, self._start
+        while not self._stop.wait(max(0.0, (due - now_us()) / 1e6)):
+            # Frames that the machine slept through are left out, and not counted: the wire lost nothing.
+            due += max(0, (now_us() - due) // period_us) * period_us
+            with self._lock:
+                sent = self._board.frame(due)
+            self._put(sent)
+            due += period_us
+
+    def _answer(self) -> None:
+        while not self._stop.is_set():
+            request = self._port.receive(RECEIVE_S)
+            with self._lock:
+                sent = self._board.answer(request, now_us()) if request else None
+            if sent is not None:
+                self._put(sent)
+
+    def _put(self, sent: Sent) -> None:
         at = now_us()  # before the write: a reader may have it before the write returns
-        if not silent:
-            at += self._port.send(data)
-        self._watcher.frame(at, seq, sample, not silent)
+        if sent.data:
+            at += self._port.send(sent.data)
+        self._watcher.frame(at, sent.seq, sent.values, bool(sent.data))

@@ -1,13 +1,39 @@
 """Codecs: how frames stand on a wire. One is found by its name with `get_codec`.
 
-A codec of your own is one class (see `Codec`), an entry point in the group ``end_effector_hal.codecs``, and a
-test that inherits `end_effector_hal.wires.codecs.conformance.CodecConformance`.
+A codec of your own is one class (see `Codec`; `PolledCodec` where the device has to be asked), an entry point in
+the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformance` or `PolledCodecConformance` of
+`end_effector_hal.wires.codecs.conformance`. Modbus devices need no class: see `end_effector_hal.wires.codecs.modbus`.
 """
 
-from end_effector_hal.wires.codecs._codec import Codec, Decoder
+from end_effector_hal.wires.codecs._codec import Codec, Decoder, parity_of
 from end_effector_hal.wires.codecs._ees1_ascii import Ees1Ascii
+from end_effector_hal.wires.codecs._ees1_cobs import Ees1Cobs
 from end_effector_hal.wires.codecs._legacy_nibble import LegacyNibble
+from end_effector_hal.wires.codecs._polled import (
+    Device,
+    Polled,
+    PolledCodec,
+    PolledDecoder,
+    asks,
+    is_polled,
+)
 from end_effector_hal.wires.codecs._registry import codec_names, get_codec
 from end_effector_hal.wires.codecs._sequence import Sequence
 
-__all__ = ["Codec", "Decoder", "Ees1Ascii", "LegacyNibble", "Sequence", "codec_names", "get_codec"]
+__all__ = [
+    "Codec",
+    "Decoder",
+    "Device",
+    "Ees1Ascii",
+    "Ees1Cobs",
+    "LegacyNibble",
+    "Polled",
+    "PolledCodec",
+    "PolledDecoder",
+    "Sequence",
+    "asks",
+    "codec_names",
+    "get_codec",
+    "is_polled",
+    "parity_of",
+]

@@ -67,7 +67,7 @@ class Codec(Protocol):
 
     @property
     def baudrate(self) -> int:
-        """Of the line, 8N1, unless a description gives another."""
+        """Of the line, unless a description gives another; 8 bits, 1 stop bit, parity as `parity_of` says."""
         ...
 
     def decoder(self) -> Decoder:
@@ -81,3 +81,8 @@ class Codec(Protocol):
             UsageError: a value does not fit the format.
         """
         ...
+
+
+def parity_of(codec: Codec) -> str:
+    """``N``, ``E`` or ``O``: what the codec has as ``parity``; one without it is sent without."""
+    return str(getattr(codec, "parity", "N"))

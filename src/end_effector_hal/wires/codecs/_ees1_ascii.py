@@ -12,24 +12,11 @@ from binascii import crc_hqx
 from collections import Counter
 from collections.abc import Mapping
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.codecs import _ees1 as ees1
 from end_effector_hal.wires.codecs._codec import Decoder
 from end_effector_hal.wires.codecs._sequence import Sequence
 from end_effector_hal.wires.frame import Frame, Kind, Value
 
-PRESSURES = ("bottom", "cylinder", "top", "supply")
-BITS = (
-    "locked",
-    "unlocked",
-    "tool_present",
-    "in_stand",
-    "cylinder_extended",
-    "cylinder_retracted",
-    "estop_ok",
-)
-CHANNELS = dict.fromkeys(PRESSURES, Kind.PRESSURE) | dict.fromkeys(BITS, Kind.BIT)
-# From below the lowest possible vacuum to above any shop-air supply: outside of it a sensor is broken.
-LOWEST_PA, HIGHEST_PA = -110_000, 2_000_000
 LONGEST = 96
 _LINE = re.compile(
     rb"\$(?P<body>EES1,([0-9]{1,5}),([0-9]{1,10})" + rb",(-?[0-9]{1,7})?" * 4 + rb",([0-9A-Fa-f]{2})"
@@ -41,9 +28,9 @@ class Ees1Ascii:
     """The codec ``ees1-ascii``: four pressures and seven bits, 50 Hz at 115200 baud."""
 
     name = "ees1-ascii"
-    channels: Mapping[str, Kind] = CHANNELS
-    period_us = 20_000
-    baudrate = 115_200
+    channels: Mapping[str, Kind] = ees1.CHANNELS
+    period_us = ees1.PERIOD_US
+    baudrate = ees1.BAUDRATE
 
     def decoder(self) -> Decoder:
         """A new decoder."""
@@ -52,12 +39,14 @@ class Ees1Ascii:
     def encode(self, frame: Frame) -> bytes:
         """One line; ``seq`` and ``device_ms`` wrap around, None counts as 0, a missing bit as false."""
         values = frame.values
-        fields = [_pressure_text(name, values.get(name)) for name in PRESSURES]
-        din = sum(1 << bit for bit, name in enumerate(BITS) if values.get(name))
+        fields = [self._text(name, values.get(name)) for name in ees1.PRESSURES]
         status = sum(1 << bit for bit, text in enumerate(fields) if not text)
         seq, clock = (frame.seq or 0) % (1 << 16), (frame.device_ms or 0) % (1 << 32)
-        body = f"EES1,{seq},{clock},{','.join(fields)},{din:02X},{status:02X}".encode()
+        body = f"EES1,{seq},{clock},{','.join(fields)},{ees1.din_of(values):02X},{status:02X}".encode()
         return b"$%s*%04X\r\n" % (body, crc_hqx(body, 0xFFFF))
+
+    def _text(self, name: str, value: Value) -> str:
+        return "" if value is None else str(ees1.check_pressure(self.name, name, value))
 
 
 class Ees1AsciiDecoder:
@@ -67,7 +56,7 @@ class Ees1AsciiDecoder:
         self.bytes = 0
         self.frames = 0
         self.errors: Counter[str] = Counter()
-        self._sequence = Sequence(seq_bits=16, clock_bits=32)
+        self._sequence = Sequence(seq_bits=ees1.SEQ_BITS, clock_bits=ees1.CLOCK_BITS)
         self._rest = b""
 
     @property
@@ -118,29 +107,17 @@ class Ees1AsciiDecoder:
         if not self._sequence.is_new(int(seq), int(clock)):
             self.errors["duplicate"] += 1
             return None
-        invalid, bits = int(status, 16), int(din, 16)
+        invalid = int(status, 16)
         values: dict[str, Value] = {
             name: None if invalid >> i & 1 else self._pressure(text)
-            for i, (name, text) in enumerate(zip(PRESSURES, texts, strict=True))
+            for i, (name, text) in enumerate(zip(ees1.PRESSURES, texts, strict=True))
         }
-        values |= {name: bool(bits >> i & 1) for i, name in enumerate(BITS)}
-        return Frame(at, int(seq), int(clock), values)
+        return Frame(at, int(seq), int(clock), values | ees1.bits_of(int(din, 16)))
 
     def _pressure(self, text: bytes | None) -> int | None:
         if not text:
             return None
-        if LOWEST_PA <= int(text) <= HIGHEST_PA:
+        if ees1.LOWEST_PA <= int(text) <= ees1.HIGHEST_PA:
             return int(text)
         self.errors["range"] += 1
         return None
-
-
-def _pressure_text(name: str, value: Value) -> str:
-    if value is None:
-        return ""
-    if not LOWEST_PA <= value <= HIGHEST_PA:
-        raise UsageError(
-            f"the pressure {name} = {value} Pa does not fit ees1-ascii",
-            todo=f"Give gauge Pa from {LOWEST_PA} to {HIGHEST_PA}.",
-        )
-    return str(int(value))

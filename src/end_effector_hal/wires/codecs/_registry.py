@@ -4,23 +4,32 @@ from __future__ import annotations
 
 import importlib
 from difflib import get_close_matches
+from functools import cache
 from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.codecs._codec import Codec
-from end_effector_hal.wires.codecs._ees1_ascii import Ees1Ascii
-from end_effector_hal.wires.codecs._legacy_nibble import LegacyNibble
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
 
 GROUP = "end_effector_hal.codecs"
-_OWN: dict[str, Codec] = {codec.name: codec for codec in (Ees1Ascii(), LegacyNibble())}
+# The entry points of this distribution, as pyproject.toml has them too: known without reading any metadata, which
+# takes longer than all of the rest; each is imported when it is wanted.
+OWN = {
+    "ees1-ascii": "end_effector_hal.wires.codecs:Ees1Ascii",
+    "ees1-cobs": "end_effector_hal.wires.codecs:Ees1Cobs",
+    "legacy-nibble": "end_effector_hal.wires.codecs:LegacyNibble",
+    "modbus-rtu-epick": "end_effector_hal.wires.codecs.modbus:EPick",
+    "modbus-rtu-onrobot-vg": "end_effector_hal.wires.codecs.modbus:OnRobotVG",
+    "modbus-rtu-transmitters": "end_effector_hal.wires.codecs.modbus:Transmitters",
+}
+_PARTS = ("name", "channels", "period_us", "baudrate", "decoder", "encode")
 
 
 def codec_names() -> tuple[str, ...]:
     """All that `get_codec` knows, our own first."""
-    return (*_OWN, *sorted(_added().names - set(_OWN)))
+    return (*OWN, *sorted(_added().names - set(OWN)))
 
 
 def get_codec(name: str) -> Codec:
@@ -31,25 +40,38 @@ def get_codec(name: str) -> Codec:
     Raises:
         UsageError: there is none of that name (did you mean …), or it cannot be loaded.
     """
-    if name in _OWN:
-        return _OWN[name]
+    if name in OWN:
+        return _own(name)
     for entry in _added().select(name=name):
         try:
             loaded = entry.load()
             codec: Codec = loaded() if isinstance(loaded, type) else loaded
+            missing = [part for part in _PARTS if not hasattr(codec, part)]
         except Exception as error:  # a plug-in may raise anything
             raise UsageError(
                 f"the codec {name} cannot be loaded: {type(error).__name__}: {error}",
                 where=entry.value,
                 todo="Repair or remove the distribution that provides it.",
             ) from error
+        if missing:
+            raise UsageError(
+                f"the codec {name} is none: it has no {', '.join(missing)}.",
+                where=entry.value,
+                todo="Inherit end_effector_hal.wires.codecs.conformance.CodecConformance in its tests.",
+            )
         return codec
     close = get_close_matches(name, codec_names(), n=1)
     hint = f"Did you mean {close[0]}?" if close else f"There are: {', '.join(codec_names())}."
     raise UsageError(f"there is no codec {name!r}.", todo=hint)
 
 
+@cache
+def _own(name: str) -> Codec:
+    module, _, attribute = OWN[name].partition(":")
+    codec: Codec = getattr(importlib.import_module(module), attribute)()
+    return codec
+
+
 def _added() -> EntryPoints:
-    # Imported here: it takes longer than all of the rest, and nobody needs it for our own codecs.
     found: EntryPoints = importlib.import_module("importlib.metadata").entry_points(group=GROUP)
     return found

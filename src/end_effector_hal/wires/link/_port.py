@@ -15,15 +15,21 @@ from end_effector_hal.wires._claim import program_name
 _USUAL = ("/dev/verdin-uart*", "/dev/tty[A-Z]*[0-9]", "/dev/ttymxc*", "/dev/serial[0-9]")
 
 
-def open_port(path: str, baudrate: int, *, write_timeout_s: float = 1.0) -> serial.Serial:
-    """The port, raw, 8N1, exclusive, input flushed; a read takes what is there and does not wait.
+def open_port(path: str, baudrate: int, *, parity: str = "N", write_timeout_s: float = 1.0) -> serial.Serial:
+    """The port, raw, 8 bits, 1 stop bit, exclusive, input flushed; a read takes what is there and does not wait.
 
     Raises:
         LinkError: it is missing, busy (says who), not permitted, or no serial port.
     """
     try:
         return serial.Serial(
-            path, baudrate, timeout=0, write_timeout=write_timeout_s, exclusive=True, inter_byte_timeout=None
+            path,
+            baudrate,
+            parity=parity,
+            timeout=0,
+            write_timeout=write_timeout_s,
+            exclusive=True,
+            inter_byte_timeout=None,
         )
     except (OSError, ValueError) as error:
         raise _explained(path, baudrate, error) from error

@@ -1,4 +1,4 @@
-"""Reads a sensor link for ever: one thread, blocked until bytes arrive."""
+"""Reads a sensor link for ever: one thread, blocked until bytes arrive or something is to be asked."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import logging
 import os
 import select
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 
 import serial
 
 from end_effector_hal.errors import LinkError
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.codecs import Codec, get_codec
+from end_effector_hal.wires.codecs import Codec, PolledDecoder, asks, get_codec, parity_of
 from end_effector_hal.wires.frame import Frame
 from end_effector_hal.wires.link._health import LinkHealth, LinkState
 from end_effector_hal.wires.link._port import open_port
@@ -44,7 +45,7 @@ class LinkReader:
     ) -> None:
         self._port = port
         codec = get_codec(codec) if isinstance(codec, str) else codec
-        self._baudrate = baudrate or codec.baudrate
+        self._baudrate, self._parity = baudrate or codec.baudrate, parity_of(codec)
         self._decoder = codec.decoder()
         self._on_frame, self._on_change = on_frame, on_change
         self._state, self._since, self._error, self._opened = LinkState.OPENING, now_us(), "", 0
@@ -93,7 +94,7 @@ class LinkReader:
         try:
             while self._thread is not None:
                 try:
-                    with open_port(self._port, self._baudrate) as port:
+                    with open_port(self._port, self._baudrate, parity=self._parity) as port:
                         self._opened += 1
                         self._change(LinkState.SILENT)
                         self._read(port)
@@ -107,16 +108,28 @@ class LinkReader:
 
     def _read(self, port: serial.Serial) -> None:
         """Until the end; raises OSError when the port is lost."""
-        fd = port.fileno()
-        while self._wake_read not in select.select([fd, self._wake_read], [], [])[0]:
-            data = os.read(fd, 4096)
-            at = now_us()
-            if not data:
-                raise OSError("end of file")
-            for frame in self._decoder.feed(data, at):
-                self._wait_s = FIRST_WAIT_S
-                self._change(LinkState.UP)
-                self._call(self._on_frame, frame)
+        fd, decoder = port.fileno(), self._decoder
+        poller = decoder if asks(decoder) else None
+        while self._wake_read not in (
+            ready := select.select([fd, self._wake_read], [], [], _wait(poller))[0]
+        ):
+            if fd in ready:
+                data = os.read(fd, 4096)
+                at = now_us()
+                if not data:
+                    raise OSError("end of file")
+                self._deliver(decoder.feed(data, at))
+            if poller is not None:
+                polled = poller.poll(now_us())
+                with suppress(BlockingIOError):  # no room: a request that is not answered
+                    os.write(fd, polled.data)
+                self._deliver(polled.frames)
+
+    def _deliver(self, frames: Iterable[Frame]) -> None:
+        for frame in frames:
+            self._wait_s = FIRST_WAIT_S
+            self._change(LinkState.UP)
+            self._call(self._on_frame, frame)
 
     def _lost(self, error: OSError) -> str:
         return str(
@@ -145,3 +158,8 @@ class LinkReader:
             callback(argument)
         except Exception:  # noqa: BLE001 a callback may raise anything; the next frame counts
             _log.exception("a listener of %s failed", self._port)
+
+
+def _wait(poller: PolledDecoder | None) -> float | None:
+    """Seconds until something is to be asked."""
+    return None if poller is None else max(0, poller.due - now_us()) / 1_000_000

@@ -1,0 +1,125 @@
+"""What the simulated device sends, in virtual time, and what a real decoder makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import pytest
+
+from end_effector_hal.description import Description
+from end_effector_hal.testbench import Bench, SensorBoard
+from end_effector_hal.wires import Frame, codec_names, get_codec
+from end_effector_hal.wires.codecs import Decoder, asks
+
+PERIOD = 20_000
+CHANNELS = {
+    "modbus-rtu-epick": {"bottom_vacuum": "vacuum"},
+    "modbus-rtu-onrobot-vg": {"bottom_vacuum": "vacuum_a", "top_vacuum": "vacuum_b"},
+}
+
+
+class Link:
+    """A board and a decoder on one wire."""
+
+    def __init__(self, description: Description, scenario: str, codec: str = "ees1-ascii") -> None:
+        self.codec = get_codec(codec)
+        self.bench = Bench(description, scenario)
+        self.board = SensorBoard(self.codec, self.bench, description, 0)
+        self.decoder: Decoder = self.codec.decoder()
+        self.at = 0
+
+    def run(self, seconds: float) -> list[Frame]:
+        until = self.at + round(seconds * 1e6)
+        return list(self._polled(until) if asks(self.decoder) else self._streamed(until))
+
+    def _streamed(self, until: int) -> Iterator[Frame]:
+        while self.at < until:
+            yield from self.decoder.feed(self.board.frame(self.at).data, self.at)
+            self.at += self.codec.period_us
+
+    def _polled(self, until: int) -> Iterator[Frame]:
+        decoder = self.decoder
+        assert asks(decoder)
+        while self.at < until:
+            self.at = max(self.at, decoder.due)
+            polled = decoder.poll(self.at)
+            yield from polled.frames
+            sent = self.board.answer(polled.data, self.at)
+            if sent is not None:
+                yield from decoder.feed(sent.data, self.at + 1_000)
+
+
+@pytest.mark.parametrize("codec", codec_names())
+def test_every_codec_can_be_spoken(verdin: Description, codec: str) -> None:
+    actuators = {
+        name: part.model_copy(update={"channel": CHANNELS.get(codec, {}).get(name, part.channel)})
+        for name, part in verdin.actuators.items()
+    }
+    tool = verdin.model_copy(update={"actuators": actuators})
+    link = Link(tool, "nominal", codec)
+    frames = link.run(5.0)
+    assert len(frames) >= 4
+    assert sum(link.decoder.errors.values()) == link.decoder.lost == 0
+
+
+@pytest.mark.parametrize("codec", ["ees1-ascii", "ees1-cobs"])
+def test_a_reboot_is_a_silence_and_begins_anew(verdin: Description, codec: str) -> None:
+    link = Link(verdin, "reboot-after:1", codec)
+    frames = link.run(2.0)
+    gap = [one.at for one, other in pairwise(frames) if other.at - one.at > PERIOD]
+    assert gap == [980_000]
+    after = [frame for frame in frames if frame.at > 1_000_000]
+    assert (after[0].at, after[0].seq, after[0].device_ms) == (1_300_000, 0, 0)
+    assert link.decoder.reboots == 1
+    link.bench.choose("nominal", link.at)
+    assert link.run(1.0)[0].seq == len(after)  # it goes on counting from there
+
+
+def test_a_reboot_just_before_the_next_scenario_is_one_reboot(verdin: Description) -> None:
+    link = Link(verdin, "reboot-after:1")
+    link.run(1.1)
+    link.bench.choose("nominal", link.at)
+    assert link.run(1.0)[0].at == 1_300_000
+    assert link.decoder.reboots == 1
+
+
+def test_a_frozen_sensor_stays_and_its_number_goes_on(verdin: Description) -> None:
+    frames = Link(verdin, "frozen-after:top_vacuum:0.5").run(1.0)
+    assert len({frame.values["top"] for frame in frames[:25]}) > 10
+    assert len({frame.values["top"] for frame in frames[25:]}) == 1
+    assert len({frame.values["bottom"] for frame in frames[25:]}) > 10
+
+
+def test_a_sensor_that_shows_what_is_not_there(verdin: Description) -> None:
+    frames = Link(verdin, "shows:bottom_vacuum:300").run(0.1)
+    assert frames[0].values["bottom"] == pytest.approx(300_000, abs=1000)
+
+
+def test_swapped_sensors(verdin: Description) -> None:
+    link = Link(verdin, "swapped:bottom_vacuum")
+    link.bench.line("SODIMM_208", True, 0)
+    last = link.run(2.0)[-1].values
+    assert last["cylinder"] == pytest.approx(-82_000, abs=3000)
+    assert last["bottom"] == pytest.approx(0, abs=1000)
+
+
+@pytest.mark.parametrize(
+    "fault", ["noise:0.02", "flips:0.003", "bursts:0.3", "lost-bytes:0.01", "doubled-bytes:0.01"]
+)
+@pytest.mark.parametrize("codec", ["ees1-ascii", "ees1-cobs"])
+def test_what_comes_through_a_bad_cable_is_true(verdin: Description, codec: str, fault: str) -> None:
+    good = {frame.seq: frame.values for frame in Link(verdin, "nominal", codec).run(10.0)}
+    link = Link(verdin, fault, codec)
+    frames = link.run(10.0)
+    assert 50 < len(frames) < 480
+    assert all(good[frame.seq] == frame.values for frame in frames)
+    assert sum(link.decoder.errors.values()) > 0
+
+
+@pytest.mark.parametrize("codec", ["ees1-ascii", "ees1-cobs", "modbus-rtu-transmitters"])
+def test_babble_is_no_frame(verdin: Description, codec: str) -> None:
+    link = Link(verdin, "babble-after:1", codec)
+    frames = link.run(5.0)
+    assert frames
+    assert all(frame.at <= 1_000_000 for frame in frames)
