@@ -12,66 +12,15 @@ import pytest
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
 from end_effector_hal.wires.lines import GpiodLines, VirtualChip, VirtualLines
 from end_effector_hal.wires.lines._holders import stop_holders
+from end_effector_hal.wires.lines.conformance import LineBackendConformance
 
 A, B, C = "SODIMM_206", "SODIMM_208", "SODIMM_210"
 
 
-class BackendConformance:
-    """``make`` gives a back-end on the same chip each time; B has a pull-up; all lines begin as inputs."""
-
-    def test_inputs_become_inactive_outputs(self, make):
-        backend = make()
-        assert backend.request([A, B]) == {A: False, B: False}
-        assert backend.levels() == {A: False, B: False}
-        backend.close()
-
-    def test_outputs_keep_their_level(self, make):
-        first = make()
-        first.request([A, B])
-        first.set({A: True})
-        first.close()
-        second = make()
-        assert second.request([C, A, B]) == {A: True, B: False, C: False}
-        second.close()
-
-    def test_set_changes_what_it_names(self, make):
-        backend = make()
-        backend.request([A, B, C])
-        backend.set({A: True, C: True})
-        assert backend.levels() == {A: True, B: False, C: True}
-        backend.set({C: False})
-        assert backend.levels() == {A: True, B: False, C: False}
-        backend.close()
-
-    def test_a_second_owner_is_refused(self, make):
-        first, second = make(), make()
-        first.request([A])
-        with pytest.raises(LineBusyError, match="held by"):
-            second.request([A, B])
-        first.close()
-        second.request([A, B])
-        second.close()
-
-    def test_missing_names_are_all_named(self, make):
-        with pytest.raises(LineNotFoundError, match=r"SODIMM_21 \(did you mean SODIMM_210\?\), y") as caught:
-            make().request([A, "SODIMM_21", "y"])
-        assert "gpioinfo" in str(caught.value)
-        assert "chip" in caught.value.where
-        backend = make()
-        backend.request([A])
-        backend.close()
-
-    def test_close_twice(self, make):
-        backend = make()
-        backend.request([A])
-        backend.close()
-        backend.close()
-
-
-class TestVirtual(BackendConformance):
+class TestVirtual(LineBackendConformance):
     @pytest.fixture
     def make(self, tmp_path):
-        path = VirtualChip.create(tmp_path / "chip", [A, B, C], {B: "up"}).path
+        path = VirtualChip.create(tmp_path / "chip", self.names, {B: "up"}).path
         return lambda: VirtualLines(path)
 
 
@@ -178,7 +127,7 @@ def kernel(monkeypatch, tmp_path):
     return build
 
 
-class TestGpiodOnFakeKernel(BackendConformance):
+class TestGpiodOnFakeKernel(LineBackendConformance):
     @pytest.fixture
     def make(self, kernel):
         return kernel(gpiochip0=[A, B, "", "other", "", C])[1]
