@@ -48,6 +48,10 @@ class Device(Protocol):
 class PolledCodec(Codec, Protocol):
     """A codec whose `decoder` is a `PolledDecoder`; its `encode` gives all the answers of one cycle."""
 
+    def decoder(self) -> PolledDecoder:
+        """A new one, for one stream."""
+        ...
+
     def device(self) -> Device:
         """A new one, for one stream."""
         ...
