@@ -95,6 +95,7 @@ def _edge(
 ) -> Edge:
     guard = compile_condition(expressions, edge.guard, "guard") if edge.guard else Condition()
     channel, channels, direction = _synchronisation(expressions, edge.synchronisation, guard)
+    asks = frozenset(expressions.effects.reads)
     update, resets = _update(expressions, edge.updates)
     return Edge(
         process=process,
@@ -108,6 +109,7 @@ def _edge(
         update=update,
         resets=resets,
         selected=selected,
+        asks=asks,
         effects=expressions.effects,
         drawn=edge.drawn,
         span=edge.drawn.place.whole,

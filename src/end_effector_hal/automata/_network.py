@@ -70,6 +70,7 @@ class Edge:
         update: changes a list of values in place and appends ``(clock, value)`` for each clock that it sets.
         resets: clocks that the update sets in every state.
         selected: values of the names of ``select``.
+        asks: the variables and clocks that guard and channel read.
         effects: what guard, channel and update read and write.
     """
 
@@ -84,6 +85,7 @@ class Edge:
     update: Update | None
     resets: frozenset[int]
     selected: Mapping[str, int]
+    asks: frozenset[str] = field(repr=False)
     effects: Effects = field(repr=False)
     drawn: DrawnEdge = field(repr=False)
     span: Span = field(repr=False)

@@ -53,6 +53,9 @@ class _Clocks:
         return tuple(constraint.at(values) for constraint in self._constraints)
 
 
+_Receiver = tuple[Edge, Callable[[Values], Any] | None, _Clocks, Callable[[Values], int] | None]
+
+
 class _Leaving:
     """The edges that leave a location, by what they need; those that can never be taken are left out."""
 
@@ -61,20 +64,29 @@ class _Leaving:
         self.active = [
             (edge, edge.guard.data, _Clocks(edge.guard)) for edge in possible if edge.direction != "?"
         ]
-        self._receiving: dict[int, list[tuple[Edge, _Clocks]]] = {}
+        self._receiving: dict[int, list[_Receiver]] = {}
         for edge in possible:
+            receiver = (edge, edge.guard.data, _Clocks(edge.guard), _computed(edge))
             for channel in edge.channels if edge.direction == "?" else ():
-                self._receiving.setdefault(channel, []).append((edge, _Clocks(edge.guard)))
+                self._receiving.setdefault(channel, []).append(receiver)
+        self._always = {
+            channel: [(edge, clocks.at(())) for edge, _, clocks, _ in found]
+            for channel, found in self._receiving.items()
+            if not any(data or edge.guard.clocks or computed for edge, data, _, computed in found)
+        }
 
     def hears(self, edge: Edge) -> bool:
         """Whether one of the edges can receive what another one sends."""
         return edge.channel is not None and any(channel in self._receiving for channel in edge.channels)
 
     def receivers(self, channel: int, values: Values) -> list[tuple[Edge, tuple[Bound, ...]]]:
+        always = self._always.get(channel)
+        if always is not None:
+            return always
         return [
             (edge, clocks.at(values))
-            for edge, clocks in self._receiving.get(channel, ())
-            if (edge.guard.data is None or edge.guard.data(values)) and _channel(edge, values) == channel
+            for edge, data, clocks, computed in self._receiving.get(channel, ())
+            if (data is None or data(values)) and (computed is None or computed(values) == channel)
         ]
 
 
@@ -93,6 +105,10 @@ class _Candidates(NamedTuple):
 
     committed: list[int]
     edges: list[_Candidate]
+
+
+def _computed(edge: Edge) -> Callable[[Values], int] | None:
+    return edge.channel if callable(edge.channel) else None
 
 
 def _channel(edge: Edge, values: Values) -> int | None:

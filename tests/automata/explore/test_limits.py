@@ -6,9 +6,10 @@ import pytest
 from tests.automata.explore.classics import csma_cd, fischer, train_gate
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata import Semantics
+from end_effector_hal.automata import Semantics, load_network
 from end_effector_hal.automata.explore._discrete import DiscreteSpace
 from end_effector_hal.automata.explore._limits import NEVER, Limit, Limits, largest
+from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError
 
 
@@ -60,16 +61,21 @@ def test_a_constant_too_large_is_refused() -> None:
         Limits(model)
 
 
-@pytest.mark.parametrize("model", [fischer(3), train_gate(2), csma_cd(2)], ids=["fischer", "train", "csma"])
+@pytest.mark.parametrize(
+    "model",
+    [fischer(3), train_gate(2), csma_cd(2), load_network(load(profile_path()).automata_path)],
+    ids=["fischer", "train", "csma", "gripper"],
+)
 def test_the_quick_semantics_is_the_semantics(model) -> None:  # type: ignore[no-untyped-def]
     space, plain = DiscreteSpace(model), Semantics(model)
     waiting, seen = [space.at(model.initial)], {model.initial}
-    while waiting and len(seen) < 500:
+    while waiting and len(seen) < 1500:
         discrete = waiting.pop()
         assert discrete is not None
         expected = list(plain.transitions(discrete.state))
         assert list(space.semantics.transitions(discrete.state)) == expected
         assert discrete.delays is plain.may_delay(discrete.state)
+        assert list(discrete.invariant) == plain.invariant(discrete.state)
         for move in discrete.moves:
             if move.target is not None and move.target.state not in seen:
                 seen.add(move.target.state)

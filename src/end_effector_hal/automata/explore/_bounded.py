@@ -17,7 +17,6 @@ from end_effector_hal.automata.explore._formula import (
 from end_effector_hal.automata.explore._limits import NEVER, Limit, merged
 from end_effector_hal.automata.explore._query import Query
 from end_effector_hal.automata.explore._reach import Node
-from end_effector_hal.automata.explore._symbolic import Place
 from end_effector_hal.automata.explore._verdict import Extreme
 from end_effector_hal.automata.explore._zone import constrained
 
@@ -28,6 +27,7 @@ class Bounded:
     Attributes:
         clock: its number.
         most: the bound, a constant.
+        premise: where the bound must hold.
         supremum: the query for the exact value.
         limits: that the zones must keep.
     """
@@ -36,13 +36,10 @@ class Bounded:
         self.clock, self.most, self.supremum = clock, most, supremum
         self.limits = {clock: Limit(max(most, 0), NEVER)}
         merged(self.limits, limits_of(premise))
+        self.premise = premise
         self._cases = Cases(premise)
         self._bound = below(most) if strict else at_most(most)
         self._largest = -INFINITY
-
-    def of(self, place: Place) -> bool:
-        """Whether the premise can hold in a discrete state."""
-        return bool(self._cases.of(place))
 
     def see(self, node: Node) -> None:
         """Take a symbolic state into account."""
@@ -52,6 +49,10 @@ class Bounded:
             part = constrained(node.zone, n, constraints)
             if part is not None and part[at] > self._largest:
                 self._largest = part[at]
+
+    def forget(self) -> None:
+        """Let go of the states that were seen; what was found out stays."""
+        self._cases = Cases(self.premise)
 
     @property
     def holds(self) -> bool:

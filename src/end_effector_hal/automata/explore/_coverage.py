@@ -12,7 +12,7 @@ from end_effector_hal.automata.explore._deadlock import Deadlocks
 from end_effector_hal.automata.explore._reach import Node, Search
 from end_effector_hal.automata.explore._symbolic import Place
 from end_effector_hal.automata.explore._trace import Trace
-from end_effector_hal.automata.explore._zeno import Arc, arc, zeno_cycle
+from end_effector_hal.automata.explore._zeno import Taken, zeno_cycle
 from end_effector_hal.automata.explore._zone import Zone
 
 
@@ -85,12 +85,12 @@ class Survey:
             zeno=self._zeno(arcs),
         )
 
-    def _arcs(self) -> Iterator[Arc]:
+    def _arcs(self) -> Iterator[Taken]:
         """The transitions that are taken."""
         for place in self.search.space.places:
             for plan, target, move in place.steps if place.passed else ():
                 if any(plan(node.zone) is not None for node in place.passed):
-                    yield arc(place, target, move)
+                    yield place, target, move
 
     def _unreached(self) -> Iterator[str]:
         reached: set[tuple[str, int]] = set()
@@ -103,8 +103,8 @@ class Survey:
                 if (process.template, location.index) not in reached:
                     yield f"{process.template}.{location.name}"
 
-    def _idle(self, arcs: list[Arc]) -> Iterator[str]:
-        taken = {id(edge.drawn) for one in arcs for edge in one.move.edges}
+    def _idle(self, arcs: list[Taken]) -> Iterator[str]:
+        taken = {id(edge.drawn) for label in {move.label for _, _, move in arcs} for edge in label.edges}
         for process in _one_of_each(self.network):
             told: set[int] = set()
             for edge in process.edges:
@@ -122,7 +122,7 @@ class Survey:
 
         return concrete(self.search.space, node.legs, ending, remark)
 
-    def _zeno(self, arcs: list[Arc]) -> Trace | None:
+    def _zeno(self, arcs: list[Taken]) -> Trace | None:
         cycle = zeno_cycle(arcs)
         if cycle is None:
             return None

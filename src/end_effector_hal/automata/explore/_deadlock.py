@@ -15,6 +15,8 @@ from end_effector_hal.automata.explore._zone import (
     subtract,
 )
 
+Way = tuple[Constraint, ...]
+
 
 def enabling(place: Place, move: Move) -> tuple[Constraint, ...] | None:
     """What the clocks must satisfy at the instant of a move: guard, invariant here, invariant there."""
@@ -28,30 +30,36 @@ def enabling(place: Place, move: Move) -> tuple[Constraint, ...] | None:
     return tuple(found)
 
 
+def enabling_key(place: Place, move: Move) -> object:
+    """All that the above depends on, and whether time passes."""
+    after = () if move.target is None else move.target.invariant
+    return move.label, place.shape, place.invariant, place.discrete.delays, after
+
+
 class Deadlocks:
     """Finds the valuations without a way on; what lets a state go on is computed once per discrete state."""
 
     def __init__(self) -> None:
-        self._ways: dict[Place, tuple[tuple[Constraint, ...], ...]] = {}
+        self._ways: dict[Place, tuple[Way, ...]] = {}
+        self._known: dict[object, Way | None] = {}
 
-    def ways(self, place: Place) -> tuple[tuple[Constraint, ...], ...]:
+    def ways(self, place: Place) -> tuple[Way, ...]:
         """Zones, as constraints, from which a transition is taken now or later."""
         found = self._ways.get(place)
         if found is None:
-            zones = {zone for move in place.discrete.moves if (zone := self._way(place, move)) is not None}
-            found = tuple(tuple(constraints_of(zone, place.n)) for zone in zones)
-            if () in found:
-                found = ((),)
-            self._ways[place] = found
+            ways = {way for move in place.discrete.moves if (way := self._way(place, move)) is not None}
+            found = self._ways[place] = ((),) if () in ways else tuple(ways)
         return found
 
-    @staticmethod
-    def _way(place: Place, move: Move) -> Zone | None:
-        needed = enabling(place, move)
-        if needed is None:
-            return None
-        zone = constrained(everything(place.n), place.n, needed)
-        return down(zone, place.n) if zone is not None and place.discrete.delays else zone
+    def _way(self, place: Place, move: Move) -> Way | None:
+        key = enabling_key(place, move)
+        if key not in self._known:
+            needed, n = enabling(place, move), place.n
+            zone = None if needed is None else constrained(everything(n), n, needed)
+            if zone is not None and place.discrete.delays:
+                zone = down(zone, n)
+            self._known[key] = None if zone is None else tuple(constraints_of(zone, n))
+        return self._known[key]
 
     def of(self, place: Place, zone: Zone) -> list[Zone]:
         """The parts of a zone (inside the invariant) that are deadlocked."""

@@ -2,26 +2,63 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
 from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._network import Edge, Network, State
 from end_effector_hal.automata.explore._listening import ListeningSemantics
+from end_effector_hal.automata.explore._resting import Resting
 
 
-class Move(NamedTuple):
-    """A transition out of a discrete state: what its clocks must satisfy and what they are set to.
+@dataclass(frozen=True, slots=True, eq=False)
+class Label:
+    """What a transition does to clocks, and who takes part; one object for all transitions that are alike.
 
-    ``target`` is None where an update leaves the range of a variable; then ``error`` says which.
+    Attributes:
+        edges: participants, the sender first.
+        channel: number of the channel; None without synchronisation.
+        guard: what the clocks must satisfy.
+        resets: what they are set to.
     """
 
     edges: tuple[Edge, ...]
     channel: int | None
     guard: tuple[Bound, ...]
-    resets: dict[int, int]
+    resets: Mapping[int, int]
+
+
+class Move(NamedTuple):
+    """A transition out of a discrete state.
+
+    ``target`` is None where an update leaves the range of a variable; then ``error`` says which.
+    """
+
+    label: Label
     target: Discrete | None
     error: RangeError | None = None
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """Participants, the sender first."""
+        return self.label.edges
+
+    @property
+    def channel(self) -> int | None:
+        """Number of the channel; None without synchronisation."""
+        return self.label.channel
+
+    @property
+    def guard(self) -> tuple[Bound, ...]:
+        """What the clocks must satisfy."""
+        return self.label.guard
+
+    @property
+    def resets(self) -> Mapping[int, int]:
+        """What clocks are set to."""
+        return self.label.resets
 
 
 class Discrete:
@@ -31,47 +68,39 @@ class Discrete:
 
     def __init__(self, space: DiscreteSpace, state: State) -> None:
         self._space, self.state = space, state
-        semantics = space.semantics
-        self.invariant = tuple(semantics.invariant(state))
+        self.delays, self.invariant = space.resting.at(state)
         self._moves: tuple[Move, ...] | None = None
         self._transitions = None
-        self.delays = not space.hurries(state.locations)
         if self.delays and space.urgent:
-            self._transitions = tuple(semantics.transitions(state))
+            self._transitions = tuple(space.semantics.transitions(state))
             self.delays = not any(channel in space.urgent for _, _, channel in self._transitions)
 
     @property
     def moves(self) -> tuple[Move, ...]:
         """All transitions, whatever the clocks say; those into a violated data invariant left out."""
         if self._moves is None:
-            transitions = self._transitions or self._space.semantics.transitions(self.state)
-            self._moves = tuple(
-                move
-                for edges, bounds, channel in transitions
-                if (move := self._move(edges, bounds, channel)) is not None
-            )
+            space = self._space
+            transitions = self._transitions or space.semantics.transitions(self.state)
+            moves = [space.move(self.state, *transition) for transition in transitions]
+            self._moves = tuple(move for move in moves if move is not None)
             self._transitions = None
         return self._moves
 
-    def _move(self, edges: tuple[Edge, ...], bounds: tuple[Bound, ...], channel: int | None) -> Move | None:
-        semantics = self._space.semantics
-        try:
-            state, resets = semantics.fire(self.state, edges)
-        except RangeError as error:
-            return Move(edges, channel, bounds, {}, None, error)
-        target = self._space.at(state)
-        return None if target is None else Move(edges, channel, bounds, dict(resets), target)
+    def forget(self) -> None:
+        """Let go of the moves; they are computed again when they are asked for."""
+        self._moves = None
 
 
 class DiscreteSpace:
     """All discrete states met so far. One of these serves any number of queries about a network."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: Network, semantics: ListeningSemantics | None = None) -> None:
         self.network = network
-        self.semantics = ListeningSemantics(network)
+        self.semantics = semantics or ListeningSemantics(network)
         self.urgent = {number for number, channel in enumerate(network.channels) if channel.urgent}
+        self.resting = Resting(network)
         self._states: dict[State, Discrete | None] = {}
-        self._hurries: dict[tuple[int, ...], bool] = {}
+        self._labels: dict[object, Label] = {}
         self._checked = any(
             location.invariant.data is not None or location.invariant.never
             for process in network.processes
@@ -80,6 +109,13 @@ class DiscreteSpace:
 
     def __len__(self) -> int:
         return len(self._states)
+
+    def forget(self) -> None:
+        """Let go of all states."""
+        for discrete in self._states.values():
+            if discrete is not None:
+                discrete.forget()
+        self._states.clear()
 
     def at(self, state: State) -> Discrete | None:
         """A discrete state, None if the data part of an invariant does not hold in it."""
@@ -90,14 +126,19 @@ class DiscreteSpace:
             discrete = self._states[state] = Discrete(self, state) if allowed else None
             return discrete
 
-    def hurries(self, locations: tuple[int, ...]) -> bool:
-        """Whether an urgent or a committed location stops time."""
-        known = self._hurries.get(locations)
-        if known is None:
-            found = (
-                process.locations[at] for process, at in zip(self.network.processes, locations, strict=True)
-            )
-            known = self._hurries[locations] = any(
-                location.urgent or location.committed for location in found
-            )
-        return known
+    def move(
+        self, state: State, edges: tuple[Edge, ...], bounds: tuple[Bound, ...], channel: int | None
+    ) -> Move | None:
+        """What a transition leads to; None if the data part of an invariant does not hold there."""
+        try:
+            after, resets = self.semantics.fire(state, edges)
+        except RangeError as error:
+            return Move(Label(edges, channel, bounds, {}), None, error)
+        target = self.at(after)
+        if target is None:
+            return None
+        key = (edges, channel, bounds, resets)
+        label = self._labels.get(key)
+        if label is None:
+            label = self._labels[key] = Label(edges, channel, bounds, dict(resets))
+        return Move(label, target)

@@ -39,6 +39,7 @@ class Data:
     """A condition without clocks."""
 
     holds: Callable[[tuple[int, ...], tuple[int, ...]], Any]
+    source: str
     wanted: bool = True
 
     def cases(self, state: State) -> list[Case]:
@@ -127,6 +128,16 @@ def limits_of(formula: Formula) -> dict[int, Limit]:
         for part in formula.parts:
             merged(limits, limits_of(part))
     return limits
+
+
+def possible(formula: Formula) -> str:
+    """Code of an expression that is true wherever the formula has cases, whatever the clocks say."""
+    if isinstance(formula, Data):
+        return f"({formula.source})" if formula.wanted else f"(not ({formula.source}))"
+    if isinstance(formula, All | Some):
+        word = " and " if isinstance(formula, All) else " or "
+        return f"({word.join(map(possible, formula.parts))})" if formula.parts else str(word == " and ")
+    return "True"
 
 
 def mentions_deadlock(formula: Formula) -> bool:
@@ -222,7 +233,7 @@ class _Compiler:
         if self.expressions.effects.writes:
             changed = ", ".join(sorted(self.expressions.effects.writes))
             raise fault(node.span, f"The query '{node.span.snippet}' changes {changed}.")
-        return Data(self.expressions.unit.expression(ARGUMENTS, value.source), wanted)
+        return Data(self.expressions.unit.expression(ARGUMENTS, value.source), value.source, wanted)
 
     def _quantified(self, node: ast.Quantified, kind: str, wanted: bool) -> Formula:
         low, high = self.expressions.bounds(node.type)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.automata.explore._deadlock import enabling
+from end_effector_hal.automata.explore._deadlock import enabling, enabling_key
 from end_effector_hal.automata.explore._symbolic import Place
 from end_effector_hal.automata.explore._zone import (
     Constraint,
@@ -18,18 +18,19 @@ class GoesOn:
     """Whether one transition is enabled, now or later, from every valuation that the invariant allows."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[int, bool, tuple[Constraint, ...], tuple[Constraint, ...]], bool] = {}
+        self._known: dict[object, bool] = {}
 
     def __call__(self, place: Place) -> bool:
         """Sufficient, not necessary: several transitions may do so together."""
         for move in place.discrete.moves:
-            needed = enabling(place, move)
-            if needed is None:
-                continue
-            key = (place.n, place.discrete.delays, place.invariant, needed)
+            key = enabling_key(place, move)
             always = self._known.get(key)
             if always is None:
-                always = self._known[key] = _always(*key)
+                needed = enabling(place, move)
+                always = needed is not None and _always(
+                    place.n, place.discrete.delays, place.invariant, needed
+                )
+                self._known[key] = always
             if always:
                 return True
         return False

@@ -10,16 +10,16 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, cast
 
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._network import Network
 from end_effector_hal.automata.explore._bounded import Bounded, bounded
 from end_effector_hal.automata.explore._cases import Cases
+from end_effector_hal.automata.explore._concern import Concern
 from end_effector_hal.automata.explore._coverage import open_channels
 from end_effector_hal.automata.explore._deadlock import Deadlocks
 from end_effector_hal.automata.explore._discrete import DiscreteSpace
-from end_effector_hal.automata.explore._formula import Data, compile_formula, limits_of
+from end_effector_hal.automata.explore._formula import Data, Formula, compile_formula, limits_of
 from end_effector_hal.automata.explore._goes_on import GoesOn
 from end_effector_hal.automata.explore._happened import Missing, missing
 from end_effector_hal.automata.explore._limits import Limit
@@ -32,7 +32,7 @@ from end_effector_hal.automata.explore._sliced import SlicedSemantics
 from end_effector_hal.automata.explore._symbolic import Place
 from end_effector_hal.automata.explore._watch import Watch
 from end_effector_hal.automata.explore._widest_first import WidestFirst
-from end_effector_hal.automata.explore._zeno import arc, zeno_cycle
+from end_effector_hal.automata.explore._zeno import Taken, zeno_cycle
 from end_effector_hal.automata.explore._zone import constrained
 
 Told = Callable[[int], None]
@@ -84,7 +84,9 @@ def overview(
     with _without_collector():
         exploration = _Exploration(network, queries)
         exploration.run(told or (lambda _: None), stop=stop)
-        return exploration.result()
+        found = exploration.result()
+        exploration.close()
+        return found
 
 
 class _Exploration:
@@ -97,13 +99,13 @@ class _Exploration:
         self._about_deadlock: set[int] = set()
         self._happened: set[tuple[int, bool]] = set()
         self._clocked: dict[Place, tuple[int, ...]] = {}
+        self._premises: dict[int, Formula] = {}
         self._goes_on, self._deadlocks, self._doubtful = GoesOn(), Deadlocks(), set[Place]()
         self._stuck = self._stopped = self._ended = False
         self._asked = [
             Asked(self._ask(number, query), _where(network, query)) for number, query in enumerate(queries)
         ]
-        discrete = DiscreteSpace(network)
-        discrete.semantics = cast(Any, SlicedSemantics(network, [str(query) for query in queries]))
+        discrete = DiscreteSpace(network, SlicedSemantics(network, [str(query) for query in queries]))
         self.space = SharpSpace(discrete, LocatedLimits(network, self._asked))
         asked_for = {clock for asked in self._asked for clock in asked.limits}
         self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)))
@@ -112,6 +114,7 @@ class _Exploration:
         """Prepare for a query; the limits of clocks that it needs."""
         if query.kind == "-->":
             response = self._responses[number] = Response(self.network, query)
+            self._premises[number] = response.premise
             return response.limits
         if query.kind not in ("A[]", "E<>") or query.condition is None:
             return {}
@@ -120,11 +123,13 @@ class _Exploration:
             return {}
         if (bound := bounded(self.network, query)) is not None:
             self._bounded[number] = bound
+            self._premises[number] = bound.premise
             return bound.limits
         invariance = query.kind == "A[]"
         wanted = compile_formula(self.network, query.condition, negated=invariance)
         if not isinstance(wanted, Data):
             self._cases[number] = Cases(wanted)
+            self._premises[number] = wanted
             return limits_of(wanted)
         self._watch.add((number, True), query.condition, wanted=not invariance)
         if invariance and isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
@@ -133,15 +138,16 @@ class _Exploration:
 
     def run(self, told: Told, *, stop: bool) -> None:
         """Explore."""
-        clocked = self._clocked
+        clocked, concern = self._clocked, Concern(self.network, self._premises)
         for count, node in enumerate(self.search.nodes(), start=1):
             place = node.place
-            if place not in clocked:
+            concerned = clocked.get(place)
+            if concerned is None:
                 self._happened.update(self._watch(place.discrete.state))
-                clocked[place] = tuple(self._concerned(place))
+                concerned = clocked[place] = concern(place.discrete.state)
                 if not self._goes_on(place):
                     self._doubtful.add(place)
-            for number in clocked[place]:
+            for number in concerned:
                 self._see(number, node)
             if place in self._doubtful and not self._stopped:
                 self._doubt(node)
@@ -158,12 +164,6 @@ class _Exploration:
         )
         late = any(not bound.holds for bound in self._bounded.values())
         return late or (self._stuck and bool(self._about_deadlock)) or any(True for _ in invariants)
-
-    def _concerned(self, place: Place) -> Iterator[int]:
-        """The queries about clocks that depend on the zones of a place."""
-        yield from (number for number, cases in self._cases.items() if cases.of(place))
-        yield from (number for number, bound in self._bounded.items() if bound.of(place))
-        yield from (number for number, response in self._responses.items() if response.of(place))
 
     def _see(self, number: int, node: Node) -> None:
         if number in self._bounded:
@@ -183,12 +183,9 @@ class _Exploration:
 
     def result(self) -> Overview:
         """What was found."""
-        arcs, taken = [], set[int]()
-        for place in [] if self._ended else self.space.places:
-            for plan, target, move in place.steps if place.passed else ():
-                if any(plan(node.zone) is not None for node in place.passed):
-                    arcs.append(arc(place, target, move))
-                    taken.update(map(id, (edge.drawn for edge in move.edges)))
+        arcs = [] if self._ended else self._taken()
+        labels = {move.label for _, _, move in arcs}
+        taken = {id(edge.drawn) for label in labels for edge in label.edges}
         visited = (place.discrete.state.locations for place in self.space.places if place.passed)
         return Overview(
             states=self.search.states,
@@ -201,6 +198,25 @@ class _Exploration:
             stopped=self._stopped,
             zeno=zeno_cycle(arcs) is not None,
         )
+
+    def close(self) -> None:
+        """Undo the cycles of references, so that all of it goes at once: finding them takes a tenth of the time."""
+        for bound in self._bounded.values():
+            bound.forget()
+        self.space.forget()
+        self.space.discrete.forget()
+
+    def _taken(self) -> list[Taken]:
+        """All transitions that are taken."""
+        found = []
+        for place in self.space.places:
+            zones = [node.zone for node in place.passed]
+            for plan, target, move in place.steps if zones else ():
+                for zone in zones:
+                    if plan(zone) is not None:
+                        found.append((place, target, move))
+                        break
+        return found
 
     def _answer(self, number: int) -> bool | None:
         if number in self._about_deadlock:

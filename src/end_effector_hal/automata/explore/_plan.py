@@ -13,7 +13,7 @@ from operator import itemgetter
 from end_effector_hal.automata._constraints import Bound
 from end_effector_hal.automata.explore._bound import INFINITY, at_most, below
 from end_effector_hal.automata.explore._extrapolation import Widening, extrapolated
-from end_effector_hal.automata.explore._zone import Constraint, Zone, tighten
+from end_effector_hal.automata.explore._zone import Constraint, Unique, Zone, tighten
 
 Key = tuple[object, ...]
 
@@ -43,9 +43,13 @@ class Plan:
         delays: whether time passes then.
         invariant: constraints on what results.
         limits: how to widen it; None: not at all.
+        unique: all zones so far: what results is the one object for its bounds. None: any object.
+
+    Attributes:
+        known: what became of the zones so far.
     """
 
-    __slots__ = ("_add", "_gather", "_guard", "_invariant", "_known", "_limits", "_n", "_size")
+    __slots__ = ("_add", "_gather", "_guard", "_invariant", "_limits", "_n", "_size", "_unique", "known")
 
     def __init__(
         self,
@@ -55,6 +59,7 @@ class Plan:
         delays: bool,
         invariant: tuple[Constraint, ...],
         limits: Widening | None,
+        unique: dict[Zone, Zone] | None = None,
     ) -> None:
         size = len(sources)
         places = [
@@ -70,14 +75,18 @@ class Plan:
             self._add = [2 * (values[i] - values[j]) for i in range(size) for j in range(size)]
         self._n, self._size, self._guard, self._invariant, self._limits = n, size, guard, invariant, limits
         self._gather = itemgetter(*places) if size > 1 else None
-        self._known: dict[Zone, Zone | None] = {}
+        self.known: dict[Zone, Zone | None] = {}
+        self._unique = unique
 
     def __call__(self, zone: Zone) -> Zone | None:
         """What becomes of a zone; None if nothing is left."""
         try:
-            return self._known[zone]
+            return self.known[zone]
         except KeyError:
-            result = self._known[zone] = self._follow(zone)
+            result = self._follow(zone)
+            if result is not None and self._unique is not None:
+                result = self._unique.get(result) or self._unique.setdefault(result, Unique(result))
+            self.known[zone] = result
             return result
 
     def _follow(self, zone: Zone) -> Zone | None:

@@ -13,7 +13,7 @@ from end_effector_hal.automata.explore._limits import Limit, Limits, merged
 from end_effector_hal.automata.explore._liveness import Start, Staying
 from end_effector_hal.automata.explore._query import Query
 from end_effector_hal.automata.explore._reach import Node
-from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
+from end_effector_hal.automata.explore._symbolic import SymbolicSpace
 
 
 class Response:
@@ -21,22 +21,19 @@ class Response:
 
     Attributes:
         limits: that the zones must keep.
+        premise: p.
     """
 
     def __init__(self, network: Network, query: Query) -> None:
         assert query.condition is not None
         assert query.then is not None
-        first = _compiled(network, query.condition)
+        first = self.premise = _compiled(network, query.condition)
         inside, outside = _compiled(network, query.then, negated=True), _compiled(network, query.then)
         self.limits: dict[int, Limit] = {}
         for formula in (first, inside, outside):
             merged(self.limits, limits_of(formula))
         self._first, self._within = Cases(first), Within(Cases(inside), Cases(outside))
         self._nodes: list[Node] = []
-
-    def of(self, place: Place) -> bool:
-        """Whether p can hold in a discrete state."""
-        return bool(self._first.of(place))
 
     def see(self, node: Node) -> None:
         """Note a symbolic state in which p may hold."""
@@ -52,7 +49,7 @@ class Response:
         """Whether q follows. Zones are too large here, never too small: False may be wrong, True is not."""
         space, only = SymbolicSpace(discrete, limits, delays=False), Only(self._first)
         starts = (
-            Start(space.place(node.place.discrete), stay.zone, ())
+            Start(space.place(node.place.discrete), tuple(stay.zone), ())
             for node in self._nodes
             for stay in only(node.place, node.zone)
         )

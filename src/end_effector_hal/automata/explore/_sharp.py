@@ -7,27 +7,32 @@ widened only where time passes: a chain of committed locations is too short to n
 
 from __future__ import annotations
 
-from end_effector_hal.automata.explore._discrete import Move
+from end_effector_hal.automata.explore._discrete import DiscreteSpace, Move
+from end_effector_hal.automata.explore._limits import Limits
 from end_effector_hal.automata.explore._plan import Plan
-from end_effector_hal.automata.explore._symbolic import Place, Step, SymbolicSpace
-from end_effector_hal.automata.explore._zone import Constraint
+from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
+from end_effector_hal.automata.explore._zone import Constraint, Zone
 
 
 class SharpSpace(SymbolicSpace):
-    """For an exploration that looks for deadlocks among zones widened by ExtraLU+."""
+    """For an exploration that looks for deadlocks among zones widened by ExtraLU+. Equal zones are one object."""
 
-    def step(self, source: Place, move: Move) -> Step:
-        """The move with its plan."""
-        inside = move._replace(guard=(*move.guard, *source.discrete.invariant))
-        return super().step(source, inside)._replace(move=move)
+    def __init__(self, discrete: DiscreteSpace, limits: Limits) -> None:
+        super().__init__(discrete, limits)
+        self._unique: dict[Zone, Zone] = {}
+
+    def guard(self, source: Place, move: Move) -> tuple[Constraint, ...]:
+        """What the zones of a place must satisfy for a move: the invariant, too."""
+        return (*super().guard(source, move), *source.invariant)
 
     def _plan(
         self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Place
     ) -> Plan:
         delays = target.discrete.delays
-        key = (n, guard, sources, delays, target.invariant, id(target.widening) if delays else None)
+        key = (n, guard, sources, delays, target.invariant, id(target.shape.widening) if delays else None)
         plan = self._plans.get(key)
         if plan is None:
-            limits = target.widening if delays else None
-            plan = self._plans[key] = Plan(n, guard, sources, delays, target.invariant, limits)
+            limits = target.shape.widening if delays else None
+            plan = Plan(n, guard, sources, delays, target.invariant, limits, self._unique)
+            self._plans[key] = plan
         return plan

@@ -11,12 +11,13 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from end_effector_hal.automata._network import Edge, Network, State
 from end_effector_hal.automata._scope import Function
-from end_effector_hal.automata._semantics import Fired, Semantics
+from end_effector_hal.automata._semantics import Fired
+from end_effector_hal.automata.explore._listening import ListeningSemantics
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-class SlicedSemantics(Semantics):
+class SlicedSemantics(ListeningSemantics):
     """The semantics of a network with respect to the texts of some queries."""
 
     def __init__(self, network: Network, queries: Iterable[str]) -> None:
@@ -32,11 +33,17 @@ class SlicedSemantics(Semantics):
 
     def fire(self, state: State, edges: Sequence[Edge], writes: Mapping[int, int] | None = None) -> Fired:
         """Take a transition; what nobody reads stays as it is."""
-        fired = super().fire(state, edges, writes)
-        values = list(fired.state.values)
+        locations, values = list(state.locations), list(state.values)
+        resets: list[tuple[int, int]] = []
+        for offset, value in (writes or {}).items():
+            values[offset] = value
+        for edge in edges:
+            locations[edge.process] = edge.target
+            if edge.update is not None:
+                edge.update(values, resets)
         for offset, value in self._constant:
             values[offset] = value
-        return Fired(State(fired.state.locations, tuple(values)), fired.resets)
+        return Fired(State(tuple(locations), tuple(values)), tuple(resets))
 
 
 def unread(network: Network, queries: Iterable[str]) -> frozenset[str]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
 from end_effector_hal.automata.explore._discrete import Discrete, DiscreteSpace, Move
-from end_effector_hal.automata.explore._extrapolation import Widening, widening
+from end_effector_hal.automata.explore._extrapolation import widening
 from end_effector_hal.automata.explore._limits import Limit, Limits
 from end_effector_hal.automata.explore._plan import Plan, as_constraints
 from end_effector_hal.automata.explore._zone import Constraint, Zone
@@ -22,15 +22,31 @@ class Step(NamedTuple):
     move: Move
 
 
+class Shape:
+    """The active clocks of some discrete states, and how to widen their zones; equal ones are one object.
+
+    Attributes:
+        limits: of the active clocks.
+        clocks: them, as numbers of the network; x_1 of the zones is the first.
+        index: the number of each active clock in the zones.
+        n: the size of the zones.
+        widening: what ``extrapolated`` takes.
+    """
+
+    __slots__ = ("clocks", "index", "limits", "n", "widening")
+
+    def __init__(self, limits: dict[int, Limit]) -> None:
+        self.limits, self.clocks = limits, tuple(limits)
+        self.index = {clock: place for place, clock in enumerate(self.clocks, start=1)}
+        self.n, self.widening = len(self.clocks) + 1, widening(limits.values())
+
+
 class Place:
     """A discrete state inside one analysis: its active clocks, and what the analysis notes about it.
 
     Attributes:
         discrete: the discrete state.
-        clocks: the active clocks, as numbers of the network; x_1 of its zones is the first.
-        n: the size of its zones.
-        limits: of the active clocks.
-        index: the number of each active clock in its zones.
+        shape: of its zones.
         invariant: on its zones.
         passed: nodes that wait or are done, for the user.
         seen: their zones, for the user.
@@ -39,37 +55,56 @@ class Place:
     __slots__ = (
         "_space",
         "_steps",
-        "clocks",
         "discrete",
-        "index",
         "invariant",
-        "limits",
-        "n",
         "passed",
         "seen",
-        "widening",
+        "shape",
     )
 
     def __init__(self, space: SymbolicSpace, discrete: Discrete) -> None:
         self._space, self.discrete = space, discrete
-        self.limits = space.limits.at(discrete.state.locations)
-        self.clocks, self.widening, self.index = space.shape(self.limits)
-        self.n = len(self.clocks) + 1
-        self.invariant = as_constraints(discrete.invariant, self.index)
+        self.shape = space.shape(discrete.state.locations)
+        self.invariant = space.invariant(self.shape, discrete.invariant)
         self.passed: list[Any] = []
         self.seen: set[Zone] = set()
         self._steps: tuple[Step, ...] | None = None
 
     @property
+    def n(self) -> int:
+        """The size of its zones."""
+        return self.shape.n
+
+    @property
+    def clocks(self) -> tuple[int, ...]:
+        """The active clocks."""
+        return self.shape.clocks
+
+    @property
+    def limits(self) -> dict[int, Limit]:
+        """Of the active clocks."""
+        return self.shape.limits
+
+    @property
+    def index(self) -> dict[int, int]:
+        """The number of each active clock in its zones."""
+        return self.shape.index
+
+    @property
     def steps(self) -> tuple[Step, ...]:
         """All moves that lead to a state. A move whose update leaves a range has a plan and leads to itself."""
         if self._steps is None:
-            self._steps = tuple(self._space.step(self, move) for move in self.discrete.moves)
+            step = self._space.step
+            self._steps = tuple([step(self, move) for move in self.discrete.moves])
         return self._steps
+
+    def forget(self) -> None:
+        """Let go of the steps and of what was noted."""
+        self._steps, self.passed, self.seen = None, [], set()
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
         """Clock constraints over the zones of this place."""
-        return as_constraints(bounds, self.index)
+        return as_constraints(bounds, self.shape.index)
 
 
 class SymbolicSpace:
@@ -84,9 +119,10 @@ class SymbolicSpace:
         self.discrete, self.limits, self.delays, self.widens = discrete, limits, delays, widens
         self._places: dict[Discrete, Place] = {}
         self._plans: dict[object, Plan] = {}
-        self._shapes: dict[
-            tuple[tuple[int, Limit], ...], tuple[tuple[int, ...], Widening, dict[int, int]]
-        ] = {}
+        self._planned: dict[object, Plan] = {}
+        self._located: dict[tuple[int, ...], Shape] = {}
+        self._shapes: dict[tuple[tuple[int, Limit], ...], Shape] = {}
+        self._invariants: dict[object, tuple[Constraint, ...]] = {}
 
     def __len__(self) -> int:
         return len(self._places)
@@ -96,14 +132,30 @@ class SymbolicSpace:
         """All places met so far."""
         return self._places.values()
 
-    def shape(self, limits: dict[int, Limit]) -> tuple[tuple[int, ...], Widening, dict[int, int]]:
-        """The active clocks, how to widen, and the places of the clocks; equal ones are one object."""
-        key = tuple(limits.items())
-        found = self._shapes.get(key)
+    def forget(self) -> None:
+        """Let go of all places."""
+        for place in self._places.values():
+            place.forget()
+        self._places.clear()
+
+    def shape(self, locations: tuple[int, ...]) -> Shape:
+        """The active clocks where the processes are in these locations."""
+        found = self._located.get(locations)
         if found is None:
-            clocks = tuple(limits)
-            index = {clock: place for place, clock in enumerate(clocks, start=1)}
-            found = self._shapes[key] = (clocks, widening(limits.values()), index)
+            limits = self.limits.at(locations)
+            key = tuple(limits.items())
+            found = self._shapes.get(key) or self._shapes.setdefault(key, Shape(limits))
+            self._located[locations] = found
+        return found
+
+    def invariant(self, shape: Shape, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
+        """An invariant as constraints; equal ones are one object."""
+        if not bounds:
+            return ()
+        key = (shape, bounds)
+        found = self._invariants.get(key)
+        if found is None:
+            found = self._invariants[key] = as_constraints(bounds, shape.index)
         return found
 
     def place(self, discrete: Discrete) -> Place:
@@ -130,9 +182,22 @@ class SymbolicSpace:
 
     def step(self, source: Place, move: Move) -> Step:
         """The move with its plan."""
-        guard = source.constraints(move.guard)
         target = source if move.target is None else self.place(move.target)
-        index = source.index
+        key = (
+            move.label,
+            source.shape,
+            source.invariant,
+            target.shape,
+            target.invariant,
+            target.discrete.delays,
+        )
+        plan = self._planned.get(key)
+        if plan is None:
+            plan = self._planned[key] = self._follow(source, move, target)
+        return Step(plan, target, move)
+
+    def _follow(self, source: Place, move: Move, target: Place) -> Plan:
+        guard, index = self.guard(source, move), source.index
         if move.target is None:
             sources = tuple((place, 0) for place in range(source.n))
         else:
@@ -143,13 +208,17 @@ class SymbolicSpace:
                     for clock in target.clocks
                 ),
             )
-        return Step(self._plan(source.n, guard, sources, target), target, move)
+        return self._plan(source.n, guard, sources, target)
+
+    def guard(self, source: Place, move: Move) -> tuple[Constraint, ...]:
+        """What the zones of a place must satisfy for a move."""
+        return source.constraints(move.guard)
 
     def _plan(
         self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Place
     ) -> Plan:
         delays = self.delays and target.discrete.delays
-        limits = target.widening if self.widens else None
+        limits = target.shape.widening if self.widens else None
         key = (n, guard, sources, delays, target.invariant, id(limits))
         plan = self._plans.get(key)
         if plan is None:

@@ -14,6 +14,17 @@ from operator import le
 from end_effector_hal.automata.explore._bound import AT_MOST_ZERO, INFINITY, negated
 
 Zone = tuple[int, ...]
+
+
+class Unique(tuple[int, ...]):
+    """A zone that is the only object with its bounds: told apart, and looked up, by identity."""
+
+    __slots__ = ()
+    __hash__ = object.__hash__
+    __eq__ = object.__eq__
+    __ne__ = object.__ne__
+
+
 Constraint = tuple[int, int, int]  # i, j, bound: x_i - x_j within bound
 
 

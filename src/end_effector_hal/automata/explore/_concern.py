@@ -1,0 +1,27 @@
+"""Where conditions of queries can hold at all, whatever the clocks say: one expression for each discrete state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import compress
+
+from end_effector_hal.automata._network import Network, State
+from end_effector_hal.automata.explore._formula import Formula, possible
+from end_effector_hal.automata.explore._query_terms import ARGUMENTS
+
+
+class Concern:
+    """Tells which of some numbered conditions can hold in a discrete state."""
+
+    def __init__(self, network: Network, conditions: Mapping[int, Formula]) -> None:
+        self._numbers = tuple(conditions)
+        parts = [possible(formula) for formula in conditions.values()]
+        self._any = network.unit.expression(ARGUMENTS, " or ".join(parts) or "False")
+        self._each = network.unit.expression(ARGUMENTS, f"({' '.join(f'{part},' for part in parts)})")
+
+    def __call__(self, state: State) -> tuple[int, ...]:
+        """The numbers of those that can."""
+        locations, values = state
+        if not self._any(values, locations):
+            return ()
+        return tuple(compress(self._numbers, self._each(values, locations)))
