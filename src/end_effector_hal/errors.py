@@ -81,6 +81,12 @@ class LinkError(WireError):
     code = "EE-410"
 
 
+class LinkBusyError(LinkError):
+    """Somebody else reads the sensor link."""
+
+    code = "EE-411"
+
+
 class OwnerError(WireError):
     """The line owner cannot be reached, or does not answer."""
 

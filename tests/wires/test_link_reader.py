@@ -3,11 +3,12 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import contextmanager
 from itertools import groupby
 
 import pytest
 
-from end_effector_hal.errors import LinkError
+from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.wires import Frame, LinkReader, LinkState, PtyPair, get_codec, now_us, open_port
 from end_effector_hal.wires.link import _port, _reader
 
@@ -120,23 +121,52 @@ def test_it_comes_back_when_the_other_end_does(port, heard):
     assert [state for state, _ in groupby(heard.states)] == [LinkState.DOWN, *life, *life]
 
 
-def test_a_busy_port_names_the_pid(port, heard):
-    with PtyPair(port):
-        program = (
-            "import sys, time; from end_effector_hal.wires import open_port\n"
-            "port = open_port(sys.argv[1], 9600); print('open', flush=True); time.sleep(60)"
-        )
-        child = subprocess.Popen([sys.executable, "-c", program, port], stdout=subprocess.PIPE)
-        try:
-            assert child.stdout.readline() == b"open\n"
-            with reader(port, heard):
-                heard.wait_state(LinkState.DOWN)
-                assert f"pid {child.pid} (" in heard.changes[0].error
-                child.kill()
-                heard.wait_state(LinkState.SILENT)
-        finally:
+HOLDER = """
+import sys, time
+from end_effector_hal.wires import open_port
+port = open_port(sys.argv[1], 9600)
+print("open", flush=True)
+time.sleep(60)
+"""
+
+
+@contextmanager
+def held(port):
+    """Another process has the port open."""
+    child = subprocess.Popen([sys.executable, "-c", HOLDER, port], stdout=subprocess.PIPE)
+    try:
+        assert child.stdout.readline() == b"open\n"
+        yield child
+    finally:
+        child.kill()
+        child.communicate()
+
+
+def test_a_second_reader_is_told_who_reads(port, heard):
+    with PtyPair(port), held(port) as child:
+        link = reader(port, heard)
+        with pytest.raises(LinkBusyError, match=rf"pid {child.pid} \(python -c"):
+            link.start(patience_s=0.2)
+        link.close()
+        assert heard.changes == []
+        # a predecessor that ends in time is no obstacle
+        timer = threading.Timer(0.2, child.kill)
+        timer.start()
+        link.start(patience_s=10)
+        heard.wait_state(LinkState.SILENT)
+        link.close()
+        timer.join()
+
+
+def test_a_port_that_was_lost_to_somebody_else_names_the_pid(port, heard):
+    with reader(port, heard):
+        heard.wait_state(LinkState.DOWN)
+        with PtyPair(f"{port}.there") as pty, held(f"{port}.there") as child:
+            os.symlink(os.path.realpath(f"{port}.there"), port)
+            heard.wait(lambda: f"pid {child.pid} (" in heard.changes[-1].error)
             child.kill()
-            child.communicate()
+            heard.wait_state(LinkState.SILENT)
+            assert pty
 
 
 def test_errors_are_sentences(tmp_path, monkeypatch):

@@ -171,7 +171,7 @@ def test_refusals_are_sentences(bench):
             changer.set({UNLOCK: True})
         with pytest.raises(UsageError, match="grip does not write SODIMM_206"):
             grip.set({UNLOCK: True})
-        with pytest.raises(LineBusyError, match=rf"SODIMM_208 belongs to grip \(pid {os.getpid()}\)"):
+        with pytest.raises(LineBusyError, match=rf"SODIMM_208 belongs to grip \(pid {os.getpid()}, "):
             bench.client("other", [BOTTOM])
         with pytest.raises(UsageError, match="IL-11"):
             grip.set({TOP: True}, [WillStep(TOP, True)])

@@ -51,7 +51,11 @@ class EndEffector:
         self._frame_listeners: list[Callable[[Frame], None]] = []
         self._lock = threading.Lock()
         self._grip = open_unit(description, "grip", self._gripper_moved)
-        self._change = open_unit(description, "tool_change", self._changer_moved)
+        try:
+            self._change = open_unit(description, "tool_change", self._changer_moved)
+        except BaseException:
+            self._grip.close()
+            raise
         codec = get_codec(description.link.codec)
         self._witness = Witness(description, codec)
         self._reader = LinkReader(
@@ -67,11 +71,15 @@ class EndEffector:
     def open(cls, description: Description | str | Path) -> Self:
         """Open a tool by its description and adopt its lines; raises DescriptionError, WireError."""
         tool = cls(description if isinstance(description, Description) else load(description))
-        tool.start()
+        try:
+            tool.start()
+        except BaseException:
+            tool.close()
+            raise
         return tool
 
     def start(self) -> None:
-        """Start reading and adopt."""
+        """Start reading and adopt; raises LinkBusyError when somebody else reads the sensor link."""
         self._reader.start()
         self._witness.start()
         for unit in self._units:

@@ -109,6 +109,9 @@ class Unit:
         self._inbox.put(None)
         if self._thread.is_alive():
             self._thread.join(5.0)
+        elif self._thread.ident is None:  # never started: nothing was engaged
+            with suppress(WireError):
+                self._lines.close(())
 
     # From here on: in the unit's thread.
 

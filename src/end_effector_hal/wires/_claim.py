@@ -59,4 +59,6 @@ def program_name(pid: int | str = "self") -> str:
     text = [word.decode(errors="replace") for word in words if word]
     if text and Path(text[0]).name.startswith("python") and len(text) > 1:
         text = text[1:]
+    if text[:1] == ["-c"]:  # its code says nothing to people
+        text = ["python -c", *text[2:]]
     return " ".join([Path(text[0]).name, *text[1:3]])[:80] if text else "?"

@@ -9,7 +9,7 @@ import re
 
 import serial
 
-from end_effector_hal.errors import LinkError
+from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.wires._claim import program_name
 
 _USUAL = ("/dev/verdin-uart*", "/dev/tty[A-Z]*[0-9]", "/dev/ttymxc*", "/dev/serial[0-9]")
@@ -19,7 +19,8 @@ def open_port(path: str, baudrate: int, *, parity: str = "N", write_timeout_s: f
     """The port, raw, 8 bits, 1 stop bit, exclusive, input flushed; a read takes what is there and does not wait.
 
     Raises:
-        LinkError: it is missing, busy (says who), not permitted, or no serial port.
+        LinkBusyError: somebody else has it; says who.
+        LinkError: it is missing, not permitted, or no serial port.
     """
     try:
         return serial.Serial(
@@ -51,7 +52,7 @@ def _explained(path: str, baudrate: int, error: OSError | ValueError) -> LinkErr
             todo="Add the user to the group dialout (sudo usermod -aG dialout $USER), then log in again.",
         )
     if number in (errno.EBUSY, errno.EAGAIN):
-        return LinkError(
+        return LinkBusyError(
             f"the port is used by {_holders(path) or 'another program'}.",
             where=path,
             todo="Stop that program: two readers would steal each other's bytes.",

@@ -6,12 +6,13 @@ import logging
 import os
 import select
 import threading
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
 import serial
 
-from end_effector_hal.errors import LinkError
+from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.codecs import Codec, PolledDecoder, asks, get_codec, parity_of
 from end_effector_hal.wires.frame import Frame
@@ -50,10 +51,19 @@ class LinkReader:
         self._on_frame, self._on_change = on_frame, on_change
         self._state, self._since, self._error, self._opened = LinkState.OPENING, now_us(), "", 0
         self._wait_s = FIRST_WAIT_S
+        self._first: serial.Serial | None = None
         self._thread: threading.Thread | None = None
 
-    def start(self) -> None:
-        """Begin; a port that is not there yet is no error."""
+    def start(self, patience_s: float = 1.0) -> None:
+        """Begin; a port that is not there yet is no error.
+
+        Args:
+            patience_s: how long somebody else may still have the port: a predecessor that is ending.
+
+        Raises:
+            LinkBusyError: somebody else keeps it; says who. Nothing was started.
+        """
+        self._first = self._claimed(now_us() + round(patience_s * 1e6))
         self._wake_read, self._wake = os.pipe()
         self._thread = threading.Thread(target=self._run, name=f"link {self._port}", daemon=True)
         self._thread.start()
@@ -94,7 +104,8 @@ class LinkReader:
         try:
             while self._thread is not None:
                 try:
-                    with open_port(self._port, self._baudrate, parity=self._parity) as port:
+                    first, self._first = self._first, None
+                    with first or self._open() as port:
                         self._opened += 1
                         self._change(LinkState.SILENT)
                         self._read(port)
@@ -105,6 +116,21 @@ class LinkReader:
         finally:
             os.close(self._wake_read)
             os.close(self._wake)
+
+    def _open(self) -> serial.Serial:
+        return open_port(self._port, self._baudrate, parity=self._parity)
+
+    def _claimed(self, until: int) -> serial.Serial | None:
+        """The port; None while there is none that can be opened."""
+        while True:
+            try:
+                return self._open()
+            except LinkBusyError:
+                if now_us() >= until:
+                    raise
+            except LinkError:
+                return None  # the thread tries again, and says why
+            time.sleep(FIRST_WAIT_S)
 
     def _read(self, port: serial.Serial) -> None:
         """Until the end; raises OSError when the port is lost."""

@@ -48,6 +48,7 @@ class Session:
     lines: frozenset[str]
     will: Will
     lease_until: int
+    program: str = ""
     ended: bool = False
     queue: deque[Write] = field(default_factory=deque)
 
@@ -72,8 +73,10 @@ class Keeper:
 
     # What clients ask for
 
-    def hello(self, client: str, pid: int, lines: Sequence[str], will: Will, at: int) -> Session:
-        """A client comes, to write these lines.
+    def hello(
+        self, client: str, pid: int, lines: Sequence[str], will: Will, at: int, program: str = ""
+    ) -> Session:
+        """A client comes, to write these lines; ``program`` is how its process was called, for the sentences.
 
         Raises:
             UsageError: there is no such line, or the will names another one.
@@ -93,10 +96,12 @@ class Keeper:
             if other.ended:
                 left = max(0, self._end(other) - at)
                 raise WillRunsError(f"the will of {other.client} is being executed.", left)
+            who = f"pid {other.pid}{f', {other.program}' if other.program else ''}"
             raise LineBusyError(
-                f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} (pid {other.pid})."
+                f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} ({who}).",
+                todo="Stop that process: one program writes a line.",
             )
-        session = Session(client, pid, frozenset(lines), (), at + self.policy.lease_us)
+        session = Session(client, pid, frozenset(lines), (), at + self.policy.lease_us, program)
         self._bequeath(session, will)
         self.sessions.append(session)
         _log.info("%s (pid %d) writes %s", client, pid, ", ".join(lines))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import EndEffectorError, OwnerError, UsageError, WireError
-from end_effector_hal.wires._claim import Claim
+from end_effector_hal.wires._claim import Claim, program_name
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.lines import LineBackend
 from end_effector_hal.wires.owner._keeper import Keeper, Session, WillRunsError
@@ -208,9 +208,8 @@ class LineOwner:
         if request.op == "hello":
             if session:
                 raise OwnerError(f"{session.client} has said hello already.")
-            connection.session = keeper.hello(
-                request.client, connection.pid, request.lines, request.will or (), at
-            )
+            pid, will = connection.pid, request.will or ()
+            connection.session = keeper.hello(request.client, pid, request.lines, will, at, program_name(pid))
             return {}
         if session is None:
             raise OwnerError("say hello first.")
