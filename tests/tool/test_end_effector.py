@@ -33,6 +33,8 @@ assert tool.wait_ready()
 print("adopted", flush=True)
 if "grip" in sys.argv:
     print(tool.grip().state.name, flush=True)
+while "by hand" in sys.argv and not tool.set_actuator("cylinder", True).accepted:
+    time.sleep(0.1)
 time.sleep(600)
 """
 
@@ -84,6 +86,13 @@ def test_grip_and_drop_by_hand_and_in_order(world: World) -> None:
         assert not tool.unlock().succeeded
         assert tool.drop().succeeded
         assert levels(world) == NONE_ACTIVE
+
+
+def test_the_death_of_the_program_ends_what_was_driven_by_hand(world: World) -> None:
+    process = holder(world, "by hand")
+    until(lambda: levels(world)["SODIMM_210"])
+    kill(process)
+    until(lambda: levels(world) == NONE_ACTIVE)
 
 
 def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp_path: Path) -> None:

@@ -12,7 +12,8 @@ from end_effector_hal.wires.frame import Frame
 
 from ._hold_monitor import HoldMonitor
 from ._levels import Cause, Evidence, ToolEvidence
-from ._reasons import explain, latched, refusal
+from ._predicates import LOCKED, predicates_fitted
+from ._reasons import explain, latched, not_by_hand, refusal
 from ._senses import Senses
 from ._status import Answer, Status
 from ._steps import StepLog
@@ -39,6 +40,7 @@ class Controller:
         self._program = program
         codec = get_codec(description.link.codec)
         self._senses = Senses(description, codec)
+        self._lock_fitted = LOCKED in predicates_fitted(description, codec)
         self._hold = HoldMonitor(description, self._senses, codec.period_us)
         processes = getattr(description.automata, program)
         self._execution = Execution(network, executed=processes, interface=description.automata.interface)
@@ -121,13 +123,13 @@ class Controller:
 
     def refuse_maintenance(self, *, active: bool) -> str:
         """Why the line of an actuator may not be driven by hand now (IL-12); empty: it may."""
-        state = EndEffectorState(self._values["ee"])
-        if state is not EndEffectorState.STAND_BY:
-            return f"IL-12: outputs are driven by hand in STAND_BY only; the end-effector is {state.name}."
-        locks = self._description.interlocks
-        needs_lock = active and locks.il_05 and self._description.tool_changer is not None
+        if refused := not_by_hand(EndEffectorState(self._values["ee"]), held=self._held):
+            return refused
+        needs_lock = active and self._description.interlocks.il_05 and self._lock_fitted
         if needs_lock and self._senses.tool is not ToolEvidence.LOCKED:
             return f"IL-05: the tool is not proven to be locked (its sensors say {self._senses.tool.name})."
+        if active and self._description.interlocks.il_05 and self._values["unlock_valve"]:
+            return "IL-05: the unlock output is active."
         return ""
 
     def advance(self, at: int) -> list[Status]:

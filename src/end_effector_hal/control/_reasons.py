@@ -35,6 +35,15 @@ def latched(state: EndEffectorState, reason: str) -> str:
     return " ".join(filter(None, (f"{state.name}:", reason, todo)))
 
 
+def not_by_hand(state: EndEffectorState, *, held: bool) -> str:
+    """Why outputs cannot be driven by hand in a state; empty: they can."""
+    if held:
+        return f"IL-12: a part is held ({_name(state)}): nothing is driven by hand, only a Drop releases it."
+    if state is EndEffectorState.STAND_BY:
+        return ""
+    return f"IL-12: outputs are driven by hand in STAND_BY only; the end-effector is {_name(state)}."
+
+
 def _shown(actuator: Actuator, senses: Senses, at: int) -> str:
     """What the sensor of a lost actuator shows, and what it would have to."""
     value = senses.readings.get(actuator.channel, at)

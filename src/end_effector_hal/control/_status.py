@@ -44,6 +44,7 @@ class Status:
     lift_allowed: bool = False
     held: bool = False
     secure: bool = False
+    maintenance: bool = False
     changer: int = 0
     unlock_output: bool = False
     link_up: bool = False

@@ -10,7 +10,7 @@ from ._markdown import markdown
 from ._model import Description, camel_case
 from ._part import Ending, Part
 from ._paths import profile_path, run_directory, socket_path
-from ._policy import Automata, Bounds, Endings, GrippingEndings, HeldEndings, Hold, Interlocks
+from ._policy import Automata, Bounds, Endings, GrippingEndings, Handwork, HeldEndings, Hold, Interlocks
 from ._schema import schema, schema_path, schema_text
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "Examination",
     "Fault",
     "GrippingEndings",
+    "Handwork",
     "HeldEndings",
     "Hold",
     "Interlocks",

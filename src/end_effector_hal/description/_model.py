@@ -13,7 +13,7 @@ from ._devices import EStop, Lines, Link, Supply, ToolChanger
 from ._part import Name, Names, Part
 from ._paths import profile_path
 from ._places import Place, Places
-from ._policy import Automata, Bounds, Endings, Hold, Interlocks
+from ._policy import Automata, Bounds, Endings, Handwork, Hold, Interlocks
 
 
 class Description(Part):
@@ -30,6 +30,7 @@ class Description(Part):
     e_stop: EStop | None = Field(default=None, description="absent: none is fitted")
     supply: Supply = Field(default=Supply(), description="the compressed air")
     hold: Hold = Field(default=Hold(), description="what is watched while a part is held")
+    maintenance: Handwork = Field(default=Handwork(), description="outputs driven by hand")
     endings: Endings = Field(default=Endings(), description="what each ending does to the outputs")
     interlocks: Interlocks = Field(default=Interlocks(), description="true: enforced")
     bounds: Bounds = Field(default=Bounds(), description="what the proof assumes and shows")

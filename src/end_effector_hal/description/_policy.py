@@ -50,6 +50,14 @@ class Hold(Part):
     )
 
 
+class Handwork(Part):
+    """Actuators driven by hand, with the `/Set*` services (IL-12)."""
+
+    lease_s: Seconds = Field(
+        default=30.0, description="so long after the last call what was activated by hand is deactivated"
+    )
+
+
 class Interlocks(Part):
     """Interlocks that can be switched off, here and nowhere else."""
 

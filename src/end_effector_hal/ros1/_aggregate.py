@@ -63,6 +63,7 @@ class Aggregate:
             held=grip.held,
             lift_allowed=grip.lift_allowed and not lost,
             secure=grip.secure and not lost,
+            maintenance=grip.maintenance and not lost,
             tool_changer=0 if TOOL_CHANGE in gone else change.tool_changer,
             unlock_output=change.unlock_output,
             link_up=grip.link_up and not lost,

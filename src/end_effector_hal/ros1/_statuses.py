@@ -35,6 +35,7 @@ def status_to_message(status: Status, since_us: int, count: int) -> Any:
         held=status.held,
         lift_allowed=status.lift_allowed,
         secure=status.secure,
+        maintenance=status.maintenance,
         tool_changer=status.changer,
         unlock_output=status.unlock_output,
         link_up=status.link_up,

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from end_effector_hal.control import to_us
 from end_effector_hal.description import Description
+from end_effector_hal.trace import display_name
 from end_effector_hal.wires import WillStep
-
-LEASE_US = 30_000_000
 
 
 class Maintenance:
-    """Which lines are active by hand, and until when; when the lease ends they are deactivated."""
+    """Which lines are active by hand, and until when; however it ends, they are deactivated."""
 
     def __init__(self, description: Description) -> None:
-        order = [description.actuators[name].line for name in description.releasing]
-        self._order = {line: index for index, line in enumerate(order)}
-        self._lines: list[str] = []
+        lines = {name: part.line for name, part in description.ordered}
+        self._order = [lines[name] for name in description.releasing]
+        self._names = {line: display_name(name) for name, line in lines.items()}
+        self._lease_s = description.maintenance.lease_s
+        self._lines: set[str] = set()
         self.ends_at: int | None = None
 
     @property
@@ -25,23 +27,38 @@ class Maintenance:
     @property
     def notice(self) -> str:
         """What to know of it, in words; empty: nothing is driven by hand."""
-        return f"Active by hand: {', '.join(self._lines)}; deactivate it first." if self._lines else ""
+        if not self._lines:
+            return ""
+        who = ", ".join(self._names[line] for line in self.lines)
+        return f"Maintenance: {who} active by hand, deactivated {self._lease_s:g} s after the last call."
+
+    @property
+    def lines(self) -> list[str]:
+        """What is active by hand, in release order."""
+        return [line for line in self._order if line in self._lines]
+
+    @property
+    def will(self) -> tuple[WillStep, ...]:
+        """What is to be done should this program end: everything that is active by hand is deactivated."""
+        return _will(self.lines)
 
     def will_with(self, line: str, active: bool) -> tuple[WillStep, ...]:
-        """The will once a line is driven so: everything that is active by hand is deactivated."""
-        lines = {*self._lines, line} if active else {*self._lines} - {line}
-        return tuple(WillStep(each) for each in sorted(lines, key=self._order.__getitem__))
+        """The will once a line is driven so."""
+        wanted = self._lines | {line} if active else self._lines - {line}
+        return _will([each for each in self._order if each in wanted])
 
     def drove(self, line: str, active: bool, at: int) -> None:
-        """Remember what was driven; the lease starts anew."""
-        self._lines = [each for each in self._lines if each != line]
-        if active:
-            self._lines.append(line)
-        self.ends_at = at + LEASE_US if self._lines else None
+        """Remember what was driven at ``at`` µs; the lease starts anew."""
+        self._lines = self._lines | {line} if active else self._lines - {line}
+        self.ends_at = at + to_us(self._lease_s) if self._lines else None
 
     def over(self, at: int) -> list[str]:
         """Lines to deactivate because the lease is over; they are forgotten."""
         if self.ends_at is None or at < self.ends_at:
             return []
-        lines, self._lines, self.ends_at = sorted(self._lines, key=self._order.__getitem__), [], None
+        lines, self._lines, self.ends_at = self.lines, set(), None
         return lines
+
+
+def _will(lines: list[str]) -> tuple[WillStep, ...]:
+    return tuple(WillStep(line) for line in lines)

@@ -10,12 +10,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 from end_effector_hal.automata import load_network
-from end_effector_hal.control import Answer, Controller, Status, model_constants, will_of
+from end_effector_hal.control import Answer, Controller, Evidence, Status, model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.errors import LineBusyError, OwnerError, WireError
-from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires import Frame, WillStep, now_us
+from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, WireError
+from end_effector_hal.trace import EndEffectorState, display_name
+from end_effector_hal.wires import Frame, now_us
 
+from ._duties import Duties
 from ._maintenance import Maintenance
 from ._outputs import RETRY_US, LineWriter, Outputs
 
@@ -94,8 +95,12 @@ class Unit:
         index = self._description.sequence.index(name)
         wanted = 3 if active else 1
         if self.wait(lambda status: status.evidence[index] == wanted, limit_s):
-            return Answer(True, f"{name} is proven {'active' if active else 'inactive'} by its sensor.")
-        return Answer(False, f"{name}: the line is written, but no sensor proves it within {limit_s:g} s.")
+            proven = "active" if active else "inactive"
+            return Answer(True, f"{display_name(name)} is {proven}, proven by its sensor.")
+        shown = Evidence(self.status.evidence[index]).name
+        left = f" It stays active for {self._description.maintenance.lease_s:g} s at most." if active else ""
+        what = f"its line is written, but its sensor does not prove it within {limit_s:g} s (it says {shown})"
+        return Answer(False, f"{display_name(name)}: {what}.{left}")
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; False when the time is over or the unit has ended."""
@@ -119,7 +124,7 @@ class Unit:
         try:
             self._act(self._begin())
             self._work()
-            self._lines.close(self._parting())
+            self._lines.close(self._duties.will(self._status, self._ending))
         except WireError as error:
             _log.warning("the line owner is not there to take the will of %s: %s", self._program, error)
         finally:
@@ -142,8 +147,9 @@ class Unit:
 
     def _be_unborn(self) -> None:
         self._controller = Controller(self._description, self._network, self._program)
-        self._outputs = Outputs(self._lines, self._levels_of, self._will_of)
         self._maintenance = Maintenance(self._description)
+        self._duties = Duties(self._description, self._program, self._maintenance)
+        self._outputs = Outputs(self._lines, self._duties.levels, self._duties.will)
         self._begun = False
         self._begin_at: int | None = None
         self._obstacle = ""
@@ -231,7 +237,7 @@ class Unit:
         for status in statuses:
             self._told = extra
             reason = f"{status.reason or self._why} {self._outputs.refused}".strip()
-            told = replace(status, alarms=(*status.alarms, *extra), reason=reason)
+            told = replace(self._duties.seen(status), alarms=(*status.alarms, *extra), reason=reason)
             with self._changed:
                 self._status = told
                 self._changed.notify_all()
@@ -240,7 +246,8 @@ class Unit:
 
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:
         if name == "grip" and self._maintenance.active:
-            return Answer(False, f"IL-12: {self._maintenance.notice}"), []
+            why = "a grip is refused while outputs are driven by hand."
+            return Answer(False, f"IL-12: {why} {self._maintenance.notice}"), []
         if not self._begun:
             return Answer(False, f"The lines are not adopted yet. {self._obstacle}".rstrip()), []
         answer, statuses = self._controller.command(name, now_us())
@@ -257,6 +264,9 @@ class Unit:
         try:
             self._outputs.drive(line, active, will)
         except WireError as error:
+            if active and not isinstance(error, LineRefusedError):
+                # perhaps it was executed: then the lease ends it
+                self._maintenance.drove(line, active, now_us())
             return Answer(False, str(error)), []
         self._maintenance.drove(line, active, now_us())
         return Answer(True), [self._controller.status()]
@@ -279,24 +289,3 @@ class Unit:
             return answers.get(timeout=ANSWER_US / 1_000_000 + 0.5)
         except queue.Empty:
             return Answer(False, f"The {self._program} program does not answer.")
-
-    def _levels_of(self, status: Status) -> dict[str, bool]:
-        if self._program == "tool_change":
-            changer = self._description.tool_changer
-            return {changer.line: status.unlock_output} if changer else {}
-        return {
-            actuator.line: output
-            for (_, actuator), output in zip(self._description.ordered, status.outputs, strict=True)
-        }
-
-    def _parting(self) -> tuple[WillStep, ...]:
-        if self._program == "tool_change":
-            return self._will_of(self._status)
-        return will_of(self._description, self._status, on=self._ending)
-
-    def _will_of(self, status: Status) -> tuple[WillStep, ...]:
-        if self._program == "tool_change":
-            # an inactive line is locked: that is the declared ending of a tool changer
-            changer = self._description.tool_changer
-            return (WillStep(changer.line),) if changer and status.unlock_output else ()
-        return will_of(self._description, status)
