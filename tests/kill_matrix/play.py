@@ -199,7 +199,10 @@ class Play:
             if prepared.supervisor is not None:
                 return self._use_supervisor()
             state = self.system.hands.look()
-            if state["tool_changer"] != ChangerState.LOCKED:
+            if state["tool_changer"] == ChangerState.UNKNOWN:
+                with suppress(Late):  # a program that began anew adopts first
+                    until("what the tool changer is", self._changer_is_known, 6.0)
+            if self.system.hands.look()["tool_changer"] != ChangerState.LOCKED:
                 self._do("lock")
             if state["state"] == State.RELEASE_ERROR:
                 self._wait_for_absence()  # a drop proves it, and latches again while air still comes in
@@ -215,6 +218,9 @@ class Play:
         except Late as late:
             self.faults.append(f"not usable: {late}")
         return None
+
+    def _changer_is_known(self) -> bool:
+        return bool(self.system.hands.look()["tool_changer"] != ChangerState.UNKNOWN)
 
     def _use_supervisor(self) -> None:
         """Another one gives the commands; it ends with 1 when any did not succeed."""
