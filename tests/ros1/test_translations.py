@@ -99,3 +99,27 @@ def test_the_outcome_is_read_off_the_status(
     from end_effector_hal.ros1._judgement import judge
 
     assert judge(command, UnitStatus(**status)) == (getattr(Outcome, outcome), reason)
+
+
+def test_a_position_that_is_not_told_any_more_is_unknown() -> None:
+    from end_effector_msgs.msg import ToolStandPosition
+
+    from end_effector_hal.ros1._positions import Positions
+
+    positions = Positions()
+    assert positions.value("tool_stand", 0) == ToolStandPosition.UNKNOWN
+    positions.take("tool_stand", ToolStandPosition(position=ToolStandPosition.AWAY), 5_000_000)
+    assert positions.value("tool_stand", 6_000_000) == ToolStandPosition.AWAY
+    assert positions.names(6_000_000) == {"tool_stand": "AWAY"}
+    assert positions.value("tool_stand", 6_000_001) == ToolStandPosition.UNKNOWN
+    assert positions.names(6_000_001) == {"tool_stand": "UNKNOWN"}
+
+
+def test_the_places_of_the_tool_have_the_integers_of_the_message() -> None:
+    from end_effector_msgs.msg import ToolStandPosition
+
+    from end_effector_hal.control import ToolPlace
+
+    assert {place.name: getattr(ToolStandPosition, place.name) for place in ToolPlace} == {
+        place.name: place.value for place in ToolPlace
+    }

@@ -6,6 +6,7 @@ from ._levels import Cause, ChangerState, Evidence, ToolEvidence
 from ._margin import margin_pa
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, Predicates, predicates_fitted
 from ._senses import Senses
+from ._stand import ToolPlace, tool_place
 from ._status import Answer, Status, StepReport
 from ._time import to_s, to_us
 from ._will import will_of
@@ -25,11 +26,13 @@ __all__ = [
     "Status",
     "StepReport",
     "ToolEvidence",
+    "ToolPlace",
     "channels_of",
     "margin_pa",
     "model_constants",
     "predicates_fitted",
     "to_s",
     "to_us",
+    "tool_place",
     "will_of",
 ]

@@ -10,11 +10,15 @@ from end_effector_msgs.msg import Command, EndEffectorState, Evidence, State, Un
 from end_effector_hal.description import Description
 
 from ._margins import Margins
+from ._positions import Positions
 from ._presence import Presence
 from ._table import GRIP, TOOL_CHANGE
 
 _SILENT = "The node {} is silent: what it left active is held or released as the description declares."
 _AWAITED = "The node {} has not reported yet."
+
+
+CHANGER, STAND = "tool_changer", "tool_stand"
 
 
 class Aggregate:
@@ -24,8 +28,8 @@ class Aggregate:
     Its outputs and ``held`` stay as they were last known: the line owner holds what was held.
     """
 
-    def __init__(self, description: Description, margins: Margins) -> None:
-        self._description, self._margins = description, margins
+    def __init__(self, description: Description, margins: Margins, positions: Positions) -> None:
+        self._description, self._margins, self._positions = description, margins, positions
         self._kinds = [part.kind for _, part in description.ordered]
         count = len(description.sequence)
         nothing = UnitStatus(
@@ -66,6 +70,8 @@ class Aggregate:
             maintenance=grip.maintenance and not lost,
             tool_changer=0 if TOOL_CHANGE in gone else change.tool_changer,
             unlock_output=change.unlock_output,
+            tool_position=self._positions.value(CHANGER, now_us),
+            tool_stand=self._positions.value(STAND, now_us),
             link_up=grip.link_up and not lost,
             stale=grip.stale,
             missed=grip.missed + change.missed,

@@ -12,10 +12,11 @@ from end_effector_hal.description import Description
 from end_effector_hal.trace import EndEffectorState as TableState
 from end_effector_hal.wires import now_us
 
-from ._aggregate import Aggregate
+from ._aggregate import CHANGER, STAND, Aggregate
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._margins import Margins
-from ._node import Node, constant_name, stamp
+from ._node import Node, stamp
+from ._positions import Positions
 from ._presence import Presence
 from ._served_goals import ServedGoals
 from ._table import (
@@ -24,6 +25,7 @@ from ._table import (
     GRIP_STATE,
     HAL_MAIN,
     POSITION_TOOL_CHANGER,
+    POSITION_TOOL_STAND,
     STATE_HZ,
     TOOL_CHANGE,
     TOOL_CHANGE_STATE,
@@ -39,11 +41,11 @@ class HalMainNode:
 
     def __init__(self, node: Node, description: Description) -> None:
         self._margins = Margins(description)
-        self._aggregate = Aggregate(description, self._margins)
+        self._positions = Positions()
+        self._aggregate = Aggregate(description, self._margins, self._positions)
         self._presence = Presence((GRIP, TOOL_CHANGE) if description.tool_changer else (GRIP,))
         self._known: dict[str, tuple[int, int]] = {}
         self._gone: tuple[str, ...] = ()
-        self._positions: dict[str, str] = {}
         self._lock = threading.Lock()
         self._log = node.log
         self._publish = node.publisher(END_EFFECTOR_STATE)
@@ -57,7 +59,8 @@ class HalMainNode:
         for name, topic in position_topics(description).items():
             node.subscribe(topic, self._on_position(name))
         if description.tool_changer:
-            node.subscribe(POSITION_TOOL_CHANGER, self._on_position("tool_changer"))
+            node.subscribe(POSITION_TOOL_CHANGER, self._on_position(CHANGER))
+            node.subscribe(POSITION_TOOL_STAND, self._on_position(STAND))
         node.every(STATE_HZ, self._tick)
         diagnose(node, description.name, self._health)
         node.on_close(self._close)
@@ -104,10 +107,7 @@ class HalMainNode:
         return lambda message: self._margins.take(channel, message.fluid_pressure)
 
     def _on_position(self, name: str) -> Callable[[Any], None]:
-        def take(message: Any) -> None:
-            self._positions[name] = constant_name(message, message.position)
-
-        return take
+        return lambda message: self._positions.take(name, message, now_us())
 
     def _close(self) -> None:
         with self._lock:
@@ -129,7 +129,10 @@ class HalMainNode:
                 "held": state.held,
                 "secure": state.secure,
                 "lift allowed": state.lift_allowed,
-                **{f"position of {name}": position for name, position in self._positions.items()},
+                **{
+                    f"position of {name}": position
+                    for name, position in self._positions.names(now_us()).items()
+                },
             },
         )
 

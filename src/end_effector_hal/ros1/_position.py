@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from end_effector_msgs.msg import CylinderPosition, ToolChangerPosition
+from end_effector_msgs.msg import CylinderPosition, ToolChangerPosition, ToolStandPosition
 
-from end_effector_hal.control import Evidence, Senses
+from end_effector_hal.control import Evidence, Senses, tool_place
 from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.wires import get_codec, now_us
 
 from ._diagnostics import OK, WARN, Health, diagnose
 from ._frames import frame_from_message
-from ._node import Node, stamp
-from ._table import POSITION, POSITION_TOOL_CHANGER, SENSOR_FRAME, STATE_HZ, position_topics
+from ._node import Node, constant_name, stamp
+from ._table import (
+    POSITION,
+    POSITION_TOOL_CHANGER,
+    POSITION_TOOL_STAND,
+    SENSOR_FRAME,
+    STATE_HZ,
+    position_topics,
+)
 
 _CYLINDER = {
     Evidence.UNKNOWN: CylinderPosition.UNKNOWN,
@@ -38,15 +46,18 @@ class PositionNode:
         codec = get_codec(description.link.codec)
         self._kinds = codec.channels
         self._senses = Senses(description, codec)
-        self._changer = description.tool_changer
         self._lock = threading.Lock()
-        self._outputs: list[tuple[str, Any, Any]] = [
-            (name, node.publisher(topic), CylinderPosition)
+        order = {name: index for index, name in enumerate(description.sequence)}
+        self._outputs = [
+            _Output(name, node.publisher(topic), CylinderPosition, self._cylinder(order[name]))
             for name, topic in position_topics(description).items()
         ]
-        self._order = {name: index for index, name in enumerate(description.sequence)}
-        if self._changer is not None:
-            self._outputs.append(("", node.publisher(POSITION_TOOL_CHANGER), ToolChangerPosition))
+        if changer := description.tool_changer:
+            publish = node.publisher(POSITION_TOOL_CHANGER)
+            self._outputs += [
+                _Output("tool_changer", publish, ToolChangerPosition, self._tool_changer(changer)),
+                _Output("tool_stand", node.publisher(POSITION_TOOL_STAND), ToolStandPosition, self._stand),
+            ]
         self._known: dict[str, int] = {}
         node.subscribe(SENSOR_FRAME, self._on_frame)
         node.every(STATE_HZ, self._tick)
@@ -64,32 +75,49 @@ class PositionNode:
             self._publish(at, every=True)
 
     def _publish(self, at: int, *, every: bool) -> None:
-        for name, publish, kind in self._outputs:
-            position = self._cylinder(name) if name else self._tool_changer(at)
-            if every or self._known.get(name) != position:
-                self._known[name] = position
-                message = kind(position=position)
+        for output in self._outputs:
+            position = output.read(at)
+            if every or self._known.get(output.name) != position:
+                self._known[output.name] = position
+                message = output.kind(position=position)
                 message.header.stamp = stamp(at)
-                publish(message)
+                output.publish(message)
 
-    def _cylinder(self, name: str) -> int:
-        position: int = _CYLINDER[self._senses.evidence[self._order[name]]]
-        return position
+    def _cylinder(self, index: int) -> Callable[[int], int]:
+        return lambda _at: int(_CYLINDER[self._senses.evidence[index]])
 
-    def _tool_changer(self, at: int) -> int:
-        changer: ToolChanger | None = self._changer
-        locked = self._senses.readings.get(changer.locked_bit if changer else None, at)
-        unlocked = self._senses.readings.get(changer.unlocked_bit if changer else None, at)
-        if locked is None or unlocked is None:
-            return int(ToolChangerPosition.UNKNOWN)
-        position: int = _CHANGER[bool(locked), bool(unlocked)]
-        return position
+    def _tool_changer(self, changer: ToolChanger) -> Callable[[int], int]:
+        def read(at: int) -> int:
+            locked = self._senses.readings.get(changer.locked_bit, at)
+            unlocked = self._senses.readings.get(changer.unlocked_bit, at)
+            if locked is None or unlocked is None:
+                return int(ToolChangerPosition.UNKNOWN)
+            return int(_CHANGER[bool(locked), bool(unlocked)])
+
+        return read
+
+    def _stand(self, at: int) -> int:
+        return int(tool_place(self._senses.readings, at))
 
     def _health(self) -> Health:
-        unknown = [name or "tool_changer" for name, position in self._known.items() if position == 0]
+        values = {
+            output.name: constant_name(output.kind(), self._known.get(output.name, 0))
+            for output in self._outputs
+        }
+        unknown = [name for name, position in values.items() if position == "UNKNOWN"]
         if not unknown:
-            return Health(OK, "All positions are known.")
-        return Health(WARN, f"Not known: {', '.join(unknown)}.")
+            return Health(OK, "All positions are known.", values)
+        return Health(WARN, f"Not known: {', '.join(unknown)}.", values)
+
+
+@dataclass(frozen=True)
+class _Output:
+    """One position: its name, where it goes, and how it is read at a time in µs."""
+
+    name: str
+    publish: Callable[[Any], None]
+    kind: Any
+    read: Callable[[int], int]
 
 
 def main(argv: Sequence[str]) -> int:

@@ -92,6 +92,10 @@ POSITION_TOOL_CHANGER = Topic(
     "PositionToolChanger", "end_effector_msgs/ToolChangerPosition", (POSITION,), (HAL_MAIN,),
     rate_hz=STATE_HZ, latched=True,
 )  # fmt: skip
+POSITION_TOOL_STAND = Topic(
+    "PositionToolStand", "end_effector_msgs/ToolStandPosition", (POSITION,), (HAL_MAIN,),
+    rate_hz=STATE_HZ, latched=True,
+)  # fmt: skip
 END_EFFECTOR_STATE = Topic(
     "EndEffectorState", "end_effector_msgs/EndEffectorState", (HAL_MAIN,), (DATA_LOGGER, SUPERVISOR),
     rate_hz=STATE_HZ, latched=True, queue=100,
@@ -158,7 +162,7 @@ def set_tool_changer(description: Description) -> Service | None:
 
 def topics(description: Description) -> tuple[Topic, ...]:
     """Every topic of a tool."""
-    changer = (POSITION_TOOL_CHANGER,) if description.tool_changer else ()
+    changer = (POSITION_TOOL_CHANGER, POSITION_TOOL_STAND) if description.tool_changer else ()
     return (
         END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, *(topic for _, topic in pressure_topics(description)),
         *position_topics(description).values(), *changer,
