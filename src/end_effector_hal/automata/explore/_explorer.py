@@ -245,7 +245,7 @@ def _starts(reach: Search, space: SymbolicSpace, cases: Cases) -> Iterator[Start
     for node in reach.nodes():
         place = space.place(node.place.discrete)
         for _, zone in only(place, node.zone):
-            yield Start(place, zone, (*node.legs, Leg(None, only)))
+            yield Start(place, tuple(zone), (*node.legs, Leg(None, only)))
 
 
 def _possible(space: SymbolicSpace, lasso: Lasso) -> bool:

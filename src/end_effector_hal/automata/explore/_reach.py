@@ -13,6 +13,9 @@ from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
 from end_effector_hal.automata.explore._zone import Zone
 
 
+_UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
+
+
 class Node:
     """A symbolic state that was reached, and how."""
 
@@ -46,11 +49,16 @@ class Search:
 
     A state whose zone lies inside that of another one with the same discrete state is not stored, and one that is
     overtaken by a larger one is not expanded: sound for reachability.
+
+    Args:
+        space: whose equal zones are one object: what was found out about two of them is kept.
     """
 
     def __init__(self, space: SymbolicSpace) -> None:
         self.space = space
         self.states = 0
+        self._waiting: deque[Node] = deque()
+        self._inside: dict[Zone, dict[Zone, bool]] = {}
 
     def nodes(self) -> Iterator[Node]:
         """Each symbolic state as it is found.
@@ -58,13 +66,10 @@ class Search:
         Raises:
             OutOfRangeError: a value leaves its range on the way.
         """
-        place, zone = self.space.initial()
-        first = Node(place, zone, None, None)
-        self._store(first)
-        waiting = deque([first])
-        yield first
-        while waiting:
-            node = waiting.popleft()
+        node: Node | None = self._found(*self.space.initial(), None, None)
+        assert node is not None
+        yield node
+        while (node := self._next()) is not None:
             if node.covered:
                 continue
             zone = node.zone
@@ -73,35 +78,63 @@ class Search:
             except RangeError as error:
                 raise OutOfRangeError(error, node.legs) from None
             for plan, target, move in steps:
-                after = plan(zone)
+                after = plan.known.get(zone, _UNKNOWN)
+                if after is _UNKNOWN:
+                    after = plan(zone)
                 if after is None:
                     continue
                 if move.error is not None:
                     raise OutOfRangeError(move.error, [*node.legs, Leg(move)])
-                if after in target.seen:
-                    continue
-                for other in target.passed:
-                    if all(map(le, after, other.zone)):
-                        break
-                else:
-                    found = Node(target, after, node, move)
-                    self._store(found)
-                    waiting.append(found)
-                    yield found
-
-    def _store(self, node: Node) -> None:
-        place, zone = node.place, node.zone
-        place.seen.add(zone)
-        kept = []
-        for other in place.passed:
-            if all(map(le, other.zone, zone)):
-                other.covered = True
-            else:
-                kept.append(other)
-        kept.append(node)
-        place.passed = kept
-        self.states += 1
+                seen = target.seen
+                if after not in seen:
+                    seen.add(after)
+                    if not target.passed or not self._covered(after, target.passed):
+                        yield self._found(target, after, node, move)
 
     def first(self, wanted: Callable[[Node], bool]) -> Node | None:
         """The first state that is wanted, by the length of its run; None if there is none."""
         return next((node for node in self.nodes() if wanted(node)), None)
+
+    # The order of the search
+
+    def _put(self, node: Node) -> None:
+        self._waiting.append(node)
+
+    def _next(self) -> Node | None:
+        return self._waiting.popleft() if self._waiting else None
+
+    # What is stored
+
+    def _found(self, place: Place, zone: Zone, parent: Node | None, move: Move | None) -> Node:
+        node = Node(place, zone, parent, move)
+        if place.passed:
+            self._overtake(node)
+        else:
+            place.passed = [node]
+        self.states += 1
+        self._put(node)
+        return node
+
+    def _overtake(self, node: Node) -> None:
+        only, kept = [node], []
+        for other in node.place.passed:
+            if self._covered(other.zone, only):
+                other.covered = True
+            else:
+                kept.append(other)
+        kept.append(node)
+        node.place.passed = kept
+
+    def _covered(self, zone: Zone, others: list[Node]) -> bool:
+        """Whether a zone lies inside that of a node."""
+        inside = self._inside.get(zone)
+        if inside is None:
+            inside = self._inside[zone] = {}
+        for other in others:
+            outer = other.zone
+            within = inside.get(outer)
+            if within is None:
+                within = inside[outer] = all(map(le, zone, outer))
+            if within:
+                return True
+        return False

@@ -7,19 +7,14 @@ widened only where time passes: a chain of committed locations is too short to n
 
 from __future__ import annotations
 
-from end_effector_hal.automata.explore._discrete import DiscreteSpace, Move
-from end_effector_hal.automata.explore._limits import Limits
+from end_effector_hal.automata.explore._discrete import Move
 from end_effector_hal.automata.explore._plan import Plan
 from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
-from end_effector_hal.automata.explore._zone import Constraint, Zone
+from end_effector_hal.automata.explore._zone import Constraint
 
 
 class SharpSpace(SymbolicSpace):
-    """For an exploration that looks for deadlocks among zones widened by ExtraLU+. Equal zones are one object."""
-
-    def __init__(self, discrete: DiscreteSpace, limits: Limits) -> None:
-        super().__init__(discrete, limits)
-        self._unique: dict[Zone, Zone] = {}
+    """For an exploration that looks for deadlocks among zones widened by ExtraLU+."""
 
     def guard(self, source: Place, move: Move) -> tuple[Constraint, ...]:
         """What the zones of a place must satisfy for a move: the invariant, too."""

@@ -110,7 +110,8 @@ class Place:
 class SymbolicSpace:
     """One analysis of a network: discrete states with zones that are widened by the limits given.
 
-    ``delays``: whether zones are let grow by time as they are entered (reachability) or left to the user (liveness).
+    ``delays``: whether zones are let grow by time as they are entered (reachability: equal zones are then one object)
+    or left to the user (liveness).
     """
 
     def __init__(
@@ -123,6 +124,7 @@ class SymbolicSpace:
         self._located: dict[tuple[int, ...], Shape] = {}
         self._shapes: dict[tuple[tuple[int, Limit], ...], Shape] = {}
         self._invariants: dict[object, tuple[Constraint, ...]] = {}
+        self._unique: dict[Zone, Zone] | None = {} if delays else None
 
     def __len__(self) -> int:
         return len(self._places)
@@ -222,5 +224,7 @@ class SymbolicSpace:
         key = (n, guard, sources, delays, target.invariant, id(limits))
         plan = self._plans.get(key)
         if plan is None:
-            plan = self._plans[key] = Plan(n, guard, sources, delays, target.invariant, limits)
+            plan = self._plans[key] = Plan(
+                n, guard, sources, delays, target.invariant, limits, self._unique
+            )
         return plan
