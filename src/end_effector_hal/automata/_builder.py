@@ -21,6 +21,13 @@ class Builder(Transformer[Token, Any]):
         super().__init__()
         self._text = text
 
+    def _name(self, meta: Any, token: Any) -> str:
+        """A name that is declared; ``deadlock`` would mean something else in every query."""
+        if token == "deadlock":
+            what = "'deadlock' is reserved: queries ask for it."
+            raise fault(self._span(meta), what, "Choose another name.")
+        return str(token)
+
     def _span(self, meta: Any) -> Span:
         if meta.empty:
             return self._text.whole
@@ -67,7 +74,7 @@ class Builder(Transformer[Token, Any]):
 
     def quantified(self, meta: Any, children: list[Any]) -> ast.Quantified:
         kind, variable, type_, body = children
-        return ast.Quantified(self._span(meta), str(kind), str(variable), type_, body)
+        return ast.Quantified(self._span(meta), str(kind), self._name(meta, variable), type_, body)
 
     def assignment(self, meta: Any, children: list[Any]) -> ast.Assignment:
         target, op, value = children
@@ -100,7 +107,7 @@ class Builder(Transformer[Token, Any]):
 
     def declarator(self, meta: Any, children: list[Any]) -> ast.Declarator:
         name, *dimensions, _, initialiser = children
-        return ast.Declarator(self._span(meta), str(name), tuple(dimensions), initialiser)
+        return ast.Declarator(self._span(meta), self._name(meta, name), tuple(dimensions), initialiser)
 
     def variables(self, meta: Any, children: list[Any]) -> ast.Variables:
         return ast.Variables(self._span(meta), children[0], tuple(children[1:]))
@@ -112,12 +119,15 @@ class Builder(Transformer[Token, Any]):
         type_, reference, name, *dimensions = children
         span = self._span(meta)
         return ast.Parameter(
-            span, type_, reference is not None, ast.Declarator(span, str(name), tuple(dimensions))
+            span,
+            type_,
+            reference is not None,
+            ast.Declarator(span, self._name(meta, name), tuple(dimensions)),
         )
 
     def function(self, meta: Any, children: list[Any]) -> ast.FunctionDefinition:
         result, name, parameters, body = children
-        return ast.FunctionDefinition(self._span(meta), result, str(name), parameters, body)
+        return ast.FunctionDefinition(self._span(meta), result, self._name(meta, name), parameters, body)
 
     def instantiation(self, meta: Any, children: list[Any]) -> ast.Instantiation:
         name, parameters, _, template, arguments = children
@@ -131,7 +141,7 @@ class Builder(Transformer[Token, Any]):
         return ast.System(self._span(meta), items, tuple(c for c in children if isinstance(c, ast.Name)))
 
     def select(self, meta: Any, children: list[Any]) -> ast.Select:
-        return ast.Select(self._span(meta), str(children[0]), children[1])
+        return ast.Select(self._span(meta), self._name(meta, children[0]), children[1])
 
     def synchronisation(self, meta: Any, children: list[Any]) -> ast.Synchronisation:
         channel, direction = children

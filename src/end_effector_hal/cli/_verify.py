@@ -60,9 +60,8 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
     if proof.bounds:
         click.echo("\nworst cases, computed and required:")
     for name, worst in proof.bounds.items():
-        computed = "never" if worst.computed_ms is None else f"{worst.computed_ms / 1000:g} s"
         click.echo(
-            f"  {name.removesuffix('_s').replace('_', '-'):16} {computed:>9}  {worst.declared_ms / 1000:g} s"
+            f"  {name.removesuffix('_s').replace('_', '-'):16} {worst!s:>9}  {worst.declared_ms / 1000:g} s"
         )
     for note in proof.notes:
         click.echo(f"note: {note}")

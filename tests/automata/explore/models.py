@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from xml.sax.saxutils import escape
 
@@ -51,10 +52,25 @@ class Template:
         return f'<transition><source ref="{source}"/><target ref="{target}"/>{labels}</transition>'
 
 
-def network(declarations: str, *templates: Template, system: str = "") -> Network:
+def document(
+    declarations: str, *templates: Template, system: str = "", queries: Sequence[tuple[str, str]] = ()
+) -> bytes:
+    """A file; ``queries`` with their comments."""
     system = system or "system " + ", ".join(template.name for template in templates) + ";"
     body = "".join(template.xml() for template in templates)
-    text = (
-        f"<nta><declaration>{escape(declarations)}</declaration>{body}<system>{escape(system)}</system></nta>"
+    asked = "".join(
+        f"<query><formula>{escape(formula)}</formula><comment>{escape(comment)}</comment></query>"
+        for formula, comment in queries
     )
-    return make_network(read_document(text.encode(), "model.xml"))
+    declared = f"<declaration>{escape(declarations)}</declaration>"
+    system = f"<system>{escape(system)}</system>"
+    return f"<nta>{declared}{body}{system}<queries>{asked}</queries></nta>".encode()
+
+
+def network(
+    declarations: str, *templates: Template, system: str = "", queries: Sequence[tuple[str, str]] = ()
+) -> Network:
+    """The network of such a file."""
+    return make_network(
+        read_document(document(declarations, *templates, system=system, queries=queries), "model.xml")
+    )

@@ -141,3 +141,41 @@ def test_many_queries_at_once_are_answered_as_one_by_one(model: Network) -> None
         alone = Explorer(model).check(query)
         assert (verdict.query, verdict.holds, verdict.extremes) == (alone.query, alone.holds, alone.extremes)
         assert (verdict.trace is None) == (alone.trace is None)
+
+
+def test_names_that_are_words_of_queries_elsewhere() -> None:
+    cell = Template(
+        "P", ["a -> b; guard: x >= 1; do: supply = 1, sup = 1, U = 1, E[1] = 1, bounds = 1, under = 1"]
+    )
+    named = network(
+        "clock x; int[0,1] supply, info, sup, inf, U, W, E[2], A[2], control, bounds, under, strategy, simulate;",
+        cell,
+    )
+    explorer = Explorer(named)
+    for query in (
+        "supply == 1 --> P.b",
+        "info == 1 --> P.b",
+        "sup == 1 --> P.b",
+        "sup --> P.b",
+        "inf == 1 --> P.b",
+        "E[1] == 1 --> P.b",
+        "A[1] == 1 --> U == W",
+        "bounds --> P.b",
+        "control --> P.b",
+        "simulate --> strategy",
+        "P.b --> under == 1",
+        "A[] U == 1 || W == 0",
+        "A[] control == 0",
+        "E<> sup == 1 && supply == 1",
+        "inf{sup == 1}: x",
+        "sup: sup, U",
+    ):
+        assert explorer.check(query).holds, query
+    assert not explorer.check("A[] U == 0").holds
+
+
+@pytest.mark.parametrize("word", ["sum", "deadlock", "forall", "imply"])
+def test_names_that_are_words_of_every_query_are_refused_where_they_are_declared(word: str) -> None:
+    with pytest.raises(ModelError, match=f"'{word}'") as error:
+        network(f"int[0,1] {word};", Template("P", ["a -> b"]))
+    assert error.value.where == "model.xml:1:28"

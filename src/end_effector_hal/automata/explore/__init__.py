@@ -1,5 +1,6 @@
 """Exploration of networks of timed automata by zones: queries, worst cases, and what every model must satisfy."""
 
+from end_effector_hal.automata.explore._bounded import relaxed
 from end_effector_hal.automata.explore._coverage import Coverage
 from end_effector_hal.automata.explore._explorer import Explorer, RunTimeError, check, explore_all, worst_case
 from end_effector_hal.automata.explore._happened import Missing
@@ -23,5 +24,6 @@ __all__ = [
     "explore_all",
     "overview",
     "parse_query",
+    "relaxed",
     "worst_case",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._network import Network
 from end_effector_hal.automata.explore._bound import INFINITY, at_most, below
@@ -28,12 +30,11 @@ class Bounded:
         clock: its number.
         most: the bound, a constant.
         premise: where the bound must hold.
-        supremum: the query for the exact value.
         limits: that the zones must keep.
     """
 
-    def __init__(self, premise: Formula, clock: int, most: int, *, strict: bool, supremum: Query) -> None:
-        self.clock, self.most, self.supremum = clock, most, supremum
+    def __init__(self, premise: Formula, clock: int, most: int, *, strict: bool) -> None:
+        self.clock, self.most = clock, most
         self.limits = {clock: Limit(max(most, 0), NEVER)}
         merged(self.limits, limits_of(premise))
         self.premise = premise
@@ -71,6 +72,11 @@ class Bounded:
             return Extreme(None, attained=True)
         return Extreme(self._largest >> 1, bool(self._largest & 1)) if self.holds else None
 
+    @property
+    def at_least(self) -> int:
+        """What the clock exceeds, or reaches: up to the bound it is known exactly. -1: the premise held nowhere."""
+        return min(self._largest >> 1, self.most) if self.met else -1
+
 
 def bounded(network: Network, query: Query) -> Bounded | None:
     """A query as a bounded response; None if it is something else.
@@ -91,9 +97,17 @@ def bounded(network: Network, query: Query) -> Bounded | None:
             if clock is None or mentions_deadlock(formula):
                 return None
             most = compile_integer(network, right)(network.initial.values, network.initial.locations)
-            supremum = Query("sup", query.text, premise, targets=(left,))
-            return Bounded(formula, clock, most, strict=op == "<", supremum=supremum)
+            return Bounded(formula, clock, most, strict=op == "<")
     return None
+
+
+def relaxed(query: Query, most: int) -> Query:
+    """A bounded response with another bound."""
+    match query.condition:
+        case ast.Binary(op="imply", right=ast.Binary() as bound):
+            wider = replace(bound, op="<=", right=ast.Number(bound.right.span, most))
+            return replace(query, condition=replace(query.condition, right=wider))
+    raise AssertionError(f"'{query}' is no bounded response")
 
 
 def _is_constant(network: Network, node: ast.Expression) -> bool:

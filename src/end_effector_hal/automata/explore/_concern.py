@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from itertools import compress
 
 from end_effector_hal.automata._network import Network, State
-from end_effector_hal.automata.explore._formula import Formula, possible
+from end_effector_hal.automata.explore._formula import All, Data, Formula, Some
 from end_effector_hal.automata.explore._query_terms import ARGUMENTS
 
 
@@ -15,7 +15,7 @@ class Concern:
 
     def __init__(self, network: Network, conditions: Mapping[int, Formula]) -> None:
         self._numbers = tuple(conditions)
-        parts = [possible(formula) for formula in conditions.values()]
+        parts = [_possible(formula) for formula in conditions.values()]
         self._any = network.unit.expression(ARGUMENTS, " or ".join(parts) or "False")
         self._each = network.unit.expression(ARGUMENTS, f"({' '.join(f'{part},' for part in parts)})")
 
@@ -25,3 +25,13 @@ class Concern:
         if not self._any(values, locations):
             return ()
         return tuple(compress(self._numbers, self._each(values, locations)))
+
+
+def _possible(formula: Formula) -> str:
+    """Code of an expression that is true wherever the formula has cases, whatever the clocks say."""
+    if isinstance(formula, Data):
+        return f"({formula.source})" if formula.wanted else f"(not ({formula.source}))"
+    if isinstance(formula, All | Some):
+        word = " and " if isinstance(formula, All) else " or "
+        return f"({word.join(map(_possible, formula.parts))})" if formula.parts else str(word == " and ")
+    return "True"

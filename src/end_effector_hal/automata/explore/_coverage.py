@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 from end_effector_hal.automata._document import DrawnEdge
 from end_effector_hal.automata._network import Network, Process
-from end_effector_hal.automata.explore._concrete import Ending, Leg, NoRunError, concrete
+from end_effector_hal.automata.explore._concrete import concrete
 from end_effector_hal.automata.explore._deadlock import Deadlocks
+from end_effector_hal.automata.explore._divergence import taken, zeno_run
 from end_effector_hal.automata.explore._reach import Node, Search
 from end_effector_hal.automata.explore._symbolic import Place
 from end_effector_hal.automata.explore._trace import Trace
-from end_effector_hal.automata.explore._zeno import Taken, zeno_cycle
+from end_effector_hal.automata.explore._zeno import Taken
 from end_effector_hal.automata.explore._zone import Zone
 
 
@@ -74,7 +75,7 @@ class Survey:
                 discrete = node.place.discrete
                 if not discrete.delays or discrete.invariant:
                     timelock = timelock or node
-        arcs = list(self._arcs())
+        arcs = list(taken(iter(self.search.space.places)))
         return Coverage(
             states=self.search.states,
             unreached=tuple(self._unreached()),
@@ -82,15 +83,8 @@ class Survey:
             open_channels=tuple(open_channels(self.network)),
             deadlock=self._stuck(deadlock, "no transition is possible, now or later"),
             timelock=self._stuck(timelock, "no transition is possible, and time cannot go on"),
-            zeno=self._zeno(arcs),
+            zeno=zeno_run(self.search, arcs),
         )
-
-    def _arcs(self) -> Iterator[Taken]:
-        """The transitions that are taken."""
-        for place in self.search.space.places:
-            for plan, target, move in place.steps if place.passed else ():
-                if any(plan(node.zone) is not None for node in place.passed):
-                    yield place, target, move
 
     def _unreached(self) -> Iterator[str]:
         reached: set[tuple[str, int]] = set()
@@ -104,11 +98,11 @@ class Survey:
                     yield f"{process.template}.{location.name}"
 
     def _idle(self, arcs: list[Taken]) -> Iterator[str]:
-        taken = {id(edge.drawn) for label in {move.label for _, _, move in arcs} for edge in label.edges}
+        fired = {id(edge.drawn) for label in {move.label for _, _, move in arcs} for edge in label.edges}
         for process in _one_of_each(self.network):
             told: set[int] = set()
             for edge in process.edges:
-                if id(edge.drawn) not in taken | told:
+                if id(edge.drawn) not in fired | told:
                     told.add(id(edge.drawn))
                     names = [process.locations[at].name for at in (edge.source, edge.target)]
                     yield f"{edge.span.where}: {process.template} {' → '.join(names)}{_labels(edge.drawn)}"
@@ -121,21 +115,6 @@ class Survey:
             return next(iter(self._deadlocks.of(place, zone)), None)
 
         return concrete(self.search.space, node.legs, ending, remark)
-
-    def _zeno(self, arcs: list[Taken]) -> Trace | None:
-        cycle = zeno_cycle(arcs)
-        if cycle is None:
-            return None
-        anywhere: Ending = lambda _, zone: zone  # noqa: E731
-        moves = [Leg(one.move) for one in cycle]
-        remark = "a cycle on which no time needs to pass"
-        for node in cycle[0].source.passed:
-            try:
-                loop = len(node.legs) - 1
-                return concrete(self.search.space, [*node.legs, *moves], anywhere, remark, loop=loop)
-            except NoRunError:  # not from this zone
-                continue
-        return concrete(self.search.space, cycle[0].source.passed[0].legs, anywhere, f"here begins {remark}")
 
 
 def _labels(edge: DrawnEdge) -> str:

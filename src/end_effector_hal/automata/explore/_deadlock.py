@@ -62,8 +62,9 @@ class Deadlocks:
         return self._known[key]
 
     def of(self, place: Place, zone: Zone) -> list[Zone]:
-        """The parts of a zone (inside the invariant) that are deadlocked."""
-        left, n = [zone], place.n
+        """The parts of a zone that are deadlocked, inside the invariant: widened zones may reach beyond it."""
+        inside, n = constrained(zone, place.n, place.invariant), place.n
+        left = [] if inside is None else [inside]
         for way in self.ways(place):
             left = [piece for part in left for piece in subtract(part, way, n)]
             if not left:

@@ -12,10 +12,12 @@ from end_effector_hal.automata._faults import RangeError, refused
 from end_effector_hal.automata._network import Network
 from end_effector_hal.automata._text import Text
 from end_effector_hal.automata.explore._cases import Cases
+from end_effector_hal.automata.explore._collector import without_collector
 from end_effector_hal.automata.explore._concrete import Leg, NoRunError, concrete
 from end_effector_hal.automata.explore._coverage import Coverage, Survey
 from end_effector_hal.automata.explore._delay import Only, Within
 from end_effector_hal.automata.explore._discrete import DiscreteSpace
+from end_effector_hal.automata.explore._divergence import Timelocks, taken, zeno_run
 from end_effector_hal.automata.explore._extremes import Found, extreme_clock, extreme_integer
 from end_effector_hal.automata.explore._formula import (
     All,
@@ -29,12 +31,12 @@ from end_effector_hal.automata.explore._formula import (
 from end_effector_hal.automata.explore._limits import Limit, Limits, merged
 from end_effector_hal.automata.explore._liveness import Lasso, Start, Staying
 from end_effector_hal.automata.explore._query import Query, parse_query
-from end_effector_hal.automata.explore._reach import Node, OutOfRangeError, Search
+from end_effector_hal.automata.explore._reach import OutOfRangeError, Search, Told
+from end_effector_hal.automata.explore._reachability import Reachability, answer
+from end_effector_hal.automata.explore._sharp import SharpSpace
 from end_effector_hal.automata.explore._symbolic import SymbolicSpace
 from end_effector_hal.automata.explore._trace import Trace
 from end_effector_hal.automata.explore._verdict import Verdict
-
-_MOST_DOUBTS = 20  # deadlocks that turn out not to be: then a finer search is cheaper
 
 
 class RunTimeError(RangeError):
@@ -46,10 +48,15 @@ class RunTimeError(RangeError):
 
 
 class Explorer:
-    """Checks any number of queries about one network; what does not depend on the query is computed once."""
+    """Checks any number of queries about one network; what does not depend on the query is computed once.
 
-    def __init__(self, network: Network) -> None:
-        self.network = network
+    Args:
+        network: a loaded network.
+        told: called with the number of states of the search at hand now and then.
+    """
+
+    def __init__(self, network: Network, told: Told | None = None) -> None:
+        self.network, self._told = network, told
         self.discrete = DiscreteSpace(network)
 
     def check(self, query: Query | StoredQuery | Text | str) -> Verdict:
@@ -60,11 +67,12 @@ class Explorer:
             RunTimeError: a value leaves its range in a run.
         """
         query = _read(query)
-        if query.kind in ("sup", "inf"):
-            return self._extremes(query)
-        if query.kind in ("A[]", "E<>"):
-            return self._reachability(query)
-        return self._liveness(query)
+        with without_collector():
+            if query.kind in ("sup", "inf"):
+                return self._extremes(query)
+            if query.kind in ("A[]", "E<>"):
+                return self._reachability(query)
+            return self._liveness(query)
 
     def explore_all(self) -> Coverage:
         """What every model must satisfy, whatever its queries.
@@ -73,8 +81,40 @@ class Explorer:
             RunTimeError: a value leaves its range in a run.
         """
         space = SymbolicSpace(self.discrete, Limits(self.network, symmetric=True))
-        with self._errors(space):
-            return Survey(Search(space)).run()
+        with self._errors(space), without_collector():
+            return Survey(Search(space, self._told)).run()
+
+    def timelock(self) -> Verdict:
+        """Whether time can go on wherever nothing else can happen; if not, the shortest run to where it cannot.
+
+        Raises:
+            RunTimeError: a value leaves its range in a run.
+        """
+        states = 0
+        for trusted in (False, True):
+            limits = Limits(self.network, symmetric=trusted)
+            space = (SymbolicSpace if trusted else SharpSpace)(self.discrete, limits)
+            search = Search(space, self._told)
+            locks = Timelocks(search, trusted=trusted)
+            with self._errors(space), without_collector():
+                trace = locks.run(search.nodes())
+            states += search.states
+            if trace is not None or not locks.doubts:
+                break
+        return Verdict("", trace is None, states, trace)
+
+    def zeno(self) -> Verdict:
+        """Whether time diverges in every endless run; if not, a run to, and round, a cycle on which it need not pass.
+
+        Raises:
+            RunTimeError: a value leaves its range in a run.
+        """
+        search = Search(SymbolicSpace(self.discrete, Limits(self.network)), self._told)
+        with self._errors(search.space), without_collector():
+            for _ in search.nodes():
+                pass
+            trace = zeno_run(search, list(taken(iter(search.space.places))))
+        return Verdict("", trace is None, search.states, trace)
 
     def check_all(self, queries: Iterable[Query | StoredQuery | Text | str]) -> list[Verdict]:
         """The answers to several queries, those that can be found in one search together.
@@ -86,31 +126,35 @@ class Explorer:
         read = [_read(query) for query in queries]
         answers: dict[int, Verdict] = {}
         groups: dict[frozenset[int], list[int]] = {}
-        asked: dict[int, _Reachability] = {}
+        asked: dict[int, Reachability] = {}
         for at, query in enumerate(read):
             if query.kind in ("A[]", "E<>"):
-                asked[at] = _Reachability(self.network, query)
+                asked[at] = Reachability(self.network, query)
                 groups.setdefault(frozenset(limits_of(asked[at].wanted)), []).append(at)
             else:
                 answers[at] = self.check(query)
         for members in groups.values():
-            answers.update(zip(members, self._together([asked[at] for at in members]), strict=True))
+            with without_collector():
+                answers.update(zip(members, self._together([asked[at] for at in members]), strict=True))
         return [answers[at] for at in range(len(read))]
 
     # Kinds of queries
 
     def _reachability(self, query: Query) -> Verdict:
-        return self._together([_Reachability(self.network, query)])[0]
+        return self._together([Reachability(self.network, query)])[0]
 
-    def _together(self, asked: list[_Reachability]) -> list[Verdict]:
+    def _together(self, asked: list[Reachability]) -> list[Verdict]:
         """Answers of one search."""
         extra: dict[int, Limit] = {}
         for one in asked:
             merged(extra, limits_of(one.wanted))
         for symmetric in (False, True):
-            search = Search(SymbolicSpace(self.discrete, Limits(self.network, extra, symmetric=symmetric)))
+            open_ = [one for one in asked if one.verdict is None]
+            sharp = not symmetric and any(one.about_deadlock for one in open_)
+            limits = Limits(self.network, extra, symmetric=symmetric)
+            search = Search((SharpSpace if sharp else SymbolicSpace)(self.discrete, limits), self._told)
             with self._errors(search.space):
-                _answer(search, [one for one in asked if one.verdict is None], trusted=symmetric)
+                answer(search, open_, trusted=symmetric)
             if all(one.verdict for one in asked):
                 break
         return [one.verdict for one in asked if one.verdict]
@@ -131,7 +175,7 @@ class Explorer:
             limits = Limits(self.network, extra, symmetric=symmetric)
             space = SymbolicSpace(self.discrete, limits, delays=False)
             search = Staying(space, within, partial(_trusted if symmetric else _possible, space))
-            reach = Search(SymbolicSpace(self.discrete, limits))
+            reach = Search(SymbolicSpace(self.discrete, limits), self._told)
             with self._errors(space):
                 found = (
                     [Start(*space.initial(), ())] if starts is None else _starts(reach, space, Cases(starts))
@@ -189,54 +233,6 @@ def _read(query: Query | StoredQuery | Text | str) -> Query:
     if isinstance(query, StoredQuery):
         query = query.formula
     return query if isinstance(query, Query) else parse_query(query)
-
-
-class _Reachability:
-    """A query of the kind A[] or E<> that waits for its answer."""
-
-    def __init__(self, network: Network, query: Query) -> None:
-        assert query.condition is not None
-        self.query, self.invariance = query, query.kind == "A[]"
-        self.wanted = compile_formula(network, query.condition, negated=self.invariance)
-        self.cases = Cases(self.wanted)
-        self.about_deadlock = mentions_deadlock(self.wanted)
-        self.remark = f"{query.condition.span.snippet}: {'does not hold' if self.invariance else 'holds'}"
-        self.verdict: Verdict | None = None
-        self.doubts = 0
-
-    def decide(self, search: Search, node: Node | None) -> None:
-        """Found, or not found anywhere."""
-        trace = None if node is None else concrete(search.space, node.legs, self.cases.part, self.remark)
-        self.verdict = Verdict(str(self.query), (node is None) == self.invariance, search.states, trace)
-
-
-def _answer(search: Search, asked: list[_Reachability], *, trusted: bool) -> None:
-    """Search until all are answered.
-
-    Zones widened by ExtraLU+ hold valuations that only behave like others as far as transitions go: a deadlock that
-    is found in one counts if the exact zone of the run has it too. What is left in doubt waits for ExtraM+, which
-    tells deadlocked valuations from others (``trusted``).
-    """
-    open_ = list(asked)
-    for node in search.nodes():
-        answered = False
-        for one in open_:
-            if one.doubts < _MOST_DOUBTS and one.cases.part(node.place, node.zone) is not None:
-                try:
-                    one.decide(search, node)
-                    answered = True
-                except NoRunError:
-                    if trusted or not one.about_deadlock:
-                        raise
-                    one.doubts += 1
-        if answered:
-            open_ = [one for one in open_ if one.verdict is None]
-            if not open_:
-                return
-    for one in open_:
-        if trusted or not one.doubts:
-            one.decide(search, None)
-        one.doubts = 0
 
 
 def _starts(reach: Search, space: SymbolicSpace, cases: Cases) -> Iterator[Start]:

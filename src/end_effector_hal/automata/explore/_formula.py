@@ -130,16 +130,6 @@ def limits_of(formula: Formula) -> dict[int, Limit]:
     return limits
 
 
-def possible(formula: Formula) -> str:
-    """Code of an expression that is true wherever the formula has cases, whatever the clocks say."""
-    if isinstance(formula, Data):
-        return f"({formula.source})" if formula.wanted else f"(not ({formula.source}))"
-    if isinstance(formula, All | Some):
-        word = " and " if isinstance(formula, All) else " or "
-        return f"({word.join(map(possible, formula.parts))})" if formula.parts else str(word == " and ")
-    return "True"
-
-
 def mentions_deadlock(formula: Formula) -> bool:
     """Whether the word occurs."""
     if isinstance(formula, All | Some):

@@ -6,37 +6,39 @@ hold is to be asked of :class:`Explorer`, which finds the shortest run.
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._network import Network
 from end_effector_hal.automata.explore._bounded import Bounded, bounded
 from end_effector_hal.automata.explore._cases import Cases
+from end_effector_hal.automata.explore._collector import without_collector
 from end_effector_hal.automata.explore._concern import Concern
 from end_effector_hal.automata.explore._coverage import open_channels
 from end_effector_hal.automata.explore._deadlock import Deadlocks
 from end_effector_hal.automata.explore._discrete import DiscreteSpace
-from end_effector_hal.automata.explore._formula import Data, Formula, compile_formula, limits_of
+from end_effector_hal.automata.explore._divergence import taken
+from end_effector_hal.automata.explore._formula import (
+    Data,
+    Formula,
+    compile_formula,
+    limits_of,
+    mentions_deadlock,
+)
 from end_effector_hal.automata.explore._goes_on import GoesOn
 from end_effector_hal.automata.explore._happened import Missing, missing
 from end_effector_hal.automata.explore._limits import Limit
 from end_effector_hal.automata.explore._located import Asked, LocatedLimits, location_of, tested_clocks
 from end_effector_hal.automata.explore._query import Query
-from end_effector_hal.automata.explore._reach import Node
+from end_effector_hal.automata.explore._reach import Node, Told
 from end_effector_hal.automata.explore._response import Response
 from end_effector_hal.automata.explore._sharp import SharpSpace
 from end_effector_hal.automata.explore._sliced import SlicedSemantics
 from end_effector_hal.automata.explore._symbolic import Place
 from end_effector_hal.automata.explore._watch import Watch
 from end_effector_hal.automata.explore._widest_first import WidestFirst
-from end_effector_hal.automata.explore._zeno import Taken, zeno_cycle
-from end_effector_hal.automata.explore._zone import constrained
-
-Told = Callable[[int], None]
-_EVERY = 1000  # states between two words on progress
+from end_effector_hal.automata.explore._zeno import zeno_cycle
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +55,7 @@ class Overview:
         stuck: whether there may be a state without any transition, now or later.
         stopped: whether there may be one in which time cannot go on either.
         zeno: whether there may be a cycle on which no time needs to pass.
+        ended: whether the exploration ended before its time.
     """
 
     states: int
@@ -64,10 +67,16 @@ class Overview:
     stuck: bool
     stopped: bool
     zeno: bool
+    ended: bool
 
 
 def overview(
-    network: Network, queries: Sequence[Query], told: Told | None = None, *, stop: bool = False
+    network: Network,
+    queries: Sequence[Query],
+    told: Told | None = None,
+    *,
+    stop: bool = False,
+    most_states: int | None = None,
 ) -> Overview:
     """Explore a network once.
 
@@ -76,27 +85,29 @@ def overview(
         queries: any; those of other kinds than ``A[]``, ``E<>`` and ``-->`` are left open.
         told: called with the number of states now and then.
         stop: at the first ``A[]`` that may not hold; the rest then says nothing.
+        most_states: end after so many; then only what was seen is said.
 
     Raises:
         ModelError: a query is not well-formed.
         OutOfRangeError: a value leaves its range in a run; without the run.
     """
-    with _without_collector():
-        exploration = _Exploration(network, queries)
-        exploration.run(told or (lambda _: None), stop=stop)
+    with without_collector():
+        exploration = _Exploration(network, queries, told)
+        exploration.run(stop=stop, most_states=most_states)
         found = exploration.result()
         exploration.close()
         return found
 
 
 class _Exploration:
-    def __init__(self, network: Network, queries: Sequence[Query]) -> None:
+    def __init__(self, network: Network, queries: Sequence[Query], told: Told | None = None) -> None:
         self.network, self.queries = network, queries
         self._watch: Watch[tuple[int, bool]] = Watch(network)  # number of the query; False: only its premise
         self._cases: dict[int, Cases] = {}
         self._bounded: dict[int, Bounded] = {}
         self._responses: dict[int, Response] = {}
-        self._about_deadlock: set[int] = set()
+        self._no_deadlock: set[int] = set()  # ask for nothing else
+        self._about_deadlock: set[int] = set()  # ask for deadlocks among other things
         self._happened: set[tuple[int, bool]] = set()
         self._clocked: dict[Place, tuple[int, ...]] = {}
         self._premises: dict[int, Formula] = {}
@@ -108,7 +119,7 @@ class _Exploration:
         discrete = DiscreteSpace(network, SlicedSemantics(network, [str(query) for query in queries]))
         self.space = SharpSpace(discrete, LocatedLimits(network, self._asked))
         asked_for = {clock for asked in self._asked for clock in asked.limits}
-        self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)))
+        self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)), told)
 
     def _ask(self, number: int, query: Query) -> Mapping[int, Limit]:
         """Prepare for a query; the limits of clocks that it needs."""
@@ -119,7 +130,7 @@ class _Exploration:
         if query.kind not in ("A[]", "E<>") or query.condition is None:
             return {}
         if _is_no_deadlock(query):
-            self._about_deadlock.add(number)
+            self._no_deadlock.add(number)
             return {}
         if (bound := bounded(self.network, query)) is not None:
             self._bounded[number] = bound
@@ -130,13 +141,15 @@ class _Exploration:
         if not isinstance(wanted, Data):
             self._cases[number] = Cases(wanted)
             self._premises[number] = wanted
+            if mentions_deadlock(wanted):
+                self._about_deadlock.add(number)
             return limits_of(wanted)
         self._watch.add((number, True), query.condition, wanted=not invariance)
         if invariance and isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
             self._watch.add((number, False), query.condition.left)
         return {}
 
-    def run(self, told: Told, *, stop: bool) -> None:
+    def run(self, *, stop: bool, most_states: int | None = None) -> None:
         """Explore."""
         clocked, concern = self._clocked, Concern(self.network, self._premises)
         for count, node in enumerate(self.search.nodes(), start=1):
@@ -151,9 +164,7 @@ class _Exploration:
                 self._see(number, node)
             if place in self._doubtful and not self._stopped:
                 self._doubt(node)
-            if not count % _EVERY:
-                told(count)
-            if stop and self._refuted:
+            if (stop and self._refuted) or count == most_states:
                 self._ended = True
                 return
 
@@ -163,7 +174,7 @@ class _Exploration:
             number for number, whole in self._happened if whole and self.queries[number].kind == "A[]"
         )
         late = any(not bound.holds for bound in self._bounded.values())
-        return late or (self._stuck and bool(self._about_deadlock)) or any(True for _ in invariants)
+        return late or (self._stuck and bool(self._no_deadlock)) or any(True for _ in invariants)
 
     def _see(self, number: int, node: Node) -> None:
         if number in self._bounded:
@@ -176,27 +187,27 @@ class _Exploration:
     def _doubt(self, node: Node) -> None:
         """Look whether a state is stuck. Zones are too large here, never too small."""
         place, discrete = node.place, node.place.discrete
-        inside = constrained(node.zone, place.n, place.invariant)
-        if inside is not None and self._deadlocks.of(place, inside):
+        if self._deadlocks.of(place, node.zone):
             self._stuck = True
             self._stopped = not discrete.delays or bool(discrete.invariant)
 
     def result(self) -> Overview:
         """What was found."""
-        arcs = [] if self._ended else self._taken()
+        arcs = [] if self._ended else list(taken(iter(self.space.places)))
         labels = {move.label for _, _, move in arcs}
-        taken = {id(edge.drawn) for label in labels for edge in label.edges}
+        fired = {id(edge.drawn) for label in labels for edge in label.edges}
         visited = (place.discrete.state.locations for place in self.space.places if place.passed)
         return Overview(
             states=self.search.states,
             answers=tuple(map(self._answer, range(len(self.queries)))),
             unmet=frozenset(self._unmet()),
             bounded=self._bounded,
-            missing=missing(self.network, visited, taken),
+            missing=missing(self.network, visited, fired),
             open_channels=tuple(open_channels(self.network)),
             stuck=self._stuck,
             stopped=self._stopped,
             zeno=zeno_cycle(arcs) is not None,
+            ended=self._ended,
         )
 
     def close(self) -> None:
@@ -206,29 +217,20 @@ class _Exploration:
         self.space.forget()
         self.space.discrete.forget()
 
-    def _taken(self) -> list[Taken]:
-        """All transitions that are taken."""
-        found = []
-        for place in self.space.places:
-            zones = [node.zone for node in place.passed]
-            for plan, target, move in place.steps if zones else ():
-                for zone in zones:
-                    if plan(zone) is not None:
-                        found.append((place, target, move))
-                        break
-        return found
-
     def _answer(self, number: int) -> bool | None:
-        if number in self._about_deadlock:
+        if number in self._no_deadlock:
             return None if self._stuck else True
         if number in self._bounded:
             return self._bounded[number].holds or None
         if number in self._responses:
             limits = LocatedLimits(self.network, self._asked, symmetric=True)
             return self._responses[number].holds(self.space.discrete, limits) or None
-        if self.queries[number].kind == "A[]":
-            return None if (number, True) in self._happened else True
-        return (number, True) in self._happened if self.queries[number].kind == "E<>" else None
+        if self.queries[number].kind not in ("A[]", "E<>"):
+            return None
+        shows, happened = self.queries[number].kind == "E<>", (number, True) in self._happened
+        if happened and (not shows or number in self._about_deadlock):
+            return None  # of a deadlock the zones may say too much
+        return happened or not shows
 
     def _unmet(self) -> Iterator[int]:
         yield from (number for number, whole in self._watch.open if not whole)
@@ -251,15 +253,3 @@ def _is_no_deadlock(query: Query) -> bool:
         case Query(kind="A[]", condition=ast.Unary(op="!", operand=ast.Name(name="deadlock"))):
             return True
     return False
-
-
-@contextmanager
-def _without_collector() -> Iterator[None]:
-    """Nothing that is kept can be collected, and looking for it takes a third of the time."""
-    collected = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collected:
-            gc.enable()

@@ -10,11 +10,12 @@ from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._faults import fault, refused
 from end_effector_hal.automata._parser import parse_expression
 from end_effector_hal.automata._text import Span, Text
+from end_effector_hal.errors import ModelError
 
 Kind = Literal["A[]", "E<>", "A<>", "E[]", "-->", "sup", "inf"]
 
 _PATH = re.compile(r"\s*(A\s*\[\s*\]|E\s*<\s*>|A\s*<\s*>|E\s*\[\s*\])")
-_EXTREME = re.compile(r"\s*(sup|inf)\s*(\{)?")
+_EXTREME = re.compile(r"\s*(sup|inf)\b\s*([{:])?")
 _REFUSED = {
     r"(Pr|E)\s*\[|simulate\b|\bE\s*\[.*;": "a query of statistical model checking",
     r"(strategy|minE|maxE|saveStrategy|loadStrategy|acontrol)\b|.*\bunder\b": "a query about strategies",
@@ -56,13 +57,21 @@ def parse_query(text: Text | str) -> Query:
     if isinstance(text, str):
         text = Text.plain(text, "query")
     content = text.content
-    if extreme := _EXTREME.match(content):
+    if (extreme := _EXTREME.match(content)) and (extreme[2] or _top_level(content, "-->") < 0):
         return _extreme(text, extreme)
-    path = _PATH.match(content)
+    try:
+        return _plain(text)
+    except ModelError:
+        _refuse(
+            text
+        )  # the words that this looks for may be names, too: only where it cannot be read otherwise
+        raise
+
+
+def _plain(text: Text) -> Query:
+    content = text.content
+    path, arrow = _PATH.match(content), _top_level(content, "-->")
     rest = path.end() if path else 0
-    if not path or re.match(r"\s*control\b", content[rest:]):
-        _refuse(text)
-    arrow = _top_level(content, "-->")
     if path:
         if arrow >= 0:
             raise refused(
@@ -94,8 +103,9 @@ def _top_level(content: str, token: str, start: int = 0, closing: str = "") -> i
 
 
 def _extreme(text: Text, found: re.Match[str]) -> Query:
-    content, condition, start = text.content, None, found.end()
-    if found[2]:
+    content, condition = text.content, None
+    start = found.start(2) if found[2] == ":" else found.end()
+    if found[2] == "{":
         end = _top_level(content, "}", start)
         if end < 0:
             raise fault(Span(text, start - 1, start), "This brace is not closed.", "Expected '}'.")

@@ -12,7 +12,8 @@ from end_effector_hal.automata.explore._discrete import Move
 from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
 from end_effector_hal.automata.explore._zone import Zone
 
-
+Told = Callable[[int], None]
+_EVERY = 1000  # states between two words on progress
 _UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
 
 
@@ -52,10 +53,11 @@ class Search:
 
     Args:
         space: whose equal zones are one object: what was found out about two of them is kept.
+        told: called with the number of states now and then.
     """
 
-    def __init__(self, space: SymbolicSpace) -> None:
-        self.space = space
+    def __init__(self, space: SymbolicSpace, told: Told | None = None) -> None:
+        self.space, self._told = space, told
         self.states = 0
         self._waiting: deque[Node] = deque()
         self._inside: dict[Zone, dict[Zone, bool]] = {}
@@ -112,6 +114,8 @@ class Search:
         else:
             place.passed = [node]
         self.states += 1
+        if self._told is not None and not self.states % _EVERY:
+            self._told(self.states)
         self._put(node)
         return node
 

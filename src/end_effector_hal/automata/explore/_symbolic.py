@@ -224,7 +224,5 @@ class SymbolicSpace:
         key = (n, guard, sources, delays, target.invariant, id(limits))
         plan = self._plans.get(key)
         if plan is None:
-            plan = self._plans[key] = Plan(
-                n, guard, sources, delays, target.invariant, limits, self._unique
-            )
+            plan = self._plans[key] = Plan(n, guard, sources, delays, target.invariant, limits, self._unique)
         return plan

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from heapq import heappop, heappush
 
 from end_effector_hal.automata.explore._discrete import Move
-from end_effector_hal.automata.explore._reach import Node, Search
+from end_effector_hal.automata.explore._reach import Node, Search, Told
 from end_effector_hal.automata.explore._symbolic import Place, Shape, SymbolicSpace
 from end_effector_hal.automata.explore._zone import Zone
 
@@ -17,10 +17,11 @@ class WidestFirst(Search):
     Args:
         space: as for :class:`Search`.
         clocks: states in which one of these can be largest are expanded first.
+        told: called with the number of states now and then.
     """
 
-    def __init__(self, space: SymbolicSpace, clocks: Sequence[int]) -> None:
-        super().__init__(space)
+    def __init__(self, space: SymbolicSpace, clocks: Sequence[int], told: Told | None = None) -> None:
+        super().__init__(space, told)
         self._clocks = tuple(clocks)
         self._heap: list[tuple[int, int, Node]] = []
         self._uppers: dict[Shape, list[int]] = {}

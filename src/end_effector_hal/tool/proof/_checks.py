@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 from end_effector_hal.automata import Network, make_network
-from end_effector_hal.automata.explore import Coverage, Explorer, Missing, Overview, Trace, overview
+from end_effector_hal.automata.explore import Explorer, Missing, Overview, Trace, overview
 
 from ._finding import Finding
 
@@ -29,9 +28,7 @@ class Check:
         return Finding(self.id, self.sentence, "", not self.remark, states, seconds, self.remark, self.trace)
 
 
-def checks(
-    network: Network, explorer: Explorer, found: Overview, looking_closer: Callable[[], None]
-) -> tuple[Check, ...]:
+def checks(network: Network, explorer: Explorer, found: Overview) -> tuple[Check, ...]:
     """Of one network, after the exploration ``found``.
 
     Raises:
@@ -42,7 +39,7 @@ def checks(
         Check("locations", "Every location can be reached.", _listed(missing.locations)),
         Check("edges", "Every edge can fire.", _listed(missing.edges)),
         Check("channels", "Every channel has both ends.", _listed(found.open_channels)),
-        _time(explorer, found, looking_closer),
+        _time(explorer, found),
     )
 
 
@@ -65,16 +62,15 @@ def _listed(faults: tuple[str, ...]) -> str:
     return "; ".join(faults)
 
 
-def _time(explorer: Explorer, found: Overview, looking_closer: Callable[[], None]) -> Check:
+def _time(explorer: Explorer, found: Overview) -> Check:
     id_, sentence = "time", "Time can always pass: no timelock, and no endless run in finite time."
     if not (found.stopped or found.zeno):
         return Check(id_, sentence)
-    looking_closer()
-    begun = perf_counter()
-    coverage: Coverage = explorer.explore_all()
-    remark, trace = "", None
-    if coverage.timelock is not None:
-        remark, trace = coverage.timelock.remark, coverage.timelock
-    elif coverage.zeno is not None:
-        remark, trace = coverage.zeno.remark, coverage.zeno
-    return Check(id_, sentence, remark, trace, coverage.states, perf_counter() - begun)
+    begun, verdict = perf_counter(), None
+    if found.stopped:
+        verdict = explorer.timelock()
+    if (verdict is None or verdict.holds) and found.zeno:
+        verdict = explorer.zeno()
+    assert verdict is not None
+    remark = "" if verdict.trace is None else verdict.trace.remark
+    return Check(id_, sentence, remark, verdict.trace, verdict.states, perf_counter() - begun)

@@ -12,12 +12,24 @@ class WorstCase:
     """The longest time that a bounded response takes.
 
     Attributes:
-        computed_ms: the supremum; None: there is none, or it never starts.
+        computed_ms: the supremum; None: not known, or it never starts.
         declared_ms: the bound that is required.
+        at_least_ms: where the search for the supremum ended; None: it did not end before its time.
     """
 
     computed_ms: int | None
     declared_ms: int
+    at_least_ms: int | None = None
+
+    def __str__(self) -> str:
+        if self.at_least_ms is not None:
+            return f"at least {self.at_least_ms / 1000:g} s"
+        return "never" if self.computed_ms is None else f"{self.computed_ms / 1000:g} s"
+
+    def document(self) -> dict[str, float | None]:
+        """In seconds; ``at_least`` only where the value itself is not known."""
+        found = {"computed": _seconds(self.computed_ms), "declared": _seconds(self.declared_ms)}
+        return found if self.at_least_ms is None else {**found, "at_least": _seconds(self.at_least_ms)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,10 +99,7 @@ class Proof:
                 }
                 for finding in self.findings
             ],
-            "bounds": {
-                name: {"computed": _seconds(worst.computed_ms), "declared": _seconds(worst.declared_ms)}
-                for name, worst in self.bounds.items()
-            },
+            "bounds": {name: worst.document() for name, worst in self.bounds.items()},
         }
 
 

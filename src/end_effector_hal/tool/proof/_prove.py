@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from time import perf_counter
 
 from end_effector_hal.automata import Network, RangeError
-from end_effector_hal.automata.explore import Explorer, Overview, RunTimeError, Verdict, overview
+from end_effector_hal.automata.explore import Explorer, Overview, RunTimeError, Verdict, overview, relaxed
 
 from ._checks import checks, without_unused
 from ._finding import Finding, Proof, WorstCase
 from ._requirement import Requirement, requirements_of
 
 Progress = Callable[[str, int], None]
+_FAR = 4  # times the required bound: a worst case beyond is told as "at least"
+_LONG = 10  # times the states of the whole proof that may be spent on worst cases
 
 
 def prove(network: Network, progress: Progress | None = None) -> Proof:
@@ -41,9 +44,9 @@ class _Proving:
             return self._out_of_range()
         seconds = perf_counter() - self.begun
         found = without_unused(self.network, found)
-        explorer = Explorer(self.network)
+        explorer = Explorer(self.network, lambda states: self.progress("the shortest runs", states))
         others = self._others(explorer, found)
-        extra = checks(self.network, explorer, found, lambda: self.progress("what may be wrong", 0))
+        extra = checks(self.network, explorer, found)
         answered = sum(answer is not None for answer in found.answers)
         share = seconds / max(1, answered + sum(not check.seconds for check in extra))
         findings = [
@@ -79,28 +82,41 @@ class _Proving:
             verdicts = explorer.check_all([self.requirements[number].query for number in together])
             share = (perf_counter() - begun) / len(together)
             for number, verdict in zip(together, verdicts, strict=True):
-                findings[number] = self._exact(explorer, number, verdict, share, found)
+                findings[number] = self._exact(number, verdict, share)
+        late = [number for number in together if number in found.bounded and not findings[number].holds]
+        for number, worst in self._worst_cases(late, found).items():
+            findings[number] = replace(findings[number], worst=worst, remark=_told(worst))
         for number in open_:
             if number not in findings:
                 requirement, begun = self.requirements[number], perf_counter()
                 self.progress(requirement.id, 0)
                 verdict = explorer.check(requirement.query)
-                findings[number] = self._exact(explorer, number, verdict, perf_counter() - begun, found)
+                findings[number] = self._exact(number, verdict, perf_counter() - begun)
         return findings
 
-    def _exact(
-        self, explorer: Explorer, number: int, verdict: Verdict, seconds: float, found: Overview
-    ) -> Finding:
-        requirement, worst, remark = self.requirements[number], None, ""
-        if response := found.bounded.get(number):
-            begun = perf_counter()
-            self.progress(f"the worst case of {requirement.id}", 0)
-            longest = explorer.check(response.supremum).extremes[0]
-            seconds += perf_counter() - begun
-            worst = WorstCase(longest.value, response.most)
-            remark = f"takes up to {longest} ms, {response.most} ms are required"
-        elif verdict.extremes:
-            remark = ", ".join(map(str, verdict.extremes))
+    def _worst_cases(self, late: list[int], found: Overview) -> dict[int, WorstCase]:
+        """How late what does not keep its bound can be: in one exploration more, which does not go on for ever."""
+        if not late:
+            return {}
+        most = {number: _FAR * max(1, found.bounded[number].most) for number in late}
+        wider = overview(
+            self.network,
+            [relaxed(self.requirements[number].query, most[number]) for number in late],
+            lambda states: self.progress("worst cases", states),
+            most_states=_LONG * max(found.states, 1000),
+        )
+        answers = {}
+        for at, number in enumerate(late):
+            declared, seen = found.bounded[number].most, wider.bounded[at]
+            if wider.ended or seen.longest is None:
+                answers[number] = WorstCase(None, declared, max(seen.at_least, declared))
+            else:
+                answers[number] = WorstCase(seen.longest.value, declared)
+        return answers
+
+    def _exact(self, number: int, verdict: Verdict, seconds: float) -> Finding:
+        requirement = self.requirements[number]
+        remark = ", ".join(map(str, verdict.extremes))
         return Finding(
             requirement.id,
             requirement.sentence,
@@ -110,7 +126,6 @@ class _Proving:
             seconds,
             remark,
             None if verdict.holds else verdict.trace,
-            worst,
         )
 
     def _out_of_range(self) -> Proof:
@@ -118,7 +133,7 @@ class _Proving:
         self.progress("the shortest run", 0)
         sentence = "Every value stays in its range, every index in its array."
         try:
-            Explorer(self.network).check("A[] true")
+            Explorer(self.network, lambda states: self.progress("the shortest run", states)).check("A[] true")
             raise AssertionError("a value leaves its range in no run")
         except RunTimeError as error:
             what, trace = str(error), error.trace
@@ -129,3 +144,9 @@ class _Proving:
             for each in self.requirements
         ]
         return Proof((first, *rest), first.states, seconds)
+
+
+def _told(worst: WorstCase) -> str:
+    if worst.at_least_ms is not None:
+        return f"takes at least {worst.at_least_ms} ms, {worst.declared_ms} ms are required"
+    return f"takes up to {worst.computed_ms} ms, {worst.declared_ms} ms are required"
