@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test test-boot check bench format clean debian ros kill-matrix kill-matrix-full
+.PHONY: help setup demo demo-all test test-boot interlocks check bench format clean debian ros kill-matrix kill-matrix-full
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -24,6 +24,9 @@ test: setup ## all tests
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/deploy/test_boot.py
+
+interlocks: $(VENV)/.synced ## the interlock table: each interlock at each door, refused in words
+	@$(BIN)/python -m pytest -q -s tests/interlocks
 
 check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .

@@ -1,6 +1,6 @@
 """What an end-effector is made of: YAML in, frozen typed objects out; pure."""
 
-from ._actuators import Actuator, ActuatorPart, CylinderActuator, VacuumActuator
+from ._actuators import Actuator, ActuatorPart, BlowOff, CylinderActuator, VacuumActuator
 from ._devices import EStop, Lines, Link, Supply, ToolChanger
 from ._examine import Examination, examine, examine_text
 from ._fault import CODES, Fault, did_you_mean
@@ -18,6 +18,7 @@ __all__ = [
     "Actuator",
     "ActuatorPart",
     "Automata",
+    "BlowOff",
     "Bounds",
     "Carried",
     "CylinderActuator",

@@ -28,10 +28,20 @@ class ActuatorPart(Part):
     )
 
 
+class BlowOff(Part):
+    """A blow-off valve on a vacuum circuit (IL-08). The line owner guards it; no automaton drives it."""
+
+    line: LineName = Field(description="name of the GPIO line; active means blowing")
+    gap_s: Seconds = Field(
+        default=0.05, description="IL-08: between the end of suction and blowing, and back"
+    )
+
+
 class VacuumActuator(ActuatorPart):
     """A vacuum generator with its cups."""
 
     kind: Literal["vacuum"] = Field(description="what it is")
+    blow_off: BlowOff | None = Field(default=None, description="absent: none is fitted")
     confirmed_kpa: Vacuum = Field(default=55.0, description="at least this far below ambient: confirmed")
     confirmed_samples: Samples = Field(default=3, description="consecutive samples that confirm")
     gone_kpa: Vacuum = Field(default=10.0, description="less than this: gone")

@@ -90,6 +90,8 @@ def _interlocks(description: Description, carried: Carried) -> Iterator[str]:
         yield f"tool changer: not carried by {codec}: {', '.join(missing)}: IL-04 and IL-05 are off"
     if changer and (missing := [bit for bit in ("tool_present", "in_stand") if bit not in channels]):
         yield f"tool stand: not carried by {codec}: {', '.join(missing)}: IL-02 is off"
+    for name, line in description.blow_off_lines.items():
+        yield f"{name}: its blow-off {line} is guarded by the line owner (IL-08), but no command drives it"
     e_stop = description.e_stop
     if e_stop is None:
         yield "e-stop: none in the description: IL-13 is off"

@@ -61,8 +61,9 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
         case "boolean":
             return "`true` or `false`"
         case "integer" | "number":
-            kind = path.partition("<")[2].rstrip(">") or "vacuum"
-            keys = ("actuators", "any", key) if kind in KINDS and "<" in path else (*path.split("."), key)
+            start, _, inside = path.partition("<")
+            kind, _, rest = inside.partition(">") if inside else ("vacuum", "", "")
+            keys = ("actuators", "any", *rest.split("."), key) if inside else (*start.split("."), key)
             noun = "whole number" if each["type"] == "integer" else "number"
             return f"{noun}, {limits_of(tuple(each for each in keys if each), kind)}"
         case "string":

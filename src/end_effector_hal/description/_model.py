@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import Field, PrivateAttr
 
-from ._actuators import Actuator
+from ._actuators import Actuator, VacuumActuator
 from ._devices import EStop, Lines, Link, Supply, ToolChanger
 from ._part import Name, Names, Part
 from ._paths import profile_path
@@ -60,6 +60,15 @@ class Description(Part):
     def releasing(self) -> tuple[str, ...]:
         """Names of the actuators in the order of a release."""
         return self.release_order if self.release_order is not None else self.sequence[::-1]
+
+    @property
+    def blow_off_lines(self) -> dict[str, str]:
+        """Line of each blow-off valve, by the actuator that it belongs to, in the order of a grip."""
+        return {
+            name: part.blow_off.line
+            for name, part in self.ordered
+            if isinstance(part, VacuumActuator) and part.blow_off
+        }
 
     def service_of(self, name: str) -> str:
         """ROS service of an actuator (relative name); raises KeyError for an unknown one."""

@@ -22,7 +22,8 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
         *_claims(changer, "locked_bit", "unlocked_bit"),
         *_claims(cylinders, "extended_bit", "retracted_bit"),
     )
-    yield from _second(facts, "line", _claims([*changer, *actuators], "line"))
+    blowing: list[Keys] = [(*each, "blow_off") for each in actuators if facts.written(*each, "blow_off")]
+    yield from _second(facts, "line", _claims([*changer, *actuators, *blowing], "line"))
     yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))
     yield from _second(facts, "bit", bits)
     yield from _second(facts, "service", _claims([*changer, *actuators], "service"))

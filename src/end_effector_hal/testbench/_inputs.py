@@ -47,10 +47,14 @@ class VirtualInputs:
         path: the file of the chip.
         names: the lines.
         power_cycle: make the chip anew even if there is one.
+        others: further lines of a chip that is made; nothing hangs on them.
     """
 
-    def __init__(self, path: str | Path, names: Iterable[str], *, power_cycle: bool = False) -> None:
+    def __init__(
+        self, path: str | Path, names: Iterable[str], *, power_cycle: bool = False, others: Iterable[str] = ()
+    ) -> None:
         self._path, self._names, self._power_cycle = Path(path), tuple(names), power_cycle
+        self._others = tuple(others)
         self._watcher: ChipWatcher | None = None
 
     @property
@@ -66,7 +70,7 @@ class VirtualInputs:
                 where=str(self._path),
                 todo="Give another path.",
             ) from error
-        chip = VirtualChip.create(self._path, self._names, exist_ok=not self._power_cycle)
+        chip = VirtualChip.create(self._path, [*self._names, *self._others], exist_ok=not self._power_cycle)
         lines = chip.read().lines
         if missing := [name for name in self._names if name not in lines]:
             raise LineNotFoundError(

@@ -32,17 +32,17 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
     Raises:
         UsageError: it cannot be used with this description.
     """
-    lines = _lines(description)
+    lines, others = _lines(description), description.blow_off_lines.values()
     if text is None:
         if description.lines.backend != "virtual" or not description.lines.path:
             # Taking a HAL's own output lines as inputs would drop what they hold.
             raise UsageError(
                 "the description has no virtual lines; say where to see the lines.", todo=_CHOICES
             )
-        return VirtualInputs(description.lines.path, lines, power_cycle=power_cycle)
+        return VirtualInputs(description.lines.path, lines, power_cycle=power_cycle, others=others)
     kind, _, rest = text.partition(":")
     if kind == "virtual" and rest:
-        return VirtualInputs(rest, lines, power_cycle=power_cycle)
+        return VirtualInputs(rest, lines, power_cycle=power_cycle, others=others)
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
     if kind == "gpiod":

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from end_effector_hal.control import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, predicates_fitted, to_us
-from end_effector_hal.description import Description
-from end_effector_hal.wires import Need, Policy, get_codec
+from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.wires import Exclusion, Need, Policy, get_codec
 
 IL_01 = Need(
     NOTHING_GRIPPED, "IL-01", "nothing is gripped", "the sensors do not prove that nothing is gripped"
@@ -18,19 +18,28 @@ IL_13 = Need(
 
 def owner_policy(description: Description) -> Policy:
     """The output interlocks of a tool."""
-    lines, changer = output_lines(description), description.tool_changer
+    changer = description.tool_changer
     labels = {actuator.line: name for name, actuator in description.ordered}
-    needs = {line: needed for line in lines if (needed := _needs(description, line))}
-    if changer is None:
-        return Policy(lines, labels=labels, needs=needs)
-    gripping = program_lines(description, "grip")
+    labels |= {line: f"blow-off of {name}" for name, line in description.blow_off_lines.items()}
     return Policy(
-        lines,
-        exclusions=[(changer.line, line) for line in gripping] if description.interlocks.il_01 else [],
-        max_active_us={} if changer.latching else {changer.line: to_us(changer.unlock_max_s)},
-        labels={**labels, changer.line: "unlock"},
-        needs=needs,
+        output_lines(description),
+        exclusions=_exclusions(description),
+        max_active_us={changer.line: to_us(changer.unlock_max_s)} if changer and not changer.latching else {},
+        labels={**labels, changer.line: "unlock"} if changer else labels,
+        needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
     )
+
+
+def _exclusions(description: Description) -> list[Exclusion]:
+    """Unlock and gripping (IL-01, IL-05), suction and its blow-off (IL-08)."""
+    changer, gripping = description.tool_changer, program_lines(description, "grip")
+    never: list[Exclusion] = []
+    if changer and description.interlocks.il_01:
+        never += [Exclusion(changer.line, line) for line in gripping]
+    for _, part in description.ordered:
+        if isinstance(part, VacuumActuator) and (blow_off := part.blow_off):
+            never.append(Exclusion(part.line, blow_off.line, "IL-08", "IL-08", to_us(blow_off.gap_s)))
+    return never
 
 
 def _needs(description: Description, line: str) -> list[Need]:
@@ -38,14 +47,15 @@ def _needs(description: Description, line: str) -> list[Need]:
     fitted = predicates_fitted(description, get_codec(description.link.codec))
     locks = description.interlocks
     unlocks = line in program_lines(description, "tool_change")
-    asked = [(IL_01, unlocks and locks.il_01), (IL_05, not unlocks and locks.il_05), (IL_13, True)]
+    grips = line in program_lines(description, "grip")
+    asked = [(IL_01, unlocks and locks.il_01), (IL_05, grips and locks.il_05), (IL_13, True)]
     return [need for need, wanted in asked if wanted and need.predicate in fitted]
 
 
 def output_lines(description: Description) -> tuple[str, ...]:
-    """Every output line of a tool, actuators in sequence order, then the tool changer."""
-    lines = [actuator.line for _, actuator in description.ordered]
-    return (*lines, description.tool_changer.line) if description.tool_changer else tuple(lines)
+    """Every output line of a tool: actuators in sequence order, the tool changer, blow-off valves."""
+    changer, gripping = description.tool_changer, program_lines(description, "grip")
+    return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values())
 
 
 def program_lines(description: Description, program: str) -> tuple[str, ...]:
