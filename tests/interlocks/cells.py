@@ -225,7 +225,11 @@ def _(rig: Rig) -> str:
     return rig.action("cancel")
 
 
-@cell("IL-09", "service", r"^IL-12: .* the end-effector is GRIPPED")
+@cell(
+    "IL-09",
+    "service",
+    r"^IL-12: a part is held \(GRIPPED\): nothing is driven by hand, only a Drop releases it",
+)
 def _(rig: Rig) -> str:
     rig.gripped()
     return rig.service("bottom_vacuum", False).reason
@@ -308,13 +312,22 @@ def _(rig: Rig) -> str:
 # IL-12: the services work in maintenance only
 
 
-@cell("IL-12", "action", r"^IL-12: Active by hand: SODIMM_210")
+@cell("IL-12", "action", r"^IL-12: .*driven by hand.*Cylinder")
 def _(rig: Rig) -> str:
     assert rig.service("cylinder", True).accepted
     return rig.action("grip")
 
 
-@cell("IL-12", "service", r"^IL-12: outputs are driven by hand in STAND_BY only; the end-effector is GRIPPED")
+@cell(
+    "IL-12", "service", r"^IL-12: outputs are driven by hand in STAND_BY only; the end-effector is GRIPPING"
+)
+def _(rig: Rig) -> str:
+    rig.odd["bottom"] = 0  # it stays in the first step
+    assert rig.grip.command("grip").accepted
+    return rig.service("cylinder", True).reason
+
+
+@cell("IL-12", "service", r"^IL-12: a part is held \(GRIPPED\)")
 def _(rig: Rig) -> str:
     rig.gripped()
     return rig.service("cylinder", False).reason
