@@ -25,7 +25,7 @@ def tool() -> VirtualTool:
 
 def confirm(tool: VirtualTool, stamp: int, at: int) -> list[Status]:
     """The third confirming frame comes at ``stamp`` and is taken at ``at``."""
-    gripped = {**tool.values(), "bottom": -60_000}
+    gripped = {**tool.bench.sample(tool.at), "bottom": -60_000}
     for earlier in (DUE - 40_000, DUE - 20_000):
         tool.grip.frame(Frame(earlier, None, None, gripped), earlier)
     return tool.grip.frame(Frame(stamp, None, None, gripped), at)

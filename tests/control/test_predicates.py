@@ -26,10 +26,18 @@ class Feed:
 
     def __call__(self, frames: int = 1, **values: int | bool | None) -> dict[str, bool]:
         self.values |= values  # type: ignore[arg-type]
-        for _ in range(frames):
+        for index in range(frames):
             self.at += PERIOD
-            said = self.predicates.frame(Frame(self.at, None, None, self.values))
+            values = {name: living(value, index) for name, value in self.values.items()}
+            said = self.predicates.frame(Frame(self.at, None, None, values))
         return said
+
+
+def living(value: int | bool | None, index: int) -> int | bool | None:
+    """A pressure with a noise of one count, away from zero."""
+    if value is None or isinstance(value, bool):
+        return value
+    return value + (index % 2 if value > 0 else -(index % 2))
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""A tool in virtual time: its controllers, and the testbench's physics at the other end of ideal wires."""
+"""A tool in virtual time: its controllers and its decoder, and the testbench's device and physics behind the wires."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from end_effector_hal.automata import load_network
 from end_effector_hal.control import Answer, Controller, Status, model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import Bench, carried
-from end_effector_hal.wires import Frame, Value, get_codec
+from end_effector_hal.testbench import Bench, SensorBoard
+from end_effector_hal.wires import get_codec
 
 
 class VirtualTool:
@@ -23,9 +23,10 @@ class VirtualTool:
         self.grip = Controller(description, network, "grip")
         self.change = Controller(description, network, "tool_change")
         self.at = 0
-        self.seq = 0
         self.levels = dict(levels or {})
         self.bench = Bench(description, scenario, levels=self.levels)
+        self.board = SensorBoard(self.codec, self.bench, description, 0)
+        self.decoder = self.codec.decoder()
         self.statuses: list[Status] = []
         self.edges: list[tuple[int, str, bool]] = []
         self.link = True
@@ -53,16 +54,11 @@ class VirtualTool:
             due = [time for time in (self.grip.deadline, self.change.deadline) if time is not None]
             self.at = max(self.at, min([*due, frame_at, until]))
             if self.at == frame_at and self.link:
-                frame = Frame(self.at, self.seq, self.at // 1000, self.values())
-                self.seq += 1
-                self._gripper(self.grip.frame(frame))
-                self._changer(self.change.frame(frame))
+                for frame in self.decoder.feed(self.board.frame(self.at).data, self.at):
+                    self._gripper(self.grip.frame(frame))
+                    self._changer(self.change.frame(frame))
             self._gripper(self.grip.advance(self.at))
             self._changer(self.change.advance(self.at))
-
-    def values(self) -> dict[str, Value]:
-        """What the sensors show now."""
-        return dict(carried(self.bench.sample(self.at), self.codec.channels, self.description))
 
     def states(self) -> list[tuple[int, int, tuple[int, ...]]]:
         """Changes of (end-effector, command, actuators), as states.csv has them."""

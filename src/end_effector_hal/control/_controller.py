@@ -85,7 +85,7 @@ class Controller:
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
         events = self._senses.frame(frame)
-        told = self._hold.sample(frame.at, held=self._held)
+        told = self._hold.sample(frame.at, held=self._held) | self._senses.noticed(frame.at, held=self._held)
         for event in events:
             statuses += self._receive(event, self._at, frame.at)
         self._execution.write({"supply_ok": int(self._senses.supply.ok)})
@@ -193,6 +193,8 @@ class Controller:
         if self._latched:
             alarms.append(latched(EndEffectorState(self._values["ee"]), self._reason))
         alarms += self._hold.alarms
+        if self._adopted:
+            alarms += self._senses.notices(self._at, held=self._held)
         if supply.low and not self._held:
             alarms.append(f"Supply pressure under {self._description.supply.warn_kpa:g} kPa.")
         return tuple(alarms)

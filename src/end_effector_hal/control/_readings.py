@@ -32,6 +32,15 @@ class Readings:
         self._at.update(dict.fromkeys(valid, frame.at))
         self._arrived = frozenset(valid)
 
+    def forget(self, channel: str | None = None) -> None:
+        """What was read is nothing any more, of one channel or of all."""
+        if channel is None:
+            self._values.clear()
+            self._at.clear()
+            self._arrived = frozenset()
+        elif channel in self._values:
+            del self._values[channel], self._at[channel]
+
     def idle(self) -> None:
         """Time has passed and nothing came: what is remembered is no new sample."""
         self._arrived = frozenset()
@@ -49,6 +58,10 @@ class Readings:
     def stale(self, at: int) -> tuple[str, ...]:
         """Channels that the codec carries and that have no valid reading now."""
         return tuple(channel for channel in self.carried if self.get(channel, at) is None)
+
+    def fresh(self, at: int) -> bool:
+        """Whether a frame has come so lately that what it carries is not stale."""
+        return self._last_frame is not None and at - self._last_frame < self.stale_us
 
     def link_up(self, at: int) -> bool:
         """Whether a frame has come within the time after which the link is down."""

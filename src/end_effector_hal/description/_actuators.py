@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ._part import Kilopascal, LineName, Name, Part, RosName, Samples, Seconds, Vacuum
+from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum
 
 
 class ActuatorPart(Part):
@@ -22,6 +22,10 @@ class ActuatorPart(Part):
     reset_s: Seconds = Field(default=1.0, description="inactive between two attempts")
     attempts: Annotated[int, Field(ge=1, le=20)] = Field(default=3, description="failed attempts that abort")
     release_s: Seconds = Field(default=2.0, description="longest wait for the feedback to be gone")
+    frozen_s: MaybeSeconds = Field(
+        default=None,
+        description="a pressure that does not move by a count for so long is invalid; null: never",
+    )
     service: RosName | None = Field(default=None, description="ROS service; default: Set + name in CamelCase")
     topic: RosName | None = Field(
         default=None, description="ROS topic; default: Pressure + name in CamelCase"

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from ._part import Kilopascal, LineName, Name, Part, RosName, Samples, Seconds
+from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds
 
 
 class ToolChanger(Part):
@@ -42,6 +42,10 @@ class Supply(Part):
     warn_kpa: Kilopascal = Field(default=450.0, description="less than this: a warning")
     refuse_kpa: Kilopascal = Field(default=400.0, description="less than this: a new grip is refused")
     hysteresis_kpa: Kilopascal = Field(default=20.0, description="granted again this far above refuse_kpa")
+    frozen_s: MaybeSeconds = Field(
+        default=None,
+        description="a pressure that does not move by a count for so long is invalid; null: never",
+    )
 
 
 class Lines(Part):

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 Seconds = Annotated[float, Field(gt=0, le=600)]
+MaybeSeconds = Annotated[float | None, Field(gt=0, le=600)]
 Kilopascal = Annotated[float, Field(gt=0, le=2000)]
 Vacuum = Annotated[float, Field(gt=0, le=100)]
 Samples = Annotated[int, Field(ge=1, le=1000)]

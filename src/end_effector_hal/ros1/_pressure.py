@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from sensor_msgs.msg import FluidPressure
 
+from end_effector_hal.control import Senses
 from end_effector_hal.description import Description
 from end_effector_hal.tool import Witness
-from end_effector_hal.wires import Frame, LinkHealth, LinkReader, LinkState
+from end_effector_hal.wires import Frame, LinkHealth, LinkReader, LinkState, Value, get_codec, now_us
 
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import absolute_pa, frame_to_message
 from ._node import Node, stamp
-from ._table import PRESSURE, SENSOR_FRAME, pressure_topics
+from ._table import PRESSURE, SENSOR_FRAME, STATE_HZ, pressure_topics
 
 
 class PressureNode:
@@ -22,6 +24,8 @@ class PressureNode:
 
     Before it, and only when it proves something else than before, the line owner is told: this node reads the
     sensors, so the interlocks that need one (IL-01, IL-05, IL-13) rest on what it says.
+
+    A pressure that is invalid, doubted or stale is NaN, never the last value; what is stale is told so once.
     """
 
     def __init__(self, node: Node, description: Description) -> None:
@@ -31,6 +35,9 @@ class PressureNode:
             (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
         ]
         link = description.link
+        self._senses = Senses(description, get_codec(link.codec))
+        self._lock = threading.Lock()
+        self._silent = False
         self._witness = Witness(description)
         node.on_close(self._witness.close)
         self._witness.start()
@@ -40,15 +47,33 @@ class PressureNode:
         diagnose(node, link.port, self._health)
         node.on_close(self._reader.close)
         self._reader.start()
+        node.every(STATE_HZ, self._tick)
 
     def _on_frame(self, frame: Frame) -> None:
         self._witness.frame(frame)
         self._frame(frame_to_message(frame))
-        now = stamp(frame.at)
-        for channel, publish in self._pressures:
-            message = FluidPressure(fluid_pressure=absolute_pa(frame.values.get(channel)))
-            message.header.stamp, message.header.frame_id = now, channel
-            publish(message)
+        with self._lock:
+            self._silent = False
+            self._senses.frame(frame)
+            readings = self._senses.readings
+            for channel, publish in self._pressures:
+                value = readings.get(channel, frame.at) if readings.arrived(channel) else None
+                self._tell(publish, channel, value, frame.at)
+
+    def _tick(self) -> None:
+        with self._lock:
+            at = now_us()
+            self._senses.advance(at)
+            if self._silent or self._senses.readings.fresh(at):
+                return
+            self._silent = True
+            for channel, publish in self._pressures:
+                self._tell(publish, channel, None, at)
+
+    def _tell(self, publish: Callable[[Any], None], channel: str, value: Value, at: int) -> None:
+        message = FluidPressure(fluid_pressure=absolute_pa(value))
+        message.header.stamp, message.header.frame_id = stamp(at), channel
+        publish(message)
 
     def _on_change(self, health: LinkHealth) -> None:
         if health.state is LinkState.DOWN:
@@ -57,11 +82,22 @@ class PressureNode:
             self._log.info("the sensor link is %s", health.state.value)
 
     def _health(self) -> Health:
-        health = self._reader.health
-        level = {LinkState.UP: OK, LinkState.DOWN: ERROR}.get(health.state, WARN)
+        health, at = self._reader.health, now_us()
+        with self._lock:
+            up, notices = self._senses.readings.link_up(at), self._senses.notices(at, held=False)
         counters = {name: getattr(health, name) for name in ("opened", "bytes", "frames", "lost", "reboots")}
         errors = {f"errors, {kind}": count for kind, count in health.errors.items()}
-        return Health(level, health.error or f"The link is {health.state.value}.", counters | errors)
+        values = counters | errors
+        if health.state is not LinkState.UP:
+            level = ERROR if health.state is LinkState.DOWN else WARN
+            return Health(level, health.error or f"The link is {health.state.value}.", values)
+        if not up:
+            return Health(ERROR, f"The port is open, but no frame comes ({_since(health, at)}).", values)
+        return Health(WARN if notices else OK, " ".join(notices) or "The link is up.", values)
+
+
+def _since(health: LinkHealth, at: int) -> str:
+    return f"for {(at - (health.last_frame or health.since)) / 1e6:.1f} s"
 
 
 def main(argv: Sequence[str]) -> int:

@@ -63,9 +63,7 @@ class EndEffector:
             codec,
             baudrate=description.link.baudrate,
             on_frame=self._frame_came,
-            on_change=self._link_changed,
         )
-        self.link: LinkHealth | None = None
 
     @classmethod
     def open(cls, description: Description | str | Path) -> Self:
@@ -109,6 +107,11 @@ class EndEffector:
         """Gripping and tool changer in one snapshot."""
         grip, change = self._grip.status, self._change.status
         return self._merged(grip, max(grip.at, change.at))
+
+    @property
+    def link(self) -> LinkHealth:
+        """How the sensor link is, with its counters."""
+        return self._reader.health
 
     def subscribe(self, listener: Callable[[Status], None]) -> None:
         """Have every status, in order; called in the thread of a unit."""
@@ -208,9 +211,6 @@ class EndEffector:
             unit.frame(frame)
         for listener in self._frame_listeners:
             listener(frame)
-
-    def _link_changed(self, health: LinkHealth) -> None:
-        self.link = health
 
 
 def _is_over(status: Status) -> bool:

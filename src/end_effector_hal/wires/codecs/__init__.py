@@ -5,7 +5,7 @@ the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformanc
 `end_effector_hal.wires.codecs.conformance`. Modbus devices need no class: see `end_effector_hal.wires.codecs.modbus`.
 """
 
-from end_effector_hal.wires.codecs._codec import Codec, Decoder, parity_of
+from end_effector_hal.wires.codecs._codec import Codec, Decoder, parity_of, resolution_of
 from end_effector_hal.wires.codecs._ees1_ascii import Ees1Ascii
 from end_effector_hal.wires.codecs._ees1_cobs import Ees1Cobs
 from end_effector_hal.wires.codecs._legacy_nibble import LegacyNibble
@@ -18,7 +18,7 @@ from end_effector_hal.wires.codecs._polled import (
     is_polled,
 )
 from end_effector_hal.wires.codecs._registry import codec_names, get_codec
-from end_effector_hal.wires.codecs._sequence import Sequence
+from end_effector_hal.wires.codecs._sequence import Sequence, sequence_of
 
 __all__ = [
     "Codec",
@@ -36,4 +36,6 @@ __all__ = [
     "get_codec",
     "is_polled",
     "parity_of",
+    "resolution_of",
+    "sequence_of",
 ]

@@ -48,7 +48,11 @@ class Decoder(Protocol):
 
 
 class Codec(Protocol):
-    """A wire format. A channel that is not in ``channels`` is not fitted."""
+    """A wire format. A channel that is not in ``channels`` is not fitted.
+
+    It may have more: ``parity``, ``resolution_pa``, ``seq_bits`` and ``clock_bits``; see `parity_of`,
+    `resolution_of`, `sequence_of`.
+    """
 
     @property
     def name(self) -> str:
@@ -86,3 +90,8 @@ class Codec(Protocol):
 def parity_of(codec: Codec) -> str:
     """``N``, ``E`` or ``O``: what the codec has as ``parity``; one without it is sent without."""
     return str(getattr(codec, "parity", "N"))
+
+
+def resolution_of(codec: Codec) -> float:
+    """Pa of the smallest step of a pressure: what the codec has as ``resolution_pa``, else 1."""
+    return float(getattr(codec, "resolution_pa", 1))

@@ -34,6 +34,7 @@ class Ees1Cobs:
     channels: Mapping[str, Kind] = ees1.CHANNELS
     period_us = ees1.PERIOD_US
     baudrate = ees1.BAUDRATE
+    resolution_pa = STEP_PA
 
     def decoder(self) -> Decoder:
         """A new decoder."""

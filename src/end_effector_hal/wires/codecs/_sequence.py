@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from end_effector_hal.wires.codecs._codec import Codec
+
 
 class Sequence:
     """Judges the sequence numbers and the device's clock of one stream; both wrap around.
@@ -33,3 +35,8 @@ class Sequence:
         else:
             self.lost += step - 1
         return True
+
+
+def sequence_of(codec: Codec) -> Sequence:
+    """For frames of a codec; 16 and 32 bits, unless it has other ``seq_bits`` and ``clock_bits``."""
+    return Sequence(seq_bits=getattr(codec, "seq_bits", 16), clock_bits=getattr(codec, "clock_bits", 32))

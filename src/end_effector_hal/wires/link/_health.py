@@ -15,7 +15,7 @@ class LinkState(Enum):
     SILENT = "silent"
     """Open, and no frame since."""
     UP = "up"
-    """Open, and a frame has come."""
+    """Open, and a frame has come; ``last_frame`` tells when the last one did."""
     DOWN = "down"
     """It could not be opened, or was lost; it is tried again."""
 
@@ -28,6 +28,7 @@ class LinkHealth:
         state: see `LinkState`.
         since: µs, when it became so.
         error: why it is down; a sentence, else "".
+        last_frame: µs, when the last frame came; None: none has.
         opened: how many times the port was opened.
         bytes, frames, lost, reboots, errors: counters of the decoder since the start, see `Decoder`.
     """
@@ -35,6 +36,7 @@ class LinkHealth:
     state: LinkState
     since: int
     error: str = ""
+    last_frame: int | None = None
     opened: int = 0
     bytes: int = 0
     frames: int = 0

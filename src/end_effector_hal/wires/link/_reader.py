@@ -50,6 +50,7 @@ class LinkReader:
         self._decoder = codec.decoder()
         self._on_frame, self._on_change = on_frame, on_change
         self._state, self._since, self._error, self._opened = LinkState.OPENING, now_us(), "", 0
+        self._last_frame: int | None = None
         self._wait_s = FIRST_WAIT_S
         self._first: serial.Serial | None = None
         self._thread: threading.Thread | None = None
@@ -92,6 +93,7 @@ class LinkReader:
             state=self._state,
             since=self._since,
             error=self._error,
+            last_frame=self._last_frame,
             opened=self._opened,
             bytes=decoder.bytes,
             frames=decoder.frames,
@@ -153,7 +155,7 @@ class LinkReader:
 
     def _deliver(self, frames: Iterable[Frame]) -> None:
         for frame in frames:
-            self._wait_s = FIRST_WAIT_S
+            self._wait_s, self._last_frame = FIRST_WAIT_S, frame.at
             self._change(LinkState.UP)
             self._call(self._on_frame, frame)
 

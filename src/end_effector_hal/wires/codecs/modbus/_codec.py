@@ -41,6 +41,7 @@ class ModbusRtu:
         self.name, self.reads = name, tuple(reads)
         self.baudrate, self.parity = baudrate, parity
         self.period_us, self.timeout_us = period_us, timeout_us
+        self.resolution_pa = max(abs(each.scale_pa) for read in self.reads for each in read.registers)
         names = [register.channel for read in self.reads for register in read.registers]
         self.channels: Mapping[str, Kind] = dict.fromkeys(names, Kind.PRESSURE)
         if len(self.channels) < len(names):
