@@ -62,6 +62,41 @@ def test_pressures_are_absolute_pascal(system: Any) -> None:
     assert message.fluid_pressure == pytest.approx(101_325, abs=1_000)
 
 
+def test_a_lost_reading_is_nowhere_the_last_value(system: Any) -> None:
+    import rospy
+    from diagnostic_msgs.msg import DiagnosticArray
+    from sensor_msgs.msg import FluidPressure
+
+    pressures: list[float] = []
+    said: list[str] = []
+
+    def listen(message: Any) -> None:
+        said.extend(status.message for status in message.status if status.name.endswith("Pressure"))
+
+    subscribers = [
+        rospy.Subscriber(
+            "PressureVacuumTop", FluidPressure, lambda msg: pressures.append(msg.fluid_pressure)
+        ),
+        rospy.Subscriber("/diagnostics", DiagnosticArray, listen),
+    ]
+    try:
+        system.until("a pressure", lambda: pressures and not math.isnan(pressures[-1]))
+        system.world.choose("shows:top_vacuum:300")
+        system.until("an impossible value is none", lambda: math.isnan(pressures[-1]))
+        system.until("which and why", lambda: any("channel top shows" in text for text in said))
+        assert any("channel top shows" in alarm for alarm in system.state.alarms)
+        system.world.choose("nominal")
+        system.until("a pressure again", lambda: not math.isnan(pressures[-1]))
+        system.world.choose("silent-after:0")
+        system.until("silence is no value", lambda: math.isnan(pressures[-1]))
+        system.until("silence is said", lambda: any("no frame comes" in text for text in said))
+        state = system.state
+        assert (list(state.evidence), all(map(math.isnan, state.margins))) == ([0, 0, 0], True)
+    finally:
+        for subscriber in subscribers:
+            subscriber.unregister()
+
+
 def test_diagnostics_come_from_every_node_once_a_second(system: Any) -> None:
     import rospy
     from diagnostic_msgs.msg import DiagnosticArray
