@@ -25,6 +25,8 @@ from end_effector_hal.trace._tables import (
     display_name,
 )
 from end_effector_hal.trace._tell import tell
+from end_effector_hal.trace._trace_file import Record, TraceFile, read_trace
+from end_effector_hal.trace._trace_writer import TraceWriter
 
 __all__ = [
     "Attempt",
@@ -38,6 +40,7 @@ __all__ = [
     "Outcome",
     "PressuresLog",
     "PressuresWriter",
+    "Record",
     "Release",
     "Reset",
     "RunInfo",
@@ -46,6 +49,8 @@ __all__ = [
     "StatesWriter",
     "Story",
     "TableState",
+    "TraceFile",
+    "TraceWriter",
     "VacuumState",
     "actuator_states",
     "display_name",
@@ -53,6 +58,7 @@ __all__ = [
     "read_pressures",
     "read_run",
     "read_states",
+    "read_trace",
     "save",
     "tell",
     "timeline",

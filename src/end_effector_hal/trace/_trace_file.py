@@ -1,0 +1,102 @@
+"""Reading a trace back: all that reached the disk, whether the program ended in good order or not."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.errors import UsageError
+
+MAGIC = b"\x89MCAP0\r\n"
+LARGEST = 64 * 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One record: of which kind, and its content as it was written."""
+
+    kind: str
+    data: bytes
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """The content as JSON; raises ValueError when it is none."""
+        found = json.loads(self.data)
+        if not isinstance(found, dict):
+            raise ValueError(f"not an object: {found!r}"[:60])
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class TraceFile:
+    """What a trace holds, in the order of writing.
+
+    Attributes:
+        path: of the file.
+        program: whose trace it is.
+        records: all of them.
+        attachments: files that belong to the run.
+        complete: it was closed in good order; else ``note`` says where it ends.
+    """
+
+    path: Path
+    program: str
+    records: tuple[Record, ...]
+    attachments: Mapping[str, bytes]
+    complete: bool
+    note: str = ""
+
+
+def read_trace(path: str | Path) -> TraceFile:
+    """Read a trace; a file that was cut off is read up to there.
+
+    Raises:
+        UsageError: it cannot be read, or is no MCAP file.
+    """
+    path = Path(path)
+    from mcap.records import Attachment, Channel, Footer, Message
+
+    try:
+        if path.open("rb").read(len(MAGIC)) != MAGIC:
+            raise UsageError("This is no MCAP file.", where=str(path))
+    except OSError as error:
+        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
+    topics: dict[int, str] = {}
+    records: list[Record] = []
+    attachments: dict[str, bytes] = {}
+    complete, note = False, "it was not closed: the program was killed, or still writes"
+    reading = _Reading(path)
+    for record in reading:
+        if isinstance(record, Channel):
+            topics[record.id] = record.topic
+        elif isinstance(record, Attachment):
+            attachments[record.name] = record.data
+        elif isinstance(record, Message) and record.channel_id in topics:
+            records.append(Record(topics[record.channel_id].rpartition("/")[2], record.data))
+        elif isinstance(record, Footer):
+            complete, note = True, ""
+    program = next(iter(topics.values()), "").strip("/").partition("/")[0]
+    return TraceFile(path, program, tuple(records), attachments, complete, reading.note or note)
+
+
+class _Reading:
+    """The records of a file up to its end, or to where it cannot be read any more."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self.note = path, ""
+
+    def __iter__(self) -> Iterator[object]:
+        from mcap.exceptions import EndOfFile, McapError
+        from mcap.stream_reader import StreamReader
+
+        with self._path.open("rb") as file:
+            try:
+                yield from StreamReader(file, record_size_limit=LARGEST).records
+            except (EndOfFile, struct.error):
+                pass  # cut off
+            except (McapError, ValueError, KeyError, EOFError) as error:
+                self.note = f"it is damaged near byte {file.tell()}: {error or type(error).__name__}"
