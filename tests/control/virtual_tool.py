@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
-from end_effector_hal.automata import load_network
+from end_effector_hal.automata import Network, load_network
 from end_effector_hal.control import Answer, Controller, Status, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.testbench import Bench, SensorBoard
@@ -15,13 +15,18 @@ class VirtualTool:
     """Frames at the period of the link, commands between them, no clock but its own."""
 
     def __init__(
-        self, description: Description, scenario: str = "nominal", *, levels: Mapping[str, bool] | None = None
+        self,
+        description: Description,
+        scenario: str = "nominal",
+        *,
+        levels: Mapping[str, bool] | None = None,
+        controller: Callable[[Description, Network, str], Controller] = Controller,
     ) -> None:
         self.description = description
         self.codec = get_codec(description.link.codec)
         network = load_network(description.automata_path, model_constants(description))
-        self.grip = Controller(description, network, "grip")
-        self.change = Controller(description, network, "tool_change")
+        self.grip = controller(description, network, "grip")
+        self.change = controller(description, network, "tool_change")
         self.at = 0
         self.levels = dict(levels or {})
         self.bench = Bench(description, scenario, levels=self.levels)

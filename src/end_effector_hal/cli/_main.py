@@ -16,6 +16,7 @@ _COMMANDS = {
     "model": "show, play, export and check the automata",
     "owner": "own the output lines of a tool and serve them on a socket",
     "plot": "draw a recorded run",
+    "replay": "decide a recorded run once more, and judge it by its network",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",
     "verify": "prove what the automata promise, or show a counterexample",

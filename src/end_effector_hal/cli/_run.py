@@ -24,7 +24,7 @@ READY_S = 10.0
 @click.command("run")
 @click.argument("description", type=click.Path(path_type=Path))
 @click.option("--script", help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.")
-@click.option("--record", type=click.Path(path_type=Path), help="Folder for states.csv and pressures.csv.")
+@click.option("--record", type=click.Path(path_type=Path), help="Folder for the recording of the run.")
 def command(description: Path, script: str | None, record: Path | None) -> None:
     """Give commands to one tool: lock, unlock, grip, drop, cancel, wait SECONDS, quit.
 
@@ -35,7 +35,7 @@ def command(description: Path, script: str | None, record: Path | None) -> None:
     from end_effector_hal.tool import EndEffector, Recording, read_script
 
     orders = read_script(script) if script is not None else None
-    tool = EndEffector(load(description))
+    tool = EndEffector(load(description), traces=record)
     with ExitStack() as stack:
         if record is not None:
             _record(tool, stack.enter_context(Recording(record, tool.description)))

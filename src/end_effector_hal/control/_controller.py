@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
-from end_effector_hal.automata import Event, Execution, Network, Step
+from end_effector_hal.automata import Event, Execution, Network, Observation, Step
 from end_effector_hal.description import Description
 from end_effector_hal.trace import Command, EndEffectorState
 from end_effector_hal.wires.codecs import get_codec
@@ -33,9 +33,16 @@ class Controller:
         description: the tool.
         network: its automata with its constants put in.
         program: ``grip`` or ``tool_change``: which of the executed processes this is.
+        observe: is told of what the automata see and do.
     """
 
-    def __init__(self, description: Description, network: Network, program: str) -> None:
+    def __init__(
+        self,
+        description: Description,
+        network: Network,
+        program: str,
+        observe: Callable[[Observation], None] | None = None,
+    ) -> None:
         self._description = description
         self._program = program
         codec = get_codec(description.link.codec)
@@ -43,7 +50,8 @@ class Controller:
         self._lock_fitted = LOCKED in predicates_fitted(description, codec)
         self._hold = HoldMonitor(description, self._senses, codec.period_us)
         processes = getattr(description.automata, program)
-        self._execution = Execution(network, executed=processes, interface=description.automata.interface)
+        interface = description.automata.interface
+        self._execution = Execution(network, processes, interface, observe=observe)
         self._steps = StepLog(description.sequence)
         self._values = {name: self._execution.value(name) for name in _watched(len(description.sequence))}
         self._cause, self._cause_at, self._reason = int(Cause.NONE), -1, ""

@@ -44,7 +44,7 @@ def play_core(scenario: Scenario, world: World, folder: Path) -> None:
     ):
         recorder = _Recorder(recording)
         recording.state(now_us(), 0, Command.NONE, [0] * len(world.description.sequence))
-        tool = EndEffector(world.description)
+        tool = EndEffector(world.description, traces=folder)
         tool.subscribe(recorder.status)
         tool.subscribe_frames(recorder.frame)
         with tool:

@@ -74,7 +74,10 @@ def play_ros(scenario: Scenario, world: World, folder: Path) -> None:
     master.wait_until(lambda: _answers(port), timeout_s=START_S, what="it answered")
     launch = start(
         "launch file",
-        ["roslaunch", "--wait", "end_effector_hal", LAUNCH, f"description:={description}", "owner:=false"],
+        [
+            "roslaunch", "--wait", "end_effector_hal", LAUNCH, f"description:={description}", "owner:=false",
+            f"trace_directory:={folder.absolute()}",
+        ],
         log=folder / "roslaunch.log", failed=RosError, env=env, end_by=signal.SIGINT, patience_s=END_S,
     )  # fmt: skip
     # not by the launch file: it is to end before the nodes do, so that their end is not recorded as a state

@@ -123,7 +123,11 @@ DESCRIPTION = Parameter(
     "description", (*HAL_NODES, DATA_LOGGER), "path of the YAML file, never its content; default: shipped"
 )
 SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; grip; wait 2; release; quit`")
-DIRECTORY = Parameter("directory", (DATA_LOGGER,), "run folder that it writes")
+DIRECTORY = Parameter(
+    "directory",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "run folder that it writes; Grip, ToolChange: empty, no trace",
+)
 PARAMETERS = (DESCRIPTION, SCRIPT, DIRECTORY)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from pathlib import Path
 from typing import Any
 
 from end_effector_msgs.msg import State
@@ -19,7 +20,7 @@ from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import frame_from_message
 from ._node import Node, stamp
 from ._statuses import status_to_message
-from ._table import SENSOR_FRAME, STATE_HZ, Service, Topic
+from ._table import DIRECTORY, SENSOR_FRAME, STATE_HZ, Service, Topic
 
 _WORDS = {
     Command.LOCK: "lock",
@@ -55,7 +56,9 @@ class UnitNode:
         self._lock = threading.Lock()
         self._last: Any = None
         self._alarms: tuple[str, ...] = ()
-        self.unit = open_unit(description, program, self._on_status)
+        folder = node.parameter(DIRECTORY)
+        traces = Path(folder).expanduser() if folder else None
+        self.unit = open_unit(description, program, self._on_status, traces=traces)
         node.serve(command, self._on_command)
         node.every(STATE_HZ, self._repeat)
         diagnose(node, description.name, self._health)

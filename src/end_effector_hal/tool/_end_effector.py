@@ -38,6 +38,10 @@ class EndEffector:
     The line owner (``eehal owner``) is a process of its own and must run: it is what stands between a crash
     of this process and a dropped part.
 
+    Args:
+        description: the tool.
+        traces: the folder that gets the traces of both programs; None: nothing is recorded.
+
     Example:
         >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
         ...     tool.lock()
@@ -45,14 +49,14 @@ class EndEffector:
         ...     tool.drop()
     """
 
-    def __init__(self, description: Description) -> None:
+    def __init__(self, description: Description, *, traces: str | Path | None = None) -> None:
         self.description = description
         self._listeners: list[Callable[[Status], None]] = []
         self._frame_listeners: list[Callable[[Frame], None]] = []
         self._lock = threading.Lock()
-        self._grip = open_unit(description, "grip", self._gripper_moved)
+        self._grip = open_unit(description, "grip", self._gripper_moved, traces=traces)
         try:
-            self._change = open_unit(description, "tool_change", self._changer_moved)
+            self._change = open_unit(description, "tool_change", self._changer_moved, traces=traces)
         except BaseException:
             self._grip.close()
             raise

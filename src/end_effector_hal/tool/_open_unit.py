@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from end_effector_hal.description import Description
 from end_effector_hal.errors import OwnerError
 
 from ._owner import connect_owner
 from ._unit import Listener, Unit
+from .boundary import NOBODY, open_recorder
 
 
 def open_unit(
-    description: Description, program: str, on_status: Listener | None = None, *, patience_s: float = 5.0
+    description: Description,
+    program: str,
+    on_status: Listener | None = None,
+    *,
+    patience_s: float = 5.0,
+    traces: str | Path | None = None,
 ) -> Unit:
     """A unit that is not started yet; it keeps its lease at the owner only while it works.
 
+    ``traces``: the folder that gets its trace; None: nothing is recorded.
+
     Raises:
+        UsageError: the trace cannot be written.
         OwnerError: there is no line owner.
         LineBusyError: another process runs this program; says who.
     """
@@ -31,5 +42,6 @@ def open_unit(
         on_lost=lost,
         patience_s=patience_s,
     )
-    units.append(Unit(description, program, lines, on_status))
+    recorder = open_recorder(traces, description, program) if traces is not None else NOBODY
+    units.append(Unit(description, program, lines, on_status, recorder))
     return units[0]

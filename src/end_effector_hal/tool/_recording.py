@@ -102,7 +102,7 @@ def run_info(
         scenario=scenario,
         description=description.name,
         hash=content_hash(description),
-        version=_version(),
+        version=product_version(),
         ros=ros,
         started=started,
         actuators={name: actuator.kind for name, actuator in description.ordered},
@@ -145,7 +145,8 @@ def _begun(folder: Path) -> datetime | None:
         return None
 
 
-def _version() -> str:
+def product_version() -> str:
+    """Of the installed distribution; empty if it is not installed."""
     try:
         return version(DISTRIBUTION)
     except PackageNotFoundError:

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from end_effector_hal.automata import load_network
-from end_effector_hal.control import Answer, Controller, Evidence, Status, model_constants
+from end_effector_hal.control import Answer, Evidence, Status, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, WireError
 from end_effector_hal.trace import EndEffectorState, display_name
@@ -19,6 +19,7 @@ from end_effector_hal.wires import Frame, now_us
 from ._duties import Duties
 from ._maintenance import Maintenance
 from ._outputs import RETRY_US, LineWriter, Outputs
+from .boundary import NOBODY, Recorder
 
 _log = logging.getLogger("end_effector_hal.tool")
 Listener = Callable[[Status], None]
@@ -38,11 +39,16 @@ class Unit:
     """
 
     def __init__(
-        self, description: Description, program: str, lines: LineWriter, on_status: Listener | None = None
+        self,
+        description: Description,
+        program: str,
+        lines: LineWriter,
+        on_status: Listener | None = None,
+        recorder: Recorder = NOBODY,
     ) -> None:
         network = load_network(description.automata_path, model_constants(description))
         self._description, self._program, self._network = description, program, network
-        self._lines, self._on_status = lines, on_status
+        self._recorder, self._lines, self._on_status = recorder, recorder.lines(lines), on_status
         self._heard: dict[str, int] = {}
         self._why = ""
         self._told: tuple[str, ...] = ()
@@ -117,6 +123,7 @@ class Unit:
         elif self._thread.ident is None:  # never started: nothing was engaged
             with suppress(WireError):
                 self._lines.close(())
+            self._recorder.close()
 
     # From here on: in the unit's thread.
 
@@ -132,9 +139,11 @@ class Unit:
             self._ended = True
             with self._changed:
                 self._changed.notify_all()
+            self._recorder.close()
 
     def _work(self) -> None:
         while True:
+            self._recorder.settle()  # after what was to be done, not before
             try:
                 job = self._inbox.get(timeout=self._patience())
             except queue.Empty:
@@ -146,7 +155,7 @@ class Unit:
             self._busy_since = None
 
     def _be_unborn(self) -> None:
-        self._controller = Controller(self._description, self._network, self._program)
+        self._controller = self._recorder.controller(self._description, self._network, self._program)
         self._maintenance = Maintenance(self._description)
         self._duties = Duties(self._description, self._program, self._maintenance)
         self._outputs = Outputs(self._lines, self._duties.levels, self._duties.will)

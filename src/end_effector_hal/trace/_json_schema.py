@@ -25,6 +25,6 @@ def _plain(schema: Any, known: Mapping[str, Any]) -> Any:
         return _plain(known[schema["$ref"].rpartition("/")[2]], known)
     if "anyOf" in schema:
         first, *_ = [option for option in schema["anyOf"] if option.get("type") != "null"]
-        return _plain({**schema, "anyOf": None, **first}, known)
-    left_out = ("$defs", "anyOf", "default", "prefixItems", "minItems", "maxItems")
+        return _plain(first, known)
+    left_out = ("$defs", "default", "prefixItems", "minItems", "maxItems")
     return {key: _plain(value, known) for key, value in schema.items() if key not in left_out}

@@ -61,10 +61,12 @@ def read_trace(path: str | Path) -> TraceFile:
     from mcap.records import Attachment, Channel, Footer, Message
 
     try:
-        if path.open("rb").read(len(MAGIC)) != MAGIC:
-            raise UsageError("This is no MCAP file.", where=str(path))
+        with path.open("rb") as file:
+            begins_well = file.read(len(MAGIC)) == MAGIC
     except OSError as error:
         raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
+    if not begins_well:
+        raise UsageError("This is no MCAP file.", where=str(path))
     topics: dict[int, str] = {}
     records: list[Record] = []
     attachments: dict[str, bytes] = {}

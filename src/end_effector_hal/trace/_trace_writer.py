@@ -59,11 +59,9 @@ class TraceWriter:
 
         self.path, self._fd = _create(Path(folder), program)
         self.day_us = time_ns() // 1000 - now
-        self._sink = BytesIO()
-        self._taken = 0
-        self._writer = Writer(
-            _Counted(self._sink), use_chunking=False, compression=CompressionType.NONE
-        )  # each record stands alone
+        self._sink = _Sink()
+        # without chunks: each record stands alone
+        self._writer = Writer(self._sink, use_chunking=False, compression=CompressionType.NONE)
         self._waiting: list[_Item] = []
         self._queue: queue.SimpleQueue[list[_Item] | None] = queue.SimpleQueue()
         self._whole = True
@@ -113,7 +111,7 @@ class TraceWriter:
                 self._encode(kind, at, content)
             self._write()
         if self._whole:
-            self._writer.finish()
+            self._writer.finish()  # type: ignore[no-untyped-call]
             self._write()
         os.close(self._fd)
 
@@ -123,9 +121,7 @@ class TraceWriter:
         self._writer.add_message(self._channels[kind], time, data, time)
 
     def _write(self) -> None:
-        data = self._sink.getvalue()
-        self._sink.seek(0)
-        self._sink.truncate()
+        data = self._sink.take()
         try:
             while data and self._whole:
                 data = data[os.write(self._fd, data) :]
@@ -138,18 +134,20 @@ class TraceWriter:
             _log.warning("%s: nothing more is recorded: %s", self.path, why)
 
 
-class _Counted:
+class _Sink(BytesIO):
     """What the library writes to: forgets what was taken away, and still knows how much there was."""
 
-    def __init__(self, sink: BytesIO) -> None:
-        self._sink, self._count = sink, 0
-
-    def write(self, data: bytes) -> int:
-        self._count += len(data)
-        return self._sink.write(data)
+    _taken = 0
 
     def tell(self) -> int:
-        return self._count
+        return self._taken + super().tell()
+
+    def take(self) -> bytes:
+        data = self.getvalue()
+        self._taken += len(data)
+        self.seek(0)
+        self.truncate()
+        return data
 
 
 def _plain(value: object) -> object:
@@ -162,7 +160,9 @@ def _create(folder: Path, program: str) -> tuple[Path, int]:
         path = folder / f"{program}{'' if number == 1 else f'-{number}'}{SUFFIX}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            return path, os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC, 0o644)
+            return path, os.open(
+                path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC, 0o644
+            )
         except FileExistsError:
             number += 1
             if folder.exists() and not folder.is_dir():

@@ -1,0 +1,56 @@
+"""Lines that tell what is written to them, and whether their owner is there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from end_effector_hal.errors import EndEffectorError, WireError
+from end_effector_hal.wires import WillStep, now_us
+
+from .._outputs import LineWriter
+from ._recorded_controller import Put
+from ._records import LinesWritten, OwnerSeen
+
+
+class RecordedLines:
+    """A line writer that passes everything on."""
+
+    def __init__(self, lines: LineWriter, put: Put) -> None:
+        self._lines, self._put = lines, put
+        self._there = True
+
+    def levels(self) -> Mapping[str, bool]:
+        """The level of every line."""
+        try:
+            levels = self._lines.levels()
+        except WireError as error:
+            self.lost(error)
+            raise
+        if not self._there:
+            self._there = True
+            self._put("owner", at := now_us(), OwnerSeen(at, there=True))
+        return levels
+
+    def set(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> object:
+        """Write levels, and what to do should this program die."""
+        at, error = now_us(), ""
+        try:
+            return self._lines.set(levels, will=will)
+        except EndEffectorError as refused:
+            error = str(refused)
+            raise
+        finally:
+            steps = tuple(step.as_json() for step in will)
+            self._put("lines", at, LinesWritten(at, now_us() - at, dict(levels), steps, error))
+
+    def close(self, will: Sequence[WillStep]) -> None:
+        """Leave in good order."""
+        at = now_us()
+        self._lines.close(will)
+        self._put("lines", at, LinesWritten(at, now_us() - at, {}, tuple(step.as_json() for step in will)))
+
+    def lost(self, error: Exception) -> None:
+        """The owner does not answer."""
+        if self._there:
+            self._there = False
+            self._put("owner", at := now_us(), OwnerSeen(at, there=False, why=str(error)))

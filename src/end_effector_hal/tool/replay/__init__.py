@@ -1,0 +1,8 @@
+"""A recorded run looked at again: does the controller decide the same, and was it a run of the network."""
+
+from ._differs import Difference
+from ._load import ProgramTrace, load_trace, traces_of
+from ._replay import Replay, replay
+from ._review import Review, review
+
+__all__ = ["Difference", "ProgramTrace", "Replay", "Review", "load_trace", "replay", "review", "traces_of"]

@@ -1,0 +1,137 @@
+"""A recorded run looked at again: replayed, and judged by the monitor of its network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.automata import load_network
+from end_effector_hal.automata.monitor import Monitor, Objection
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import Description, load
+from end_effector_hal.errors import DescriptionError
+
+from .._recording import content_hash
+from ..boundary import OBSERVED
+from ._load import ProgramTrace
+from ._replay import Replay, replay
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """What there is to say of a trace.
+
+    Attributes:
+        trace: of a program.
+        hash: of the description that it was replayed with.
+        replay: whether it decides the same.
+        steps: of the automata, as far as the monitor followed them.
+        objections: of the monitor.
+        requirements: how many of the file's requirements could be judged on the run.
+        notes: what has changed since.
+    """
+
+    trace: ProgramTrace
+    hash: str
+    replay: Replay
+    steps: int
+    objections: tuple[Objection, ...]
+    requirements: int
+    notes: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        """It decides the same, and is a run of its network; a missed bound that was told is no fault of the record."""
+        return self.replay.difference is None and all(o.kind == "missed" for o in self.objections)
+
+    def as_json(self) -> dict[str, Any]:
+        """For programs; times in seconds since the beginning of the trace."""
+        difference, seconds = self.replay.difference, self.trace.seconds
+        return {
+            "trace": str(self.trace.file.path),
+            "program": self.trace.header.program,
+            "ok": self.ok,
+            "seconds": round(seconds(self.trace.last_at), 6),
+            "recorded_hash": self.trace.header.hash,
+            "replayed_hash": self.hash,
+            "inputs": self.replay.inputs,
+            "compared": self.replay.compared,
+            "difference": difference
+            and {
+                "time_s": round(seconds(difference.at), 6),
+                "what": difference.what,
+                "recorded": difference.recorded,
+                "replayed": difference.replayed,
+            },
+            "steps": self.steps,
+            "requirements": self.requirements,
+            "objections": [
+                {"time_s": round(seconds(o.at), 6), "kind": o.kind, "what": o.what} for o in self.objections
+            ],
+            "notes": list(self.notes),
+        }
+
+
+def review(trace: ProgramTrace, description: Description | None = None) -> Review:
+    """Replay a trace and judge it.
+
+    Args:
+        trace: of a program.
+        description: another tool than the one that was recorded.
+
+    Raises:
+        UsageError: a record cannot be read.
+        ModelError: the automata cannot be executed.
+    """
+    if description is not None:
+        return _review(trace, description)
+    with trace.description() as recorded:
+        return _review(trace, recorded)
+
+
+def _review(trace: ProgramTrace, description: Description) -> Review:
+    network = load_network(description.automata_path, model_constants(description))
+    processes = getattr(description.automata, trace.header.program)
+    monitor = Monitor(network, processes, description.automata.interface, requirements=True)
+    for number, record in enumerate(trace.file.records):
+        if record.kind in OBSERVED:
+            monitor.observe(trace.typed(number))
+    if trace.file.complete:
+        monitor.end(trace.last_at)
+    used = content_hash(description)
+    return Review(
+        trace,
+        used,
+        replay(trace, description, network),
+        monitor.steps,
+        tuple(monitor.objections),
+        len(monitor.queries),
+        tuple(_notes(trace, description, used)),
+    )
+
+
+def _notes(trace: ProgramTrace, description: Description, used: str) -> list[str]:
+    header, notes = trace.header, []
+    if trace.file.note:
+        notes.append(f"The trace is not whole: {trace.file.note}.")
+    if header.constants != model_constants(description):
+        names = [
+            key for key, value in model_constants(description).items() if header.constants.get(key) != value
+        ]
+        notes.append(f"Replayed with other constants of the model than recorded: {', '.join(names)}.")
+    if used != header.hash and description.source.name != "description.json":
+        notes.append(f"Replayed with another description ({used}) than recorded ({header.hash}).")
+    elif (now := _hash_of(Path(header.source))) not in (None, header.hash):
+        notes.append(
+            f"{header.source} or its automata have changed since ({header.hash}, now {now}); "
+            "--description replays with them as they are."
+        )
+    return notes
+
+
+def _hash_of(source: Path) -> str | None:
+    try:
+        return content_hash(load(source)) if source.is_file() else None
+    except (DescriptionError, OSError):
+        return "not readable"

@@ -1,0 +1,93 @@
+"""Runs in virtual time, recorded as real ones are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from virtual_tool import VirtualTool
+
+from end_effector_hal.automata import Network
+from end_effector_hal.control import Controller
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.tool.boundary import Recorder, open_recorder
+from end_effector_hal.tool.replay import ProgramTrace, load_trace
+from end_effector_hal.trace import Record
+
+Edit = Callable[[dict[str, Any]], object]
+
+
+class RecordedTool(VirtualTool):
+    """Both programs in virtual time, each with its trace in ``folder``."""
+
+    def __init__(
+        self, folder: Path, scenario: str = "nominal", levels: dict[str, bool] | None = None
+    ) -> None:
+        self.recorders: list[Recorder] = []
+        self.folder = folder
+
+        def recorded(description: Description, network: Network, program: str) -> Controller:
+            self.recorders.append(open_recorder(folder, description, program, at=0))
+            return self.recorders[-1].controller(description, network, program)
+
+        super().__init__(load(profile_path()), scenario, levels=levels, controller=recorded)
+
+    def close(self) -> None:
+        for recorder in self.recorders:
+            recorder.close()
+
+    def trace(self, program: str = "grip") -> ProgramTrace:
+        """What was recorded; the run is over."""
+        self.close()
+        return load_trace(self.folder / f"{program}.mcap")
+
+
+@pytest.fixture
+def tool(tmp_path: Path) -> Iterator[Callable[..., RecordedTool]]:
+    made: list[RecordedTool] = []
+
+    def make(scenario: str = "nominal", **options: Any) -> RecordedTool:
+        made.append(RecordedTool(tmp_path / "run", scenario, **options))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.close()
+
+
+@pytest.fixture(scope="module")
+def gripped(tmp_path_factory: pytest.TempPathFactory) -> ProgramTrace:
+    """A grip in which the cylinder fails once, held and dropped."""
+    tool = RecordedTool(tmp_path_factory.mktemp("gripped"), "fails-once:cylinder")
+    tool.run(1.0)
+    assert tool.command("grip").accepted
+    tool.run(10.0)
+    assert tool.command("drop").accepted
+    tool.run(2.0)
+    assert tool.status.ee == 6
+    return tool.trace()
+
+
+def edited(trace: ProgramTrace, number: int, edit: Edit | None) -> ProgramTrace:
+    """With one record changed; ``None``: without it."""
+    records = list(trace.file.records)
+    if edit is None:
+        del records[number]
+    else:
+        content = records[number].content
+        edit(content)
+        records[number] = Record(records[number].kind, json.dumps(content).encode())
+    return replace(trace, file=replace(trace.file, records=tuple(records)))
+
+
+def numbers(trace: ProgramTrace, kind: str, fits: Callable[[dict[str, Any]], object] = bool) -> list[int]:
+    """The records of a kind that fit."""
+    return [
+        number
+        for number, record in enumerate(trace.file.records)
+        if record.kind == kind and fits(trace.content(number))
+    ]
