@@ -6,13 +6,13 @@ import json
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import UsageError
 
 MAGIC = b"\x89MCAP0\r\n"
-LARGEST = 64 * 2**20
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,17 +61,16 @@ def read_trace(path: str | Path) -> TraceFile:
     from mcap.records import Attachment, Channel, Footer, Message
 
     try:
-        with path.open("rb") as file:
-            begins_well = file.read(len(MAGIC)) == MAGIC
+        data = path.read_bytes()
     except OSError as error:
         raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
-    if not begins_well:
+    if data[: len(MAGIC)] != MAGIC[: len(data)]:
         raise UsageError("This is no MCAP file.", where=str(path))
     topics: dict[int, str] = {}
     records: list[Record] = []
     attachments: dict[str, bytes] = {}
     complete, note = False, "it was not closed: the program was killed, or still writes"
-    reading = _Reading(path)
+    reading = _Reading(data)
     for record in reading:
         if isinstance(record, Channel):
             topics[record.id] = record.topic
@@ -88,17 +87,16 @@ def read_trace(path: str | Path) -> TraceFile:
 class _Reading:
     """The records of a file up to its end, or to where it cannot be read any more."""
 
-    def __init__(self, path: Path) -> None:
-        self._path, self.note = path, ""
+    def __init__(self, data: bytes) -> None:
+        self._file, self._size, self.note = BytesIO(data), len(data), ""
 
     def __iter__(self) -> Iterator[object]:
         from mcap.exceptions import EndOfFile, McapError
         from mcap.stream_reader import StreamReader
 
-        with self._path.open("rb") as file:
-            try:
-                yield from StreamReader(file, record_size_limit=LARGEST).records
-            except (EndOfFile, struct.error):
-                pass  # cut off
-            except (McapError, ValueError, KeyError, EOFError) as error:
-                self.note = f"it is damaged near byte {file.tell()}: {error or type(error).__name__}"
+        try:
+            yield from StreamReader(self._file, record_size_limit=self._size).records
+        except (EndOfFile, struct.error):
+            pass  # cut off
+        except (McapError, ValueError, KeyError, OverflowError) as error:
+            self.note = f"it is damaged near byte {self._file.tell()}: {error or type(error).__name__}"
