@@ -24,7 +24,7 @@ class RecordedLines:
         try:
             levels = self._lines.levels()
         except WireError as error:
-            self.lost(error)
+            self._lost(error)
             raise
         if not self._there:
             self._there = True
@@ -49,8 +49,7 @@ class RecordedLines:
         self._lines.close(will)
         self._put("lines", at, LinesWritten(at, now_us() - at, {}, tuple(step.as_json() for step in will)))
 
-    def lost(self, error: Exception) -> None:
-        """The owner does not answer."""
+    def _lost(self, error: Exception) -> None:
         if self._there:
             self._there = False
             self._put("owner", at := now_us(), OwnerSeen(at, there=False, why=str(error)))

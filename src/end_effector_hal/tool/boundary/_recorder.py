@@ -17,7 +17,6 @@ class Recorder:
 
     def __init__(self, writer: TraceWriter | None = None) -> None:
         self._writer = writer
-        self._lines: RecordedLines | None = None
 
     def controller(self, description: Description, network: Network, program: str) -> Controller:
         """A new controller."""
@@ -29,13 +28,7 @@ class Recorder:
         """Lines to write to."""
         if self._writer is None:
             return lines
-        self._lines = RecordedLines(lines, self._writer.put)
-        return self._lines
-
-    def owner_lost(self, error: Exception) -> None:
-        """The connection to the line owner was lost."""
-        if self._lines is not None:
-            self._lines.lost(error)
+        return RecordedLines(lines, self._writer.put)
 
     def settle(self) -> None:
         """What was to be done is done: now is the time to write."""
