@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 from tests.tool.replay.conftest import numbers
-from tests.tool.test_overtaken import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool, overtake
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import OwnerError
@@ -25,7 +25,9 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     )
     tool.unit.start()
     tool.grip_to(2)
-    overtake(tool)  # the line owner took it for dead
+    tool.owner.active = dict.fromkeys(LINES, OFF)  # the line owner took it for dead
+    tool.confirmed = dict.fromkeys(LINES, OFF)
+    tool.unit.lost(OwnerError("the lease ended."))
     tool.until(lambda status: status.ee == State.STAND_BY)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
