@@ -16,7 +16,6 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.tool.boundary import RecordedController
 from end_effector_hal.tool.replay import ProgramTrace, review
 from end_effector_hal.trace import Command
-from end_effector_hal.wires import Frame
 
 SCENARIOS = scenarios(load(profile_path()), everything=True)
 WORDS = {
@@ -165,10 +164,8 @@ def test_a_controller_that_begins_anew_is_replayed_anew(tool: Callable[..., Reco
     played.command("grip")
     played.run(2.0)
     played.grip = played.recorders[0].controller(played.description, played.grip._execution.network, "grip")
-    played.grip.start({}, played.at)
-    for _ in range(20):
-        played.at += 20_000
-        played.grip.frame(Frame(played.at, None, None, played.values()), played.at)
+    played.grip.start(dict(played.levels), played.at)
+    played.run(1.0)
     found = review(played.trace())
     assert found.ok, found.as_json()
     assert len(numbers(found.trace, "start")) == 2
