@@ -14,12 +14,18 @@ from end_effector_hal.description import load, profile_path
 @click.option(
     "--socket", type=click.Path(path_type=Path), help="Unix socket to serve; default: the description's."
 )
-def command(description: Path | None, socket: Path | None) -> None:
+@click.option(
+    "--journal",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    help="Folder that survives a loss of power; default: $STATE_DIRECTORY, else that of the socket.",
+)
+def command(description: Path | None, socket: Path | None, journal: Path | None) -> None:
     """Own all output lines of a tool (one request) and serve them on a Unix socket.
 
     Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, what it
-    left as its will is done. The lines keep their level when the owner ends.
+    left as its will is done. The lines keep their level when the owner ends. Faults, and wills that are not done,
+    are kept in a journal for the next owner.
     """
     from end_effector_hal.tool import run_owner
 
-    run_owner(load(description or profile_path()), socket)
+    run_owner(load(description or profile_path()), socket, journal)

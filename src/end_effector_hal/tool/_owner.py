@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,10 +40,12 @@ def connect_owner(
     )
 
 
-def run_owner(description: Description, socket: Path | None = None) -> None:
+def run_owner(description: Description, socket: Path | None = None, journal: Path | None = None) -> None:
     """Be the line owner of a tool until SIGTERM or SIGINT; says when it is ready. Raises WireError.
 
-    A service manager is told, too (sd_notify), and that it lives: whenever it answers itself over its socket.
+    It remembers what the next owner must know in the folder ``journal``; default: that of the service manager
+    (``$STATE_DIRECTORY``), else that of the socket. A service manager is told when it is ready, too (sd_notify),
+    and that it lives: whenever it answers itself over its socket.
     """
 
     def ready(owner: LineOwner) -> None:
@@ -52,7 +55,19 @@ def run_owner(description: Description, socket: Path | None = None) -> None:
 
     where = socket or socket_path(description)
     with ServiceManager() as manager:
-        serve(_backend(description), where, owner_policy(description), on_ready=ready)
+        serve(
+            _backend(description),
+            where,
+            owner_policy(description),
+            journal=_journal(where, journal),
+            on_ready=ready,
+        )
+
+
+def _journal(socket: Path, folder: Path | None) -> Path:
+    """One for each socket, so that the owners of two tools may share a folder."""
+    state = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
+    return (folder or Path(state or socket.parent)) / f"{socket.name}.journal"
 
 
 class _Question:

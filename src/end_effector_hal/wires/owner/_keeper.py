@@ -10,47 +10,18 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from difflib import get_close_matches
-from typing import NamedTuple
 
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.wires.lines import LineBackend
+from end_effector_hal.wires.owner._memory import Bequest, Memory
 from end_effector_hal.wires.owner._policy import Policy
 from end_effector_hal.wires.owner._sensed import Sensed
+from end_effector_hal.wires.owner._session import Session, WillRunsError, Write
 from end_effector_hal.wires.will import Will
 
 _log = logging.getLogger("end_effector_hal.owner")
 MOST_WAITING = 64
-
-
-class WillRunsError(LineBusyError):
-    """The will of the one who had these lines is not over yet; ``retry_us`` says when it is."""
-
-    def __init__(self, what: str, retry_us: int) -> None:
-        super().__init__(what)
-        self.retry_us = retry_us
-
-
-class Write(NamedTuple):
-    """Levels that are applied together, not before ``due``."""
-
-    due: int
-    levels: Mapping[str, bool]
-
-
-@dataclass(eq=False)
-class Session:
-    """One client that writes lines. ``ended``: it has gone, what is queued is still to be done."""
-
-    client: str
-    pid: int
-    lines: frozenset[str]
-    will: Will
-    lease_until: int
-    program: str = ""
-    ended: bool = False
-    queue: deque[Write] = field(default_factory=deque)
 
 
 class Keeper:
@@ -59,9 +30,11 @@ class Keeper:
     ``at`` must not decrease. After each call, `deadline` says when `expire` and `advance` are due.
     """
 
-    def __init__(self, backend: LineBackend, policy: Policy, at: int) -> None:
+    def __init__(self, backend: LineBackend, policy: Policy, at: int, memory: Memory | None = None) -> None:
+        memory = memory or Memory()
+        needs = [need for needs in policy.needs.values() for need in needs]
         self.policy = policy
-        self.sensed = Sensed((need for needs in policy.needs.values() for need in needs), policy.fresh_us, {})
+        self.sensed = Sensed(needs, policy.fresh_us, memory.faults)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._backend = backend
@@ -70,6 +43,18 @@ class Keeper:
         for line in policy.lines:
             if self.levels[line] and any(self.levels[partner.line] for partner in policy.partners(line)):
                 _log.error("%s was found active together with a line that excludes it", policy.called(line))
+
+        for bequest in memory.clients:
+            self._resume(bequest, at)
+
+    @property
+    def memory(self) -> Memory:
+        """What the owner after this one must know."""
+        clients = (
+            Bequest(each.client, each.pid, tuple(sorted(each.lines)), each.will, each.ended)
+            for each in self.sessions
+        )
+        return Memory(dict(self.sensed.faults), tuple(clients), clean=False)
 
     # What clients ask for
 
@@ -89,6 +74,11 @@ class Keeper:
                 close = get_close_matches(line, self.levels, n=1)
                 hint = f" (did you mean {close[0]}?)" if close else ""
                 raise UsageError(f"this owner has no line {line}{hint}; it has {', '.join(self.levels)}.")
+        for other in [each for each in self.sessions if each.absent and not each.ended]:
+            if (other.client, other.pid) == (client, pid):
+                self.sessions.remove(other)
+            elif other.client == client or other.lines.intersection(lines):
+                self.dead(other, "it did not come back, another program did", at)
         for other in self.sessions:
             shared = other.lines.intersection(lines)
             if not shared and other.client != client:
@@ -181,8 +171,10 @@ class Keeper:
         self.sessions = [session for session in self.sessions if session.queue or not session.ended]
         for line in self.policy.max_active_us:
             if (end := self._trip_at(line)) is not None and end <= at:
-                _log.warning("IL-03: %s was active for its longest time", self.policy.called(line))
+                why = f"IL-03: {self.policy.called(line)} was active for its longest time and was ended."
+                _log.warning("%s", why)
                 self.trips.append((at, line))
+                self.sensed.latch(f"IL-03 {line}", why)
                 try:
                     self._set({line: False}, at)
                 except WireError as error:
@@ -198,8 +190,18 @@ class Keeper:
         times += [end for line in self.policy.max_active_us if (end := self._trip_at(line)) is not None]
         return min(times, default=None)
 
+    def _resume(self, bequest: Bequest, at: int) -> None:
+        """What an owner before this one knew; lines that this one has not are forgotten."""
+        lines = frozenset(bequest.lines).intersection(self.levels)
+        will = tuple(step for step in bequest.will if step.line in lines)
+        session = Session(bequest.client, bequest.pid, lines, will, at + self.policy.lease_us, absent=True)
+        self.sessions.append(session)
+        if bequest.ended:
+            _log.warning("the will of %s is executed anew: %s", session.client, _told(will))
+            self._end_session(session, will, at)
+
     def _end_session(self, session: Session, will: Will, at: int) -> None:
-        session.ended = True
+        session.ended, session.will = True, will
         session.queue.extend(Write(at + step.after_us, {step.line: step.level}) for step in will)
         self.advance(at)
 

@@ -16,6 +16,7 @@ def report(keeper: Keeper, at: int) -> dict[str, Any]:
                 "pid": session.pid,
                 "lines": sorted(session.lines),
                 "ended": session.ended,
+                "absent": session.absent,
                 "waiting": len(session.queue),
                 "lease_us": max(0, session.lease_until - at),
                 "will": [step.as_json() for step in session.will],

@@ -17,15 +17,16 @@ def serve(
     socket_path: str | Path,
     policy: Policy,
     *,
+    journal: str | Path | None = None,
     on_ready: Callable[[LineOwner], None] | None = None,
 ) -> None:
     """Be the line owner until SIGTERM, SIGINT or `LineOwner.stop`; the lines stay as they are.
 
     Args:
-        backend, socket_path, policy: see `LineOwner`, also for the errors.
+        backend, socket_path, policy, journal: see `LineOwner`, also for the errors.
         on_ready: called once, when clients can come.
     """
-    with LineOwner(backend, socket_path, policy) as owner:
+    with LineOwner(backend, socket_path, policy, journal) as owner:
         before = {}
         if threading.current_thread() is threading.main_thread():
             before = {s: signal.signal(s, lambda *_: owner.stop()) for s in (signal.SIGTERM, signal.SIGINT)}

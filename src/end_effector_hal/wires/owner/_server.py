@@ -14,7 +14,8 @@ from end_effector_hal.errors import EndEffectorError, OwnerError, UsageError, Wi
 from end_effector_hal.wires._claim import Claim, program_name
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.lines import LineBackend
-from end_effector_hal.wires.owner._keeper import Keeper, Session, WillRunsError
+from end_effector_hal.wires.owner._journal import Journal
+from end_effector_hal.wires.owner._keeper import Keeper
 from end_effector_hal.wires.owner._policy import Policy
 from end_effector_hal.wires.owner._protocol import (
     LONGEST,
@@ -24,6 +25,7 @@ from end_effector_hal.wires.owner._protocol import (
     write_message,
 )
 from end_effector_hal.wires.owner._report import report
+from end_effector_hal.wires.owner._session import Session, WillRunsError
 from end_effector_hal.wires.owner._socket import listen, no_socket
 
 _log = logging.getLogger("end_effector_hal.owner")
@@ -46,13 +48,16 @@ class LineOwner:
         backend: not requested yet.
         socket_path: Unix socket (mode 0660); its directory is made, that of a dead owner replaced.
         policy: lines and interlocks.
+        journal: file in which it remembers what the next one must know; None: it does not.
 
     Raises:
         LineBusyError: another owner lives at this path, or somebody else has the lines; says who.
         LineNotFoundError, WireError: see `LineBackend.request`.
     """
 
-    def __init__(self, backend: LineBackend, socket_path: str | Path, policy: Policy) -> None:
+    def __init__(
+        self, backend: LineBackend, socket_path: str | Path, policy: Policy, journal: str | Path | None = None
+    ) -> None:
         self._path, self._backend = Path(socket_path), backend
         self._stops, self._stopped_at, self._grace_us = 0, 0, policy.lease_us
         self._wake_read, self._wake = os.pipe()
@@ -67,7 +72,12 @@ class LineOwner:
                 raise
             raise no_socket(self._path, error) from error
         try:
-            self._keeper = Keeper(backend, policy, now_us())
+            self._journal = Journal(journal)
+            before = self._journal.before
+            self._keeper = Keeper(backend, policy, now_us(), before)
+            if not before.clean:
+                _log.warning("the line owner before this one did not end in order")
+            self._journal.keep(self._keeper.memory)
             self._listener = listen(self._path)
         except BaseException:
             backend.close()
@@ -90,6 +100,7 @@ class LineOwner:
                 self._serve(0)
                 self._end_leases(at)
             self._keeper.advance(now_us())
+            self._journal.keep(self._keeper.memory)
 
     def _serve(self, wait_s: float | None) -> None:
         # What the sensors say comes first: it was sent before any write that follows from it.
@@ -128,6 +139,7 @@ class LineOwner:
         self._listener.close()
         self._path.unlink(missing_ok=True)
         self._backend.close()
+        self._journal.close()
         self._claim.release()
         self._close_ends()
 
@@ -181,6 +193,7 @@ class LineOwner:
             number = message.get("id")
             request = read_request(message)
             more = self._do(connection, request)
+            self._journal.keep(self._keeper.memory)  # before anybody is told
             if request.op == "tell" and number is None:
                 return None
         except EndEffectorError as error:
@@ -193,7 +206,13 @@ class LineOwner:
     def _do(self, connection: _Connection, request: Request) -> dict[str, Any]:
         keeper, session, at = self._keeper, connection.session, now_us()
         if request.op == "status":
-            return {"status": {"pid": os.getpid(), **report(keeper, at)}}
+            return {
+                "status": {
+                    "pid": os.getpid(),
+                    "unclean": not self._journal.before.clean,
+                    **report(keeper, at),
+                }
+            }
         if request.op == "levels":
             return {"levels": self._backend.levels()}
         if request.op == "tell":

@@ -1,0 +1,45 @@
+"""One client of the owner, and what it waits for."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from end_effector_hal.errors import LineBusyError
+from end_effector_hal.wires.will import Will
+
+
+class WillRunsError(LineBusyError):
+    """The will of the one who had these lines is not over yet; ``retry_us`` says when it is."""
+
+    def __init__(self, what: str, retry_us: int) -> None:
+        super().__init__(what)
+        self.retry_us = retry_us
+
+
+class Write(NamedTuple):
+    """Levels that are applied together, not before ``due``."""
+
+    due: int
+    levels: Mapping[str, bool]
+
+
+@dataclass(eq=False)
+class Session:
+    """One client that writes lines.
+
+    ``ended``: it has gone, what is queued is still to be done. ``absent``: an owner before this one knew it, and it
+    was not heard of since; it has a lease's time to come back.
+    """
+
+    client: str
+    pid: int
+    lines: frozenset[str]
+    will: Will
+    lease_until: int
+    program: str = ""
+    ended: bool = False
+    absent: bool = False
+    queue: deque[Write] = field(default_factory=deque)
