@@ -94,11 +94,17 @@ def test_a_weak_grip_that_is_over_stays_told_until_a_drop(description: Descripti
     tool.run(5.0)
     choose(tool, "nominal")
     tool.run(5.0)
-    assert [alarm for alarm in tool.status.alarms if "Top vacuum was not secure for a while" in alarm]
+    assert [alarm for alarm in tool.status.alarms if alarm.startswith("Over: Top vacuum was not secure")]
     assert tool.command("drop").accepted
     assert tool.status.alarms == ()
     tool.run(3.0)
     assert tool.status.ee == STAND_BY
+
+
+def test_the_program_of_the_tool_changer_watches_nothing(description: Description) -> None:
+    tool = gripped(description, "leak:top_vacuum,supply:430", 6.0)
+    assert len(tool.status.alarms) == 2
+    assert tool.change.status().alarms == ()
 
 
 def test_acknowledged_is_what_is_over_and_nothing_else(description: Description) -> None:
@@ -153,7 +159,7 @@ def test_stale_while_held_is_told_and_stays_told_when_it_is_over(description: De
     choose(tool, "nominal")
     tool.run(3.0)
     assert tool.status.lift_allowed
-    assert tool.status.alarms == ("Top vacuum had no valid reading for a while; it is read again.",)
+    assert tool.status.alarms == ("Over: Top vacuum had no valid reading for a while; it is read again.",)
 
 
 def test_a_supply_that_falls_while_held_is_told_and_releases_nothing(description: Description) -> None:

@@ -157,6 +157,14 @@ def test_a_grip_that_is_lost():
     )
 
 
+def test_a_grip_that_is_lost_says_by_whom():
+    rows = [(r.time_s, *r.states) for r in NOMINAL.rows]
+    story = tell(log(*rows[:5], (6.0, 2, -1, 2, 2, 1)))
+    assert story.verdict == "GRIPPED, then Top vacuum LOST: outputs held"
+    assert [loss.actuators for loss in story.losses] == [("top_vacuum",)]
+    assert moments(story)[-1] == (6.0, "grip lost: Top vacuum")
+
+
 def test_a_release_that_fails_and_the_drop_that_succeeds():
     rows = [(r.time_s, *r.states) for r in NOMINAL.rows]
     failed = [*rows[:8], (13.75, 5, -1, 0, 0, 0)]

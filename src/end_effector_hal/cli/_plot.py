@@ -14,6 +14,7 @@ from end_effector_hal.trace import (
     StatesLog,
     Story,
     paper,
+    read_alarms,
     read_pressures,
     read_run,
     read_states,
@@ -41,10 +42,11 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
     log = read_states(states)
     info = read_run(states.parent)
     targets = {name: _targets(states, name, styles, output) for name in styles}
+    alarms = read_alarms(states.with_name("alarms.csv"))
     pressures, notes = _pressures(states.with_name("pressures.csv"))
     files: list[Path] = []
     for name, paths in targets.items():
-        figure = timeline(log, pressures, info) if name == "timeline" else paper(log, info)
+        figure = timeline(log, pressures, info, alarms) if name == "timeline" else paper(log, info)
         files += [save(figure, path) for path in paths]
     _report(log, tell(log, info), files, [note for note in (log.note, *notes) if note], as_json)
 

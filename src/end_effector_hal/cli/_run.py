@@ -53,6 +53,7 @@ def command(description: Path, script: str | None, record: Path | None) -> None:
 def _record(tool: EndEffector, recording: Recording) -> None:
     def state(status: Status) -> None:
         recording.state(status.at, status.ee, status.command, status.actuators)
+        recording.alarms(status.at, status.alarms)
 
     tool.subscribe(state)
     tool.subscribe_frames(lambda frame: recording.values(frame.at, frame.values))
@@ -82,6 +83,9 @@ class _Told:
         for alarm in status.alarms:
             if alarm not in self._alarms:
                 click.echo(f"alarm: {alarm}", err=True)
+        for alarm in self._alarms:
+            if alarm not in status.alarms:
+                click.echo(f"no longer: {alarm}", err=True)
         self._alarms = status.alarms
 
 
@@ -128,7 +132,7 @@ class _Session:
             }[order]()
             succeeded, reason = outcome.succeeded, outcome.reason
         self._succeeded = self._succeeded and succeeded
-        click.echo(f"{order.name}: {'succeeded' if succeeded else 'failed'} {reason}".rstrip())
+        click.echo(f"{order.name}: {'succeeded' if succeeded else 'failed'}{f'. {reason}' if reason else ''}")
 
 
 def _prompt() -> Iterator[Order]:

@@ -54,7 +54,7 @@ class AlarmLog:
         known = self._alarms.get((kind, who))
         if known is None or known.over:
             return False
-        self._alarms[kind, who] = replace(known, text=text, over=True)
+        self._alarms[kind, who] = replace(known, text=f"Over: {text}", over=True)
         return True
 
     def acknowledge(self) -> None:

@@ -44,7 +44,7 @@ class Controller:
         observe: Callable[[Observation], None] | None = None,
     ) -> None:
         self._description = description
-        self._program = program
+        self._program, self._grips = program, program == "grip"
         codec = get_codec(description.link.codec)
         self._senses = Senses(description, codec)
         self._lock_fitted = LOCKED in predicates_fitted(description, codec)
@@ -203,7 +203,7 @@ class Controller:
         alarms += self._hold.alarms
         if self._adopted:
             alarms += self._senses.notices(self._at, held=self._held)
-        if supply.low and not self._held:
+        if supply.low and self._grips and not self._held:
             alarms.append(f"Supply pressure under {self._description.supply.warn_kpa:g} kPa.")
         return tuple(alarms)
 
@@ -254,13 +254,14 @@ class Controller:
     @property
     def _latched(self) -> bool:
         error = self._values["ee"] in (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
-        return error and self._values["command"] == Command.NONE
+        return self._grips and error and self._values["command"] == Command.NONE
 
     @property
     def _held(self) -> bool:
         # what was found active is held until it is adopted and known better
         doubtful = not self._adopted or (self._latched and self._values["ee"] == EndEffectorState.GRIP_ERROR)
-        return self._values["ee"] == EndEffectorState.GRIPPED or (doubtful and any(self._levels_now))
+        held = self._values["ee"] == EndEffectorState.GRIPPED or (doubtful and any(self._levels_now))
+        return self._grips and held
 
     @property
     def _levels_now(self) -> tuple[bool, ...]:

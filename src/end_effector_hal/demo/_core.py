@@ -27,6 +27,7 @@ class _Recorder:
 
     def status(self, status: Status) -> None:
         self._recording.state(status.at, status.ee, status.command, status.actuators)
+        self._recording.alarms(status.at, status.alarms)
 
     def frame(self, frame: Frame) -> None:
         self._recording.values(frame.at, frame.values)

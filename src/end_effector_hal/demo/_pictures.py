@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from end_effector_hal.trace import RunInfo, StatesLog, paper, read_pressures, save, timeline
+from end_effector_hal.trace import RunInfo, StatesLog, paper, read_alarms, read_pressures, save, timeline
 
 
 def draw(folder: Path, log: StatesLog, info: RunInfo) -> list[Path]:
     """Draw ``timeline`` and ``paper``, each as PNG and SVG, into the folder of the recording."""
     pressures = read_pressures(folder / "pressures.csv") if (folder / "pressures.csv").exists() else None
-    figures = {"timeline": timeline(log, pressures, info), "paper": paper(log, info)}
+    alarms = read_alarms(folder / "alarms.csv")
+    figures = {
+        "timeline": timeline(log, pressures, info, alarms),
+        "paper": paper(log, info),
+    }
     return [
         save(figure, folder / f"{name}.{suffix}")
         for name, figure in figures.items()

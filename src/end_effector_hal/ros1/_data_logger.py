@@ -34,6 +34,7 @@ class DataLogger:
     def _state_came(self, message: Any) -> None:
         try:
             self._recording.state(message.at_us, message.state, message.command, message.actuators)
+            self._recording.alarms(message.at_us, message.alarms)
         except EndEffectorError as error:
             self._log.error("%s", error)
 

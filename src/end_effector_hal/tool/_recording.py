@@ -13,14 +13,14 @@ from typing import Any, Self
 
 from end_effector_hal.description import Actuator, Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import PressuresWriter, RunInfo, StatesWriter, read_run
+from end_effector_hal.trace import AlarmsWriter, PressuresWriter, RunInfo, StatesWriter, read_run
 from end_effector_hal.wires import Kind, Value, get_codec, now_us
 
 DISTRIBUTION = "end-effector-hal"
 
 
 class Recording:
-    """Writes ``run.json``, ``states.csv`` and ``pressures.csv`` into a folder; thread-safe.
+    """Writes ``run.json``, ``states.csv``, ``alarms.csv`` and ``pressures.csv`` into a folder; thread-safe.
 
     Times are µs on the monotonic clock. The first state is the start; what is older is written as of the start. A
     recording that is in the folder already is continued, on its own time.
@@ -56,6 +56,7 @@ class Recording:
             )
             info.write(self.folder)
             channels = pressure_channels(description)
+            self._alarms = AlarmsWriter(self.folder / "alarms.csv")
             self._pressures = PressuresWriter(self.folder / "pressures.csv", channels) if channels else None
         except BaseException:
             self._states.close()
@@ -66,6 +67,11 @@ class Recording:
         if self._start is None:
             self._start = max(at, self._begun)
         return self._states.write(self.seconds(at), end_effector, command, actuators)
+
+    def alarms(self, at: int, alarms: Sequence[str]) -> None:
+        """The alarms that stand from ``at`` on."""
+        if self._start is not None:
+            self._alarms.write(self.seconds(at), alarms)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
         """What the channels carry at ``at``: gauge Pa, None for invalid; bits are not recorded."""
@@ -78,6 +84,7 @@ class Recording:
     def close(self) -> None:
         """Close the files; may be called again."""
         self._states.close()
+        self._alarms.close()
         if self._pressures is not None:
             self._pressures.close()
 

@@ -1,5 +1,6 @@
 """Records of a run: written as it happens, read back, told in words and drawn."""
 
+from end_effector_hal.trace._alarms import AlarmRow, AlarmsWriter, read_alarms
 from end_effector_hal.trace._draw import paper, save, timeline
 from end_effector_hal.trace._pressures import PressuresLog, PressuresWriter, read_pressures
 from end_effector_hal.trace._run import RunInfo, read_run
@@ -29,6 +30,8 @@ from end_effector_hal.trace._trace_file import Record, TraceFile, read_trace
 from end_effector_hal.trace._trace_writer import TraceWriter
 
 __all__ = [
+    "AlarmRow",
+    "AlarmsWriter",
     "Attempt",
     "Cause",
     "Command",
@@ -55,6 +58,7 @@ __all__ = [
     "actuator_states",
     "display_name",
     "paper",
+    "read_alarms",
     "read_pressures",
     "read_run",
     "read_states",

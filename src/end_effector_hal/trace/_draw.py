@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.trace._alarms import AlarmRow
 from end_effector_hal.trace._pressures import PressuresLog
 from end_effector_hal.trace._run import RunInfo
 from end_effector_hal.trace._states import StatesLog
@@ -14,7 +16,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def timeline(log: StatesLog, pressures: PressuresLog | None = None, info: RunInfo | None = None) -> Figure:
+def timeline(
+    log: StatesLog,
+    pressures: PressuresLog | None = None,
+    info: RunInfo | None = None,
+    alarms: Sequence[AlarmRow] = (),
+) -> Figure:
     """States as lanes with their names inside, events on top, pressures with their accepted range below.
 
     Raises UsageError for a recording without a row.
@@ -22,7 +29,7 @@ def timeline(log: StatesLog, pressures: PressuresLog | None = None, info: RunInf
     _need_rows(log)
     from end_effector_hal.trace.figures._timeline import draw
 
-    return draw(log, pressures, info or RunInfo())
+    return draw(log, pressures, info or RunInfo(), alarms)
 
 
 def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
+from end_effector_hal.trace._alarms import BEGUN, AlarmRow
 from end_effector_hal.trace._states import StatesLog
 from end_effector_hal.trace._story import Cause, Decision, Grip, Moment, Story
 from end_effector_hal.trace._tables import Command, EndEffectorState, display_name
 
+_TOLD = ("Over", "GRIP_ERROR", "RELEASE_ERROR")
+"""Alarms that a figure leaves out: what is over, and what the states show."""
 
-def moments_of(log: StatesLog, story: Story) -> tuple[Moment, ...]:
+
+def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
     """Commands, time-outs, aborts, GRIPPED, losses, drops and failed releases, in order of time."""
     named = len({attempt.actuator for attempt in story.timeouts}) > 1
     found = _commands(log)
@@ -20,7 +25,14 @@ def moments_of(log: StatesLog, story: Story) -> tuple[Moment, ...]:
         if end_s is not None and not any(grip.start_s <= at <= end_s for at in cancels):
             # a cancel that holds leaves no command to be seen
             found.append(Moment(end_s, "command", Command.CANCEL.label))
-    found += [Moment(at, "lost", "grip lost") for at in story.lost_s]
+    found += [
+        Moment(loss.time_s, "lost", ": ".join(filter(None, ("grip lost", loss.who)))) for loss in story.losses
+    ]
+    found += [
+        Moment(row.time_s, "alarm", row.title)
+        for row in alarms
+        if row.event == BEGUN and not row.title.startswith(_TOLD)
+    ]
     for release in story.releases:
         if release.cause is Cause.DROP:
             found.append(Moment(release.start_s, "command", "DROP"))

@@ -132,6 +132,19 @@ class Grip:
 
 
 @dataclass(frozen=True)
+class Loss:
+    """A held part was lost; ``actuators`` are those whose confirmation went, as far as the states tell."""
+
+    time_s: float
+    actuators: tuple[str, ...] = ()
+
+    @property
+    def who(self) -> str:
+        """In words; empty: not told."""
+        return " and ".join(display_name(name) for name in self.actuators)
+
+
+@dataclass(frozen=True)
 class Moment:
     """An instant that a figure marks."""
 
@@ -144,18 +157,22 @@ class Moment:
 class Story:
     """A recording in order of time.
 
-    ``lost_s`` are the times at which a held part was lost; ``adopted`` is the state found at the start, if
-    any.
+    ``losses`` tell when a held part was lost; ``adopted`` is the state found at the start, if any.
     """
 
     actuators: tuple[str, ...]
     grips: tuple[Grip, ...]
     releases: tuple[Release, ...]
-    lost_s: tuple[float, ...]
+    losses: tuple[Loss, ...]
     adopted: EndEffectorState | None
     final: EndEffectorState | None
     moments: tuple[Moment, ...]
     verdict: str
+
+    @property
+    def lost_s(self) -> tuple[float, ...]:
+        """The times at which a held part was lost."""
+        return tuple(loss.time_s for loss in self.losses)
 
     @property
     def attempts(self) -> tuple[Attempt, ...]:

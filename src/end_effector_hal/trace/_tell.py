@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
+from end_effector_hal.trace._alarms import AlarmRow
 from end_effector_hal.trace._moments import moments_of
 from end_effector_hal.trace._run import RunInfo
 from end_effector_hal.trace._states import StatesLog, StatesRow
-from end_effector_hal.trace._story import Attempt, Cause, Decision, Grip, Outcome, Release, Reset, Story
+from end_effector_hal.trace._story import Attempt, Cause, Decision, Grip, Loss, Outcome, Release, Reset, Story
 from end_effector_hal.trace._tables import INACTIVE, PENDING, Command, EndEffectorState
 from end_effector_hal.trace._verdict import verdict_of
 
@@ -81,7 +82,7 @@ class _Reader:
         self.names, self.allowed = log.actuators, allowed
         self.grips: list[Grip] = []
         self.releases: list[Release] = []
-        self.lost: list[float] = []
+        self.lost: list[Loss] = []
         self.adopted: EndEffectorState | None = None
         self.grip: _Gripping | None = None
         self.release: _Releasing | None = None
@@ -104,7 +105,7 @@ class _Reader:
             self.grip.cancelled |= row.command is Command.CANCEL and before.command is not Command.CANCEL
         self.actuate(before, row)
         if was is not now:
-            self.enter(was, now, row)
+            self.enter(was, now, before, row)
         self.deactivate(before, row)
         if now not in (EndEffectorState.RELEASING, EndEffectorState.GRIP_ERROR):
             self.finish(at, now)
@@ -124,12 +125,13 @@ class _Reader:
             elif row.end_effector is EndEffectorState.GRIPPING:
                 self.grip.end(name, row.time_s, timed_out)
 
-    def enter(self, was: EndEffectorState, now: EndEffectorState, row: StatesRow) -> None:
+    def enter(self, was: EndEffectorState, now: EndEffectorState, before: StatesRow, row: StatesRow) -> None:
         state, at = EndEffectorState, row.time_s
         if self.grip is not None and now is not state.GRIPPING:
             self.leave(self.grip, row)
         elif was is state.GRIPPED and now is state.GRIP_ERROR:
-            self.lost.append(at)
+            changes = zip(self.names, before.actuators, row.actuators, strict=True)
+            self.lost.append(Loss(at, tuple(name for name, old, new in changes if new == PENDING != old)))
         elif was is state.OFF and now in (state.GRIPPED, state.GRIP_ERROR):
             self.adopted = now
         elif now is state.RELEASING and self.release is None:
@@ -188,12 +190,13 @@ class _Reader:
             self.release = None
 
 
-def tell(log: StatesLog, info: RunInfo | None = None) -> Story:
+def tell(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[AlarmRow] = ()) -> Story:
     """The story of a recording.
 
-    ``info`` adds only how many attempts an actuator may fail; without it that number is known once a grip was
-    aborted. An attempt begins at PENDING and ends at ON or OFF; it timed out when it went OFF while the end-
-    effector was GRIPPING, or when its end was the abort (paper, section III.C).
+    ``alarms`` become moments of it, and nothing else. ``info`` adds only how many attempts an actuator may fail;
+    without it that number is known once a grip was aborted. An attempt begins at PENDING and ends at ON or OFF; it
+    timed out when it went OFF while the end-effector was GRIPPING, or when its end was the abort (paper, section
+    III.C).
     """
     known = {name: info.attempts(name) for name in log.actuators} if info else {}
     allowed = {name: number for name, number in known.items() if number is not None}
@@ -215,4 +218,4 @@ def tell(log: StatesLog, info: RunInfo | None = None) -> Story:
         moments=(),
         verdict="",
     )
-    return replace(story, moments=moments_of(log, story), verdict=verdict_of(log, story))
+    return replace(story, moments=moments_of(log, story, alarms), verdict=verdict_of(log, story))

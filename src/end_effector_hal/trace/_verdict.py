@@ -78,7 +78,7 @@ def _gripped(grip: Grip, story: Story) -> str:
 
 def _aftermath(story: Story) -> list[str]:
     """What came after the grip was decided, in order of time."""
-    parts = [(at, "then LOST: outputs held") for at in story.lost_s]
+    parts = [(loss.time_s, f"then {loss.who} LOST: outputs held".replace("  ", " ")) for loss in story.losses]
     held = story.grips and story.grips[0].decision is Decision.CANCELLED and not _unwound(story)
     if held and story.grips[0].decided_s is not None:
         parts.append((story.grips[0].decided_s, "outputs held"))

@@ -33,6 +33,7 @@ MARKERS = {
     "timeout": ("v", "#8f5d00"),
     "abort": ("X", "#b8232f"),
     "lost": ("X", "#b8232f"),
+    "alarm": ("^", "#a85400"),
     "gripped": ("*", "#1f7a55"),
 }
 """Kind of moment -> its mark and colour."""

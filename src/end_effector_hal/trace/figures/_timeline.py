@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from end_effector_hal.trace._alarms import AlarmRow
 from end_effector_hal.trace._pressures import PressuresLog
 from end_effector_hal.trace._run import RunInfo
 from end_effector_hal.trace._states import StatesLog
@@ -44,10 +45,12 @@ class _Sheet:
         return axes
 
 
-def draw(log: StatesLog, pressures: PressuresLog | None, info: RunInfo) -> Figure:
+def draw(
+    log: StatesLog, pressures: PressuresLog | None, info: RunInfo, alarms: Sequence[AlarmRow] = ()
+) -> Figure:
     """Measure everything, then draw it; see `end_effector_hal.trace.timeline`."""
     with drawing():
-        story = tell(log, info)
+        story = tell(log, info, alarms)
         panels = panels_of(pressures, info, log.actuators)
         page = page_of(log, pressures if panels else None, labels_width(panels))
         events = place_events(story.moments, page.x, page.width + EDGE_IN)
