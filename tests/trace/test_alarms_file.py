@@ -29,6 +29,7 @@ def test_what_is_read_is_what_was_written(path):
     assert read_alarms(path) == (
         AlarmRow(2.0, "begun", WEAK),
         AlarmRow(3.0, "begun", LINK),
+        AlarmRow(3.1, "begun", WEAK.replace("Top", "Bottom")),
         AlarmRow(4.0, "ended", WEAK),
         AlarmRow(5.0, "ended", LINK),
     )

@@ -204,7 +204,7 @@ class Controller:
         if self._adopted:
             alarms += self._senses.notices(self._at, held=self._held)
         if supply.low and self._grips and not self._held:
-            alarms.append(f"Supply pressure under {self._description.supply.warn_kpa:g} kPa.")
+            alarms.append(f"Low supply: under {self._description.supply.warn_kpa:g} kPa.")
         return tuple(alarms)
 
     def _until(self, at: int) -> int:

@@ -99,7 +99,7 @@ class HoldMonitor:
     def _readable(self, index: int, name: str, at: int) -> None:
         who = display_name(name)
         if self._senses.evidence[index] is Evidence.UNKNOWN:
-            self._log.raise_(AlarmKind.STALE, name, f"{who} is held with no valid reading: {KEPT}.", at)
+            self._log.raise_(AlarmKind.STALE, name, f"No reading: {who} is held and not known; {KEPT}.", at)
         else:
             self._log.end(AlarmKind.STALE, name, f"{who} had no valid reading for a while; it is read again.")
 
@@ -136,7 +136,7 @@ class HoldMonitor:
     def _supply(self, at: int) -> None:
         supply, warn = self._senses.supply, f"{self._description.supply.warn_kpa:g} kPa"
         if supply.low and supply.kpa is not None:
-            text = f"The supply pressure fell under {warn} while a part is held ({supply.kpa:.0f} kPa)."
+            text = f"Low supply: under {warn} while a part is held ({supply.kpa:.0f} kPa)."
             self._log.raise_(AlarmKind.SUPPLY, "", text, at)
         elif not supply.low:
             self._log.end(

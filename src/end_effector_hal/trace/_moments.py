@@ -10,6 +10,7 @@ from end_effector_hal.trace._states import StatesLog
 from end_effector_hal.trace._story import Cause, Decision, Grip, Moment, Story
 from end_effector_hal.trace._tables import Command, EndEffectorState, display_name
 
+_TOGETHER_S = 0.2
 _TOLD = ("Over", "GRIP_ERROR", "RELEASE_ERROR")
 """Alarms that a figure leaves out: what is over, and what the states show."""
 
@@ -28,17 +29,27 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
     found += [
         Moment(loss.time_s, "lost", ": ".join(filter(None, ("grip lost", loss.who)))) for loss in story.losses
     ]
-    found += [
-        Moment(row.time_s, "alarm", row.title)
-        for row in alarms
-        if row.event == BEGUN and not row.title.startswith(_TOLD)
-    ]
+    found += _warnings(alarms)
     for release in story.releases:
         if release.cause is Cause.DROP:
             found.append(Moment(release.start_s, "command", "DROP"))
         if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
             found.append(Moment(release.end_s, "lost", "release error"))
     return tuple(sorted(found, key=lambda moment: moment.time_s))
+
+
+def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:
+    """What began, once for what began of several actuators together."""
+    found: dict[str, Moment] = {}
+    moments = []
+    for row in alarms:
+        last = found.get(row.title)
+        if row.event != BEGUN or row.title.startswith(_TOLD):
+            continue
+        if last is None or row.time_s - last.time_s > _TOGETHER_S:
+            found[row.title] = Moment(row.time_s, "alarm", row.title)
+            moments.append(found[row.title])
+    return moments
 
 
 def _commands(log: StatesLog) -> list[Moment]:
