@@ -122,6 +122,7 @@ class DiscreteSpace:
         try:
             return self._states[state]
         except KeyError:
+            state = self.resting.shared(state)
             allowed = not self._checked or self.semantics.allowed(state)
             discrete = self._states[state] = Discrete(self, state) if allowed else None
             return discrete

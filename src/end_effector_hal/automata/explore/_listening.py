@@ -42,6 +42,7 @@ class _Here:
         ]
         self._seen: Callable[[Values], object] = itemgetter(*offsets) if offsets else lambda _: None
         self._known: dict[object, tuple[_Begun, ...]] = {}
+        self._shared: dict[object, _Begun] = {}
 
     def begun(self, values: Values) -> tuple[_Begun, ...]:
         """Those whose data guards hold."""
@@ -59,8 +60,12 @@ class _Here:
                 bounds, channel = clocks.at(values), edge.channel
                 if channel is not None and not isinstance(channel, int):
                     channel = channel(values)
-                alone = Transition((edge,), bounds, None) if channel is None else None
-                yield _Begun(edge, bounds, channel, alone)
+                key = (edge, bounds, channel)
+                found = self._shared.get(key)
+                if found is None:
+                    alone = Transition((edge,), bounds, None) if channel is None else None
+                    found = self._shared[key] = _Begun(edge, bounds, channel, alone)
+                yield found
 
 
 class ListeningSemantics(Semantics):

@@ -118,6 +118,7 @@ class _Exploration:
         ]
         discrete = DiscreteSpace(network, SlicedSemantics(network, [str(query) for query in queries]))
         self.space = SharpSpace(discrete, LocatedLimits(network, self._asked))
+        self.space.frugal = True
         asked_for = {clock for asked in self._asked for clock in asked.limits}
         self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)), told)
 

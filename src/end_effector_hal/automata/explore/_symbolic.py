@@ -96,6 +96,8 @@ class Place:
         if self._steps is None:
             step = self._space.step
             self._steps = tuple([step(self, move) for move in self.discrete.moves])
+            if self._space.frugal:
+                self.discrete.forget()
         return self._steps
 
     def forget(self) -> None:
@@ -111,13 +113,14 @@ class SymbolicSpace:
     """One analysis of a network: discrete states with zones that are widened by the limits given.
 
     ``delays``: whether zones are let grow by time as they are entered (reachability: equal zones are then one object)
-    or left to the user (liveness).
+    or left to the user (liveness). ``frugal``: whether moves are let go of once there are steps.
     """
 
     def __init__(
         self, discrete: DiscreteSpace, limits: Limits, *, delays: bool = True, widens: bool = True
     ) -> None:
         self.discrete, self.limits, self.delays, self.widens = discrete, limits, delays, widens
+        self.frugal = False
         self._places: dict[Discrete, Place] = {}
         self._plans: dict[object, Plan] = {}
         self._planned: dict[object, Plan] = {}
