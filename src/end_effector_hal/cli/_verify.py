@@ -68,10 +68,10 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
     for finding in proof.findings:
         if finding.trace is not None:
             _print_run(finding, files.get(finding.id, []))
-    failed = sum(not finding.holds for finding in proof.findings)
-    verdict = (
-        f"{failed} of {len(proof.findings)} do not hold" if failed else f"all {len(proof.findings)} hold"
-    )
+    failed = sum(not finding.holds and finding.decided for finding in proof.findings)
+    left = sum(not finding.decided for finding in proof.findings)
+    verdict = f"{failed} of {len(proof.findings)} fail" if failed else f"all {len(proof.findings)} hold"
+    verdict += f", {left} are not decided" if left else ""
     text = f"\n{verdict}; {proof.states:,} states, {proof.seconds:.2f} s"
     click.secho(text, fg="red" if failed else "green", bold=True)
     if failed and not files and any(finding.trace for finding in proof.findings):
@@ -80,6 +80,7 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
 
 def _print_line(finding: Finding) -> None:
     mark = click.style("holds", fg="green") if finding.holds else click.style("FAILS", fg="red", bold=True)
+    mark = mark if finding.decided else click.style("open ", fg="yellow")
     cost = click.style(f"[{finding.id}; {finding.states:,} states, {finding.seconds:.2f} s]", dim=True)
     click.echo(f"{mark}  {finding.sentence}  {cost}")
     for remark in finding.remark.split("; ") if finding.remark else ():

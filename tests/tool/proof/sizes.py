@@ -14,7 +14,8 @@ def sized(count: int) -> str:
         bits = f", extended_bit: out_{at}, retracted_bit: in_{at}" if at % 2 else ""
         actuators.append(
             f"  {name}: {{kind: {name.split('_')[0]}, line: LINE_{at}, channel: sensor_{at}, service: Set{at},"
-            f" topic: Topic{at}, timeout_s: {confirm}, reset_s: {pause}, attempts: {attempts}, release_s: {gone}{bits}}}"
+            f" topic: Topic{at}, timeout_s: {confirm}, reset_s: {pause}, attempts: {attempts},"
+            f" release_s: {gone}{bits}}}"
         )
     return "\n".join(
         (

@@ -109,7 +109,6 @@ class _Exploration:
         self._no_deadlock: set[int] = set()  # ask for nothing else
         self._about_deadlock: set[int] = set()  # ask for deadlocks among other things
         self._happened: set[tuple[int, bool]] = set()
-        self._clocked: dict[Place, tuple[int, ...]] = {}
         self._premises: dict[int, Formula] = {}
         self._goes_on, self._deadlocks, self._doubtful = GoesOn(), Deadlocks(), set[Place]()
         self._stuck = self._stopped = self._ended = False
@@ -152,13 +151,13 @@ class _Exploration:
 
     def run(self, *, stop: bool, most_states: int | None = None) -> None:
         """Explore."""
-        clocked, concern = self._clocked, Concern(self.network, self._premises)
+        concern = Concern(self.network, self._premises)
         for count, node in enumerate(self.search.nodes(), start=1):
             place = node.place
-            concerned = clocked.get(place)
+            concerned: tuple[int, ...] | None = place.note
             if concerned is None:
                 self._happened.update(self._watch(place.discrete.state))
-                concerned = clocked[place] = concern(place.discrete.state)
+                concerned = place.note = concern(place.discrete.state)
                 if not self._goes_on(place):
                     self._doubtful.add(place)
             for number in concerned:

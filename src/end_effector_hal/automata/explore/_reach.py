@@ -87,11 +87,8 @@ class Search:
                     continue
                 if move.error is not None:
                     raise OutOfRangeError(move.error, [*node.legs, Leg(move)])
-                seen = target.seen
-                if after not in seen:
-                    seen.add(after)
-                    if not target.passed or not self._covered(after, target.passed):
-                        yield self._found(target, after, node, move)
+                if not target.passed or not self._covered(after, target.passed):
+                    yield self._found(target, after, node, move)
 
     def first(self, wanted: Callable[[Node], bool]) -> Node | None:
         """The first state that is wanted, by the length of its run; None if there is none."""
@@ -131,6 +128,9 @@ class Search:
 
     def _covered(self, zone: Zone, others: list[Node]) -> bool:
         """Whether a zone lies inside that of a node."""
+        for other in others:
+            if other.zone is zone:
+                return True
         inside = self._inside.get(zone)
         if inside is None:
             inside = self._inside[zone] = {}

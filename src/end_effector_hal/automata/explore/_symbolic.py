@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
-from end_effector_hal.automata.explore._discrete import Discrete, DiscreteSpace, Move
+from end_effector_hal.automata.explore._discrete import Discrete, DiscreteSpace, Label, Move
 from end_effector_hal.automata.explore._extrapolation import widening
 from end_effector_hal.automata.explore._limits import Limit, Limits
 from end_effector_hal.automata.explore._plan import Plan, as_constraints
@@ -49,7 +49,7 @@ class Place:
         shape: of its zones.
         invariant: on its zones.
         passed: nodes that wait or are done, for the user.
-        seen: their zones, for the user.
+        note: for the user.
     """
 
     __slots__ = (
@@ -57,8 +57,8 @@ class Place:
         "_steps",
         "discrete",
         "invariant",
+        "note",
         "passed",
-        "seen",
         "shape",
     )
 
@@ -67,8 +67,8 @@ class Place:
         self.shape = space.shape(discrete.state.locations)
         self.invariant = space.invariant(self.shape, discrete.invariant)
         self.passed: list[Any] = []
-        self.seen: set[Zone] = set()
-        self._steps: tuple[Step, ...] | None = None
+        self.note: Any = None
+        self._steps: tuple[Any, ...] | None = None  # side by side: a tuple for each is most of all memory
 
     @property
     def n(self) -> int:
@@ -91,18 +91,19 @@ class Place:
         return self.shape.index
 
     @property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> Iterable[Step]:
         """All moves that lead to a state. A move whose update leaves a range has a plan and leads to itself."""
         if self._steps is None:
             step = self._space.step
-            self._steps = tuple([step(self, move) for move in self.discrete.moves])
+            self._steps = tuple([part for move in self.discrete.moves for part in step(self, move)])
             if self._space.frugal:
                 self.discrete.forget()
-        return self._steps
+        parts = iter(self._steps)
+        return zip(parts, parts, parts, strict=True)  # type: ignore[return-value]
 
     def forget(self) -> None:
         """Let go of the steps and of what was noted."""
-        self._steps, self.passed, self.seen = None, [], set()
+        self._steps, self.passed, self.note = None, [], None
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
         """Clock constraints over the zones of this place."""
@@ -113,7 +114,7 @@ class SymbolicSpace:
     """One analysis of a network: discrete states with zones that are widened by the limits given.
 
     ``delays``: whether zones are let grow by time as they are entered (reachability: equal zones are then one object)
-    or left to the user (liveness). ``frugal``: whether moves are let go of once there are steps.
+    or left to the user (liveness). ``frugal``: what moves lead to is told by steps only.
     """
 
     def __init__(
@@ -121,6 +122,7 @@ class SymbolicSpace:
     ) -> None:
         self.discrete, self.limits, self.delays, self.widens = discrete, limits, delays, widens
         self.frugal = False
+        self._shared: dict[Label, Move] = {}
         self._places: dict[Discrete, Place] = {}
         self._plans: dict[object, Plan] = {}
         self._planned: dict[object, Plan] = {}
@@ -182,8 +184,22 @@ class SymbolicSpace:
             place = self.place(discrete)
             zone = self._plan(1, (), ((0, 0),) * place.n, place)((1,))
         if zone is None:
-            raise ModelError("An invariant does not hold in the initial state.")
+            raise self._outside()
         return place, zone
+
+    def _outside(self) -> ModelError:
+        network, state = self.discrete.network, self.discrete.semantics.initial
+        for process, at in zip(network.processes, state.locations, strict=True):
+            location = process.locations[at]
+            bounds = [part.at(state.values) for part in location.invariant.clocks]
+            late = any(value < 0 or (not value and op == "<") for _, op, value in bounds)
+            if late or not location.invariant.holds(state.values):
+                text = location.drawn.labels["invariant"].text
+                what = f"The invariant '{text.whole.snippet}' does not hold in the initial state."
+                return ModelError(
+                    what, where=text.whole.where, todo="Every process starts in its initial location."
+                )
+        raise AssertionError("every invariant holds in the initial state")
 
     def step(self, source: Place, move: Move) -> Step:
         """The move with its plan."""
@@ -199,6 +215,8 @@ class SymbolicSpace:
         plan = self._planned.get(key)
         if plan is None:
             plan = self._planned[key] = self._follow(source, move, target)
+        if self.frugal and move.error is None:
+            move = self._shared.get(move.label) or self._shared.setdefault(move.label, Move(move.label, None))
         return Step(plan, target, move)
 
     def _follow(self, source: Place, move: Move, target: Place) -> Plan:

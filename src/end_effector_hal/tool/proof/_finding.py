@@ -46,6 +46,7 @@ class Finding:
         remark: what else is to be said: what was found, or that the requirement says nothing here.
         trace: the shortest run found that shows why not; None where there is none to show.
         worst: for ``A[] p imply x <= c``.
+        decided: whether it was looked at; what was not does not hold either.
     """
 
     id: str
@@ -57,6 +58,7 @@ class Finding:
     remark: str = ""
     trace: Trace | None = field(default=None, repr=False)
     worst: WorstCase | None = None
+    decided: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -140,7 +140,16 @@ class _Proving:
         seconds = perf_counter() - self.begun
         first = Finding("ranges", sentence, "", False, len(trace.steps), seconds, what, trace)
         rest = [
-            Finding(each.id, each.sentence, str(each.query), False, 0, 0.0, "not decided: see [ranges]")
+            Finding(
+                each.id,
+                each.sentence,
+                str(each.query),
+                False,
+                0,
+                0.0,
+                "not decided: see [ranges]",
+                decided=False,
+            )
             for each in self.requirements
         ]
         return Proof((first, *rest), first.states, seconds)
