@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test test-boot interlocks check bench format clean debian ros kill-matrix kill-matrix-full
+.PHONY: help setup demo demo-all test nightly test-boot interlocks check bench format clean debian ros kill-matrix kill-matrix-full
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -21,6 +21,9 @@ demo-all: setup ## the same, then a cancel, a release that fails, unlock and loc
 
 test: setup ## all tests
 	@$(ROS_ENV) && pytest -q
+
+nightly: setup ## the proof at length: thousands of random networks, 8 and 32 steps, Fischer with 7 processes
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/deploy/test_boot.py

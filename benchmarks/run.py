@@ -82,7 +82,13 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a minute or two: see that it works")
     parser.add_argument(
-        "--parts", nargs="+", choices=[*PARTS, "verification"], default=[*PARTS, "verification"]
+        "--only",
+        "--parts",
+        dest="parts",
+        nargs="+",
+        choices=[*PARTS, "verification"],
+        default=[*PARTS, "verification"],
+        help="some of it; verification needs no ROS",
     )
     parser.add_argument("-o", "--output", type=Path, default=Path("runs/bench.json"))
     return parser.parse_args()

@@ -53,24 +53,28 @@ def print_verification(console: Console, measured: Measured) -> None:
     table.add_column("what", min_width=40)
     for head in ("CPU s", "states", "states/s", "peak MiB"):
         table.add_column(head, justify="right")
-    subject = measured.requirements
-    for answer in subject.answers:
+    subject = measured.alone
+    for answer in subject.answers if subject else ():
         mark = "" if answer.holds else "  DOES NOT HOLD"
         table.add_row(answer.sentence + mark, *_rate(answer.seconds, answer.states), "")
-    table.add_row(f"all of these{_left(subject)}", *_rate(subject.seconds, subject.states), _mib(subject))
+    if subject:
+        row = (*_rate(subject.seconds, subject.states), _mib(subject))
+        table.add_row(f"all of these, one by one{_left(subject)}", *row)
+    subject = measured.together
+    row = (*_rate(subject.seconds, subject.states), _mib(subject))
+    table.add_row(f"all requirements in one exploration, as eehal verify{_left(subject)}", *row)
     table.add_section()
     for one in measured.fischer:
         row = (*_rate(one.seconds, one.states), _mib(one))
         table.add_row(f"Fischer, {one.size} processes{_left(one)}", *row)
     table.add_section()
     for one in measured.steps:
-        seconds, states = measured.common.get(one.size, (0.0, 0))
-        name = f"{one.size} steps, {len(one.answers)} requirements answered{_left(one)}"
-        table.add_row(name, *_rate(seconds, states), _mib(one))
+        row = (*_rate(one.seconds, one.states), _mib(one))
+        table.add_row(f"{one.size} steps, all requirements{_left(one)}", *row)
     console.print(table)
     if measured.growth is not None and measured.growth_of_states is not None:
         console.print(
-            f"Those answered for every number of steps: time grows as N^{measured.growth:.2f}, "
+            f"With the number N of steps time grows as N^{measured.growth:.2f}, "
             f"states as N^{measured.growth_of_states:.2f}.",
             highlight=False,
         )

@@ -12,18 +12,22 @@ class Plan:
     Attributes:
         fischer: numbers of processes.
         steps: numbers of actuators.
-        requirements_s: for all requirements of the shipped tool.
+        together_s: for all requirements of the shipped tool, in one exploration.
+        alone_s: for the same, one by one; 0: left out.
         fischer_s, steps_s: for each size.
         all_steps_s: for all numbers of actuators together.
     """
 
     fischer: tuple[int, ...]
     steps: tuple[int, ...]
-    requirements_s: float
+    together_s: float
+    alone_s: float
     fischer_s: float
     steps_s: float
     all_steps_s: float
 
 
-FULL = Plan((5, 6, 7), (2, 4, 8, 16, 32, 64), requirements_s=90, fischer_s=30, steps_s=30, all_steps_s=100)
-QUICK = Plan((5,), (2, 4), requirements_s=15, fischer_s=10, steps_s=5, all_steps_s=10)
+FULL = Plan(
+    (5, 6, 7), (2, 4, 8, 16, 32, 64), together_s=30, alone_s=180, fischer_s=90, steps_s=150, all_steps_s=240
+)
+QUICK = Plan((5,), (2, 4), together_s=30, alone_s=0, fischer_s=20, steps_s=15, all_steps_s=30)

@@ -1,7 +1,8 @@
 """A program: checks one subject, and prints a JSON line for each query as soon as it is answered.
 
-``requirements 0``, ``fischer N`` or ``steps N``. A process of its own, so that its peak memory is that of the
-subject, and so that it can be ended. Seconds are of the processor: what else the machine does hardly disturbs them.
+``together 0`` (the shipped tool, as ``eehal verify`` does it), ``alone 0`` (each of its requirements for itself),
+``fischer N`` or ``steps N``. A process of its own, so that its peak memory is that of the subject, and so that it can
+be ended. Seconds are of the processor: what else the machine does hardly disturbs them.
 """
 
 from __future__ import annotations
@@ -10,43 +11,75 @@ import json
 import resource
 import sys
 import time
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 from end_effector_hal.automata import Network, load_network, make_network, read_document
 from end_effector_hal.automata.explore import Explorer
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
+from end_effector_hal.tool.proof import prove, requirements_of
 
 from ._fischer import fischer
 
-Queries = list[tuple[str, str]]
 ATTEMPTS, CONFIRM_MS, RESET_MS, GONE_MS = 3, 5000, 1000, 2000
+
+
+class Task(NamedTuple):
+    """Something to answer: ``run`` says whether it holds, and the states that it took."""
+
+    query: str
+    sentence: str
+    run: Callable[[], tuple[bool, int]]
 
 
 def main(subject: str, size: str) -> None:
     begun = time.process_time()
-    network, queries = _fischer(int(size)) if subject == "fischer" else _tool(int(size))
-    explorer = Explorer(network)
+    tasks = list({"fischer": _fischer, "alone": _alone}.get(subject, _together)(int(size)))
     _say(load_s=time.process_time() - begun)
-    # the one that takes longest comes last
-    for query, sentence in sorted(queries, key=lambda entry: "deadlock" in entry[0]):
+    for query, sentence, run in tasks:
         begun, wall = time.process_time(), time.perf_counter()
-        verdict = explorer.check(query)
+        holds, states = run()
         _say(
             query=query,
             sentence=sentence,
-            holds=verdict.holds,
-            states=verdict.states,
+            holds=holds,
+            states=states,
             seconds=time.process_time() - begun,
             wall_s=time.perf_counter() - wall,
         )
 
 
-def _fischer(count: int) -> tuple[Network, Queries]:
+def _fischer(count: int) -> Iterator[Task]:
     text, query = fischer(count)
-    return make_network(read_document(text, "fischer.xml")), [(query, "mutual exclusion")]
+    yield _task(make_network(read_document(text, "fischer.xml")), query, "mutual exclusion")
 
 
-def _tool(count: int) -> tuple[Network, Queries]:
+def _alone(count: int) -> Iterator[Task]:
+    network = _tool(count)
+    for requirement in requirements_of(network):
+        yield _task(network, str(requirement.query), requirement.sentence)
+
+
+def _task(network: Network, query: str, sentence: str) -> Task:
+    def run() -> tuple[bool, int]:
+        verdict = Explorer(network).check(query)
+        return verdict.holds, verdict.states
+
+    return Task(query, sentence, run)
+
+
+def _together(count: int) -> Iterator[Task]:
+    network = _tool(count)
+
+    def run() -> tuple[bool, int]:
+        proof = prove(network)
+        return proof.holds, proof.states
+
+    yield Task("", "all requirements, in one exploration", run)
+
+
+def _tool(count: int) -> Network:
     """The shipped tool; with ``count`` steps, 0: with its own."""
     description = load(profile_path())
     constants = model_constants(description)
@@ -66,8 +99,7 @@ def _tool(count: int) -> tuple[Network, Queries]:
         declared = description.automata_path.read_text(encoding="utf-8")
         # with so many steps a grip may take longer than the shipped tool's
         constants |= {f"{name}_BOUND": ms for name, ms in bounds.items() if f"{name}_BOUND" in declared}
-    network = load_network(description.automata_path, constants)
-    return network, [(query.formula.content, query.comment.strip()) for query in network.document.queries]
+    return load_network(description.automata_path, constants)
 
 
 def _say(**fields: object) -> None:

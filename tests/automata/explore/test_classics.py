@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import pytest
 from tests.automata.explore.classics import bridge, csma_cd, doors, fischer, train_gate
+from tests.nightly import NIGHTLY
 
 from end_effector_hal.automata.explore import Explorer, check, explore_all, worst_case
 
 EXCLUSION = "A[] forall (i : pid_t) forall (j : pid_t) P(i).cs && P(j).cs imply i == j"
 
 
-@pytest.mark.parametrize("n", [2, 3, 4, 5])
+MOST = 7 if NIGHTLY else 6
+
+
+@pytest.mark.parametrize("n", range(2, MOST + 1))
 def test_fischer_excludes(n: int) -> None:
     explorer = Explorer(fischer(n))
     assert explorer.check(EXCLUSION).holds
@@ -19,7 +23,7 @@ def test_fischer_excludes(n: int) -> None:
     assert explorer.check("E<> P(2).cs").holds
 
 
-@pytest.mark.parametrize("n", [2, 3, 4, 5])
+@pytest.mark.parametrize("n", range(2, MOST + 1))
 @pytest.mark.parametrize("wait", ["x >= 2", "x > 1", "true"])
 def test_fischer_that_waits_too_short(n: int, wait: str) -> None:
     verdict = check(fischer(n, wait=wait), EXCLUSION)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from fractions import Fraction
 
-from hypothesis import HealthCheck, Phase, given, note, settings
+import pytest
+from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 from tests.automata.explore.random_networks import CLOCKS, LARGEST, Condition, conditions, networks
 from tests.automata.explore.regions import BEYOND, Region, Regions, compare
+from tests.nightly import NIGHTLY, PHASES, examples
 
 from end_effector_hal.automata import Network
 from end_effector_hal.automata.explore import Explorer, Verdict
 
-EXAMPLES = int(os.environ.get("EXPLORER_EXAMPLES", "150"))
-PHASES = [phase for phase in Phase if phase is not Phase.shrink or "EXPLORER_EXAMPLES" not in os.environ]
-many = settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES)
+pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
+many = settings(
+    max_examples=examples(150), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+)
 
 
 def both(network: Network, largest: int = LARGEST) -> tuple[Explorer, Regions]:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import os
-
+import pytest
 from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 from tests.automata.explore.models import Template, network
 from tests.automata.explore.random_networks import LARGEST, Condition, conditions, networks
+from tests.nightly import NIGHTLY, PHASES, examples
 
 from end_effector_hal.automata import Network
 from end_effector_hal.automata.explore import Explorer, overview, parse_query
 
-EXAMPLES = int(os.environ.get("EXPLORER_EXAMPLES", "100"))
-many = settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck))
+pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
+many = settings(
+    max_examples=examples(100), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+)
 places = st.sampled_from(["P0.a", "P0.b", "P1.c", "i == 1", "P0.b && i > 0"])
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from time import process_time
 
 import pytest
@@ -11,6 +10,7 @@ from hypothesis import strategies as st
 from tests.automata.explore.models import Template, network
 from tests.automata.explore.random_networks import LARGEST, Condition, conditions, networks
 from tests.automata.explore.regions import Regions
+from tests.nightly import NIGHTLY, PHASES, examples
 
 from end_effector_hal.automata import Network
 from end_effector_hal.automata.explore import parse_query
@@ -18,7 +18,6 @@ from end_effector_hal.errors import ModelError
 from end_effector_hal.tool.proof import Finding, Proof, Requirement, WorstCase, prove
 from end_effector_hal.tool.proof import _prove as proving
 
-EXAMPLES = int(os.environ.get("EXPLORER_EXAMPLES", "100"))
 GOOD = ["locations", "edges", "channels", "time"]
 
 
@@ -136,7 +135,8 @@ def test_a_deadlock_that_only_widening_has_is_not_reported() -> None:
     assert finding(proof, "alive").holds
 
 
-@settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck))
+@pytest.mark.timeout(3600 if NIGHTLY else 120)
+@settings(max_examples=examples(100), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES)
 @given(networks(), conditions(1), st.sampled_from(["P0.a", "P1.b", "i == 1"]), st.integers(0, LARGEST))
 def test_every_verdict_is_that_of_the_naive_explorer(
     model: Network, p: Condition, place: str, bound: int

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
+from tests.nightly import NIGHTLY
 from tests.tool.proof.sizes import sized
 
 from end_effector_hal.automata import load_network
@@ -13,7 +13,7 @@ from end_effector_hal.control import model_constants
 from end_effector_hal.description import load
 from end_effector_hal.tool.proof import prove
 
-SIZES = [int(size) for size in os.environ.get("PROOF_SIZES", "1 2 4").split()]
+SIZES = [1, 2, 4, 8, 32] if NIGHTLY else [1, 2, 4]
 
 
 @pytest.mark.timeout(3600)
