@@ -16,6 +16,8 @@ WORDS = {
     "reaction_seen": "  … → edge seen by the testbench",
     "command": "command: goal → first line edge",
     "state": "state: line edge → state received",
+    "loss": "loss: first frame under the threshold → state",
+    "loss_decided": "  … frame that decides → state",
 }
 
 
@@ -30,6 +32,8 @@ def print_latencies(console: Console, title: str, result: Result) -> None:
         ratio, blocks = result.ratio(name), result.block_ratios(name)
         spread = f"{min(blocks):.1f}–{max(blocks):.1f}" if blocks else ""
         table.add_row(WORDS[name], *_cells(product), *_cells(floor), f"{ratio:.2f}" if ratio else "", spread)
+    for name, samples in result.losses.items():
+        table.add_row(WORDS[name], *_cells(figures(samples)), *[""] * 6)
     console.print(table)
 
 

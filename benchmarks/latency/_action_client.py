@@ -12,22 +12,26 @@ from typing import Any
 
 import actionlib
 import rospy
-from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal, EndEffectorState, Outcome
+from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal, EndEffectorState, Outcome, State
 
 from end_effector_hal.wires import now_us
 
 ACTIONS = {"grip": "TriggerGrip", "drop": "Drop"}
-LONGEST_S = 70.0
+LONGEST_S, LOST_S = 70.0, 10.0
 
 
 def main(notes: str) -> None:
     rospy.init_node("bench_client", disable_signals=True)
     taken: list[dict[str, object]] = []
-    stand_by = threading.Event()
+    stand_by, lost = threading.Event(), threading.Event()
 
     def listen(state: Any) -> None:
         received = now_us()
-        taken.append({"received": received, "at": state.at_us, "outputs": list(state.outputs)})
+        taken.append(
+            {"received": received, "at": state.at_us, "ee": state.state, "outputs": list(state.outputs)}
+        )
+        if state.state == State.GRIP_ERROR:
+            lost.set()
         if state.state == 6:
             stand_by.set()
 
@@ -55,10 +59,21 @@ def main(notes: str) -> None:
             handle = clients["drop"].send_goal(EndEffectorGoal(), transition_cb=moved)
             ended.wait(LONGEST_S)
 
+    def lose(count: int) -> None:
+        for _ in range(count):
+            lost.clear()
+            give("grip")
+            if not lost.wait(LOST_S):
+                print("failed: nothing was lost.", flush=True)
+            give("drop")
+
     print("ready", flush=True)
     for line in sys.stdin:
         word, *rest = line.split()
-        for name in ["grip", "drop"] * int(rest[0]) if word == "cycles" else [word]:
+        if word == "lose":
+            lose(int(rest[0]))
+            word = ""
+        for name in ["grip", "drop"] * int(rest[0]) if word == "cycles" else word.split():
             give(name)
         time.sleep(0.2)
         with Path(notes).open("a", encoding="utf-8") as file:

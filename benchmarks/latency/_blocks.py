@@ -28,7 +28,7 @@ def measure(
 ) -> Result:
     """Alternate; each block of the product begins and ends with nothing gripped."""
     result, lines = Result(), [part.line for _, part in hardware.description.ordered]
-    tail, floor_tails = _Tail(notes), [_Tail(path) for path in floor.notes]
+    tail, floor_tails = Tail(notes), [Tail(path) for path in floor.notes]
     client.tell("cycles 1")  # whatever is slow the first time
     client.wait_done(expected_s=CYCLE_S, timeout_s=LONGEST_S)
     floor.run(1.0, hardware.phase_us())
@@ -45,7 +45,7 @@ def measure(
         try:
             if failed:
                 raise MatchError(" ".join(failed))
-            pair = product_latencies(_read(hardware.events), noted, lines), floor_latencies(floor_noted)
+            pair = product_latencies(read(hardware.events), noted, lines), floor_latencies(floor_noted)
         except MatchError as error:
             # a machine that stands still for long makes readings stale: told, and not measured
             result.left_out.append(str(error))
@@ -71,18 +71,19 @@ def hold(
     return meter.read()
 
 
-class _Tail:
+class Tail:
     """What is new in a file of notes."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._read = path, 0
 
     def new(self) -> list[Note]:
-        notes = _read(self._path)
+        notes = read(self._path)
         begin, self._read = self._read, len(notes)
         return notes[begin:]
 
 
-def _read(path: Path) -> list[Note]:
+def read(path: Path) -> list[Note]:
+    """Everything that is whole in a file of notes."""
     # the last line may not be whole yet
     return [json.loads(line) for line in path.read_text(encoding="utf-8").split("\n")[:-1]]

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from end_effector_hal.description import Description
 
-from ._blocks import hold, measure
+from ._blocks import Tail, hold, measure
 from ._driven import Driven
 from ._floor import Floor
 from ._hardware import Hardware
+from ._losses import measure_losses
 from ._plan import Plan
 from ._result import Result
 
@@ -25,6 +26,7 @@ def measure_core(description: Description, folder: Path, plan: Plan, say: Callab
         )
         client.wait_ready()
         result = measure(hardware, floor, client, notes, plan, say)
+        result.losses = measure_losses(hardware, client, Tail(notes), plan.losses, say)
         pids = {"tool": client.pid, "line owner": hardware.owner.pid}
         result.usage = hold(client, pids, plan.hold_s, say)
         return result

@@ -20,6 +20,7 @@ class Result:
     Attributes:
         product, floor: a mapping of name to samples for each block; they alternated.
         left_out: why blocks are not among them.
+        losses: of a held part, from the frame that shows it to the state that says so.
         usage: of each process while holding.
         floor_usage: of each process of the floor's chain while it ran.
     """
@@ -27,6 +28,7 @@ class Result:
     product: list[Latencies] = field(default_factory=list)
     floor: list[Latencies] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
+    losses: Latencies = field(default_factory=dict)
     usage: Mapping[str, Usage] = field(default_factory=dict)
     floor_usage: Mapping[str, Usage] = field(default_factory=dict)
 
@@ -48,6 +50,10 @@ class Result:
         """For the file."""
         return {
             "latencies_us": {name: self._latency(name) for name in self.names},
+            "losses_us": {
+                name: {"samples": samples, "figures": (f := figures(samples)) and vars(f)}
+                for name, samples in self.losses.items()
+            },
             "left_out": self.left_out,
             "usage": {name: vars(usage) for name, usage in self.usage.items()},
             "floor_usage": {name: vars(usage) for name, usage in self.floor_usage.items()},

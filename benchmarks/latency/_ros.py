@@ -14,10 +14,11 @@ from end_effector_hal.demo._children import Children
 from end_effector_hal.description import Description
 from end_effector_hal.errors import RosError
 
-from ._blocks import hold, measure
+from ._blocks import Tail, hold, measure
 from ._driven import Driven
 from ._floor import Floor
 from ._hardware import Hardware
+from ._losses import measure_losses
 from ._plan import Plan
 from ._result import Result
 
@@ -40,6 +41,7 @@ def measure_ros(description: Description, folder: Path, plan: Plan, say: Callabl
         client = Driven(hardware.children, "latency/_action_client.py", [notes], folder, env)
         client.wait_ready()
         result = measure(hardware, floor, client, notes, plan, say)
+        result.losses = measure_losses(hardware, client, Tail(notes), plan.losses, say)
         pids = _pids(hardware.children) | {"line owner": hardware.owner.pid}
         result.usage = hold(client, pids, plan.hold_s, say)
         return result
