@@ -7,9 +7,11 @@ import socket
 import stat
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -162,6 +164,57 @@ def test_the_socket_is_for_the_group(bench):
     with bench.owner():
         assert stat.S_IMODE(bench.socket.stat().st_mode) == 0o660
     assert not bench.socket.exists()
+
+
+def test_the_socket_can_be_given_to_a_group(bench):
+    """Root sees the group; whoever is not root can at least give it to an own one."""
+    group = 65_533 if os.geteuid() == 0 else os.getgroups()[0]
+    owner = LineOwner(VirtualLines(bench.chip), bench.socket, POLICY, group=str(group))
+    assert (bench.socket.stat().st_gid, stat.S_IMODE(bench.socket.stat().st_mode)) == (group, 0o660)
+    owner.close()
+    with pytest.raises(UsageError, match="there is no group 'nobody-has-this'"):
+        LineOwner(VirtualLines(bench.chip), bench.socket, POLICY, group="nobody-has-this")
+    with bench.owner():
+        pass
+
+
+ASKING = """
+import socket, sys
+try:
+    socket.socket(socket.AF_UNIX).connect(sys.argv[1])
+    print("connected")
+except OSError as error:
+    print(error.strerror)
+"""
+
+
+@pytest.mark.wall
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to be somebody else")
+def test_only_members_of_the_group_can_open_the_socket():
+    with tempfile.TemporaryDirectory(prefix="eehal-") as folder:
+        # the folders above are open: it is the socket that decides
+        os.chmod(folder, 0o755)
+        bench = Bench(Path(folder))
+        with LineOwner(VirtualLines(bench.chip), bench.socket, POLICY, group="65533") as owner:
+            os.chmod(bench.socket.parent, 0o755)
+            serving = threading.Thread(target=owner.run)
+            serving.start()
+
+            def ask(*groups):
+                # the interpreter alone: this environment may be closed to others
+                command = [os.path.realpath(sys.executable), "-I", "-c", ASKING, str(bench.socket)]
+                somebody = {"user": 65_534, "group": 65_534, "extra_groups": groups}
+                done = subprocess.run(
+                    command, capture_output=True, text=True, check=False, cwd="/", **somebody
+                )
+                return done.stdout.strip() or done.stderr
+
+            try:
+                assert ask(65_533) == "connected"
+                assert ask(65_532) == "Permission denied"
+            finally:
+                owner.stop()
+                serving.join()
 
 
 def test_refusals_are_sentences(bench):

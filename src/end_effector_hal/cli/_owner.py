@@ -19,7 +19,8 @@ from end_effector_hal.description import load, profile_path
     type=click.Path(path_type=Path, file_okay=False, exists=True),
     help="Folder that survives a loss of power; default: $STATE_DIRECTORY, else that of the socket.",
 )
-def command(description: Path | None, socket: Path | None, journal: Path | None) -> None:
+@click.option("--group", help="Whose members may command the lines; default: the group of this process.")
+def command(description: Path | None, socket: Path | None, journal: Path | None, group: str | None) -> None:
     """Own all output lines of a tool (one request) and serve them on a Unix socket.
 
     Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, what it
@@ -28,4 +29,4 @@ def command(description: Path | None, socket: Path | None, journal: Path | None)
     """
     from end_effector_hal.tool import run_owner
 
-    run_owner(load(description or profile_path()), socket, journal)
+    run_owner(load(description or profile_path()), socket, journal, group)

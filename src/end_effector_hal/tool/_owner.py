@@ -40,12 +40,17 @@ def connect_owner(
     )
 
 
-def run_owner(description: Description, socket: Path | None = None, journal: Path | None = None) -> None:
+def run_owner(
+    description: Description,
+    socket: Path | None = None,
+    journal: Path | None = None,
+    group: str | None = None,
+) -> None:
     """Be the line owner of a tool until SIGTERM or SIGINT; says when it is ready. Raises WireError.
 
     It remembers what the next owner must know in the folder ``journal``; default: that of the service manager
-    (``$STATE_DIRECTORY``), else that of the socket. A service manager is told when it is ready, too (sd_notify),
-    and that it lives: whenever it answers itself over its socket.
+    (``$STATE_DIRECTORY``), else that of the socket. Members of ``group`` may command the lines. A service manager
+    is told when it is ready, too (sd_notify), and that it lives: whenever it answers itself over its socket.
     """
 
     def ready(owner: LineOwner) -> None:
@@ -60,6 +65,7 @@ def run_owner(description: Description, socket: Path | None = None, journal: Pat
             where,
             owner_policy(description),
             journal=_journal(where, journal),
+            group=group,
             on_ready=ready,
         )
 

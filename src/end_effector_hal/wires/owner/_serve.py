@@ -18,15 +18,16 @@ def serve(
     policy: Policy,
     *,
     journal: str | Path | None = None,
+    group: str | None = None,
     on_ready: Callable[[LineOwner], None] | None = None,
 ) -> None:
     """Be the line owner until SIGTERM, SIGINT or `LineOwner.stop`; the lines stay as they are.
 
     Args:
-        backend, socket_path, policy, journal: see `LineOwner`, also for the errors.
+        backend, socket_path, policy, journal, group: see `LineOwner`, also for the errors.
         on_ready: called once, when clients can come.
     """
-    with LineOwner(backend, socket_path, policy, journal) as owner:
+    with LineOwner(backend, socket_path, policy, journal, group=group) as owner:
         before = {}
         if threading.current_thread() is threading.main_thread():
             before = {s: signal.signal(s, lambda *_: owner.stop()) for s in (signal.SIGTERM, signal.SIGINT)}

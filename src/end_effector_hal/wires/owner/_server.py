@@ -49,6 +49,7 @@ class LineOwner:
         socket_path: Unix socket (mode 0660); its directory is made, that of a dead owner replaced.
         policy: lines and interlocks.
         journal: file in which it remembers what the next one must know; None: it does not.
+        group: whose members may open the socket; default: that of the process.
 
     Raises:
         LineBusyError: another owner lives at this path, or somebody else has the lines; says who.
@@ -56,7 +57,13 @@ class LineOwner:
     """
 
     def __init__(
-        self, backend: LineBackend, socket_path: str | Path, policy: Policy, journal: str | Path | None = None
+        self,
+        backend: LineBackend,
+        socket_path: str | Path,
+        policy: Policy,
+        journal: str | Path | None = None,
+        *,
+        group: str | None = None,
     ) -> None:
         self._path, self._backend = Path(socket_path), backend
         self._stops, self._stopped_at, self._grace_us = 0, 0, policy.lease_us
@@ -78,7 +85,7 @@ class LineOwner:
             if not before.clean:
                 _log.warning("the line owner before this one did not end in order")
             self._journal.keep(self._keeper.memory)
-            self._listener = listen(self._path)
+            self._listener = listen(self._path, group)
         except BaseException:
             backend.close()
             self._claim.release()
