@@ -4,6 +4,7 @@ import errno
 import glob
 import os
 import re
+import struct
 from types import SimpleNamespace
 
 import gpiod
@@ -139,6 +140,94 @@ def test_adoption_is_one_request_of_outputs_by_the_name_of_the_product(kernel, t
     chip = str(tmp_path / "gpiochip0")
     assert fake.requests == [(chip, [0, 1], "end-effector-hal")]
     assert [line["out"] for line in fake.chips[chip]] == [True, True, False, False]
+
+
+@pytest.fixture
+def descriptors(monkeypatch):
+    """Gives requests of the fake kernel descriptors that are known to ioctl, as copies are; counts what is open."""
+    requests = {}
+
+    def open_one(request):
+        request.fd = os.memfd_create("gpio-line")
+        requests[os.fstat(request.fd).st_ino] = request
+
+    def ioctl(fd, number, values):
+        request = requests[os.fstat(fd).st_ino]
+        bits, mask = struct.unpack("=QQ", values)
+        lines = [request.chip.lines[offset] for offset in request.offsets]
+        assert mask < 1 << len(lines)
+        if number == 0xC010B40F:
+            for index, line in enumerate(lines):
+                if mask >> index & 1:
+                    line["level"] = bool(bits >> index & 1)
+            return values
+        assert number == 0xC010B40E
+        bits = sum(line["level"] << index for index, line in enumerate(lines) if mask >> index & 1)
+        return struct.pack("=QQ", bits, mask)
+
+    made = FakeChip.request_lines
+
+    def request_lines(self, config, consumer):
+        request = made(self, config, consumer)
+        open_one(request)
+        return request
+
+    monkeypatch.setattr(FakeChip, "request_lines", request_lines)
+    monkeypatch.setattr("fcntl.ioctl", ioctl)
+
+
+def test_a_request_is_handed_on_by_its_descriptor(kernel, descriptors, tmp_path):
+    fake, make = kernel(gpiochip0=[A, B, "", "other", "", C])
+    first = make()
+    first.request([C, A, B])
+    first.set({C: True})
+    (name, fd), *more = first.keepsakes().items()
+    assert (name, more) == ("gpiochip0.5.0.1", [])
+    kept = os.dup(fd)
+    # the first one dies; its lines stay claimed
+    second = make()
+    second.inherit({name: kept})
+    assert second.request([C, A, B]) == {C: True, A: False, B: False}
+    assert len(fake.requests) == 1
+    second.set({A: True, C: False})
+    assert second.levels() == {C: False, A: True, B: False}
+    assert [line["level"] for line in fake.chips[str(tmp_path / "gpiochip0")]][::5] == [True, False]
+    assert second.keepsakes() == {name: kept}
+    file = os.fstat(kept).st_ino
+    second.close()
+    assert not is_open(kept, file)
+    assert second.keepsakes() == {}
+
+
+def is_open(fd, file):
+    try:
+        return os.fstat(fd).st_ino == file
+    except OSError:
+        return False
+
+
+def test_a_request_of_other_lines_is_given_back_before_the_lines_are_asked_for(
+    kernel, descriptors, monkeypatch
+):
+    fake, make = kernel(gpiochip0=[A, B, C])
+    first = make()
+    first.request([A, B])
+    ((name, fd),) = first.keepsakes().items()
+    kept, file = os.dup(fd), os.fstat(fd).st_ino
+    first.close()
+    second = make()
+    second.inherit({name: kept})
+    # what is closed has a number that the next descriptor may have
+    given_back, asked = [], FakeChip.request_lines
+
+    def request_lines(self, **how):
+        given_back.append(not is_open(kept, file))
+        return asked(self, **how)
+
+    monkeypatch.setattr(FakeChip, "request_lines", request_lines)
+    second.request([A, B, C])
+    assert given_back == [True]
+    assert len(fake.requests) == 2
 
 
 def test_a_chip_that_fails_in_the_middle_is_given_back(kernel, monkeypatch, tmp_path):

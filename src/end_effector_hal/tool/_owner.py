@@ -10,6 +10,7 @@ from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import OwnerError, UsageError
 from end_effector_hal.wires import (
     GpiodLines,
+    HandsOn,
     LineBackend,
     LineOwner,
     OwnerClient,
@@ -50,18 +51,22 @@ def run_owner(
 
     It remembers what the next owner must know in the folder ``journal``; default: that of the service manager
     (``$STATE_DIRECTORY``), else that of the socket. Members of ``group`` may command the lines. A service manager
-    is told when it is ready, too (sd_notify), and that it lives: whenever it answers itself over its socket.
+    is told when it is ready, too (sd_notify), and that it lives: whenever it answers itself over its socket. It
+    keeps the claim of the lines while this process is replaced, so that nobody else can take them.
     """
 
     def ready(owner: LineOwner) -> None:
         levels = ", ".join(f"{line}={int(level)}" for line, level in owner.levels().items())
         print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
+        manager.store(backend.keepsakes() if isinstance(backend, HandsOn) else {})
         manager.ready(f"{description.name} on {where}", _Question(where))
 
-    where = socket or socket_path(description)
+    where, backend = socket or socket_path(description), _backend(description)
     with ServiceManager() as manager:
+        if isinstance(backend, HandsOn):
+            backend.inherit(manager.handed_on())
         serve(
-            _backend(description),
+            backend,
             where,
             owner_policy(description),
             journal=_journal(where, journal),

@@ -15,15 +15,16 @@ class Claim:
     Args:
         path: the side file; it stays behind, only the lock counts.
         what: what is claimed, for the error.
+        fd: the descriptor of a claim on the same file that was handed on; it is claimed already.
 
     Raises:
         LineBusyError: somebody else has it.
         WireError: the file cannot be written.
     """
 
-    def __init__(self, path: str | Path, what: str) -> None:
+    def __init__(self, path: str | Path, what: str, *, fd: int = -1) -> None:
         try:
-            self._fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o660)
+            self._fd = fd if fd >= 0 else os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o660)
         except OSError as error:
             raise WireError(
                 f"{what} cannot be claimed: {error.strerror}.",
@@ -42,6 +43,11 @@ class Claim:
             ) from error
         os.ftruncate(self._fd, 0)
         os.pwrite(self._fd, f"pid {os.getpid()} ({program_name()})\n".encode(), 0)
+
+    @property
+    def fd(self) -> int:
+        """Its descriptor; whoever has a copy keeps the claim."""
+        return self._fd
 
     def release(self) -> None:
         """Give it back; nothing happens the second time."""

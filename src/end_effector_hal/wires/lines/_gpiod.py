@@ -5,12 +5,14 @@ from __future__ import annotations
 import errno
 import glob
 import importlib
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
+from end_effector_hal.wires.lines._held_request import HeldRequest
 from end_effector_hal.wires.lines._holders import stop_holders
 from end_effector_hal.wires.lines._not_found import line_not_found
 
@@ -27,6 +29,16 @@ class GpiodLines:
     def __init__(self, pattern: str = "/dev/gpiochip*") -> None:
         self._pattern = pattern
         self._requests: list[tuple[Any, dict[str, int]]] = []
+        self._names: list[str] = []
+        self._inherited: dict[str, int] = {}
+
+    def inherit(self, keepsakes: Mapping[str, int]) -> None:
+        """Take over requests; see `HandsOn`."""
+        self._inherited = dict(keepsakes)
+
+    def keepsakes(self) -> dict[str, int]:
+        """The descriptor of each request, by chip and lines in their order; see `HandsOn`."""
+        return {name: request.fd for name, (request, _) in zip(self._names, self._requests, strict=True)}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
         """Claim and adopt; see `LineBackend.request`."""
@@ -34,9 +46,12 @@ class GpiodLines:
         by_chip: dict[str, dict[str, int]] = {}
         for name, (chip, offset) in self._find(names).items():
             by_chip.setdefault(chip, {})[name] = offset
+        self._names = [_keepsake(chip, offsets) for chip, offsets in by_chip.items()]
+        for name in set(self._inherited).difference(self._names):
+            os.close(self._inherited.pop(name))  # of another description: first given back, or they are busy
         try:
-            for chip, offsets in by_chip.items():
-                self._requests.append((self._adopt(chip, offsets), offsets))
+            for name, (chip, offsets) in zip(self._names, by_chip.items(), strict=True):
+                self._requests.append((self._claimed(name, chip, offsets), offsets))
         except BaseException:
             self.close()
             raise
@@ -62,6 +77,7 @@ class GpiodLines:
 
     def close(self) -> None:
         """Give the claim back; whether the levels stay is up to the kernel's driver (gpio-mxc keeps them)."""
+        self._names = []
         while self._requests:
             self._requests.pop()[0].release()
 
@@ -123,6 +139,11 @@ class GpiodLines:
         except OSError as error:
             raise WireError(f"the GPIO chip cannot be opened: {error.strerror}.", where=path) from error
 
+    def _claimed(self, name: str, chip: str, offsets: Mapping[str, int]) -> Any:
+        if name in self._inherited:
+            return HeldRequest(self._inherited.pop(name), list(offsets.values()), self._gpiod.line.Value)
+        return self._adopt(chip, offsets)
+
     def _adopt(self, path: str, offsets: Mapping[str, int]) -> Any:
         """Claim as it is, read direction and level, then make all of them outputs with these levels.
 
@@ -163,6 +184,10 @@ class GpiodLines:
             f"{name} is held by {info.consumer or 'the kernel'}" for name, info in infos.items() if info.used
         ]
         return ", ".join(held) or "a line is held by another program"
+
+
+def _keepsake(chip: str, offsets: Mapping[str, int]) -> str:
+    return ".".join([Path(chip).name, *map(str, offsets.values())])
 
 
 def _load_gpiod() -> Any:

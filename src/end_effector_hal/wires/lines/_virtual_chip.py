@@ -63,13 +63,20 @@ class VirtualChip:
             claim.release()
         return chip
 
-    def claim(self) -> Claim:
+    def claim(self, fd: int = -1) -> Claim:
         """Exclusive, until it is released or the process ends.
+
+        Args:
+            fd: of a claim of this chip that was handed on; one of another file is closed.
 
         Raises:
             LineBusyError: another process has it; says who.
         """
-        return Claim(f"{self.path}.lock", "the virtual chip")
+        lock = Path(f"{self.path}.lock")
+        if fd >= 0 and not (lock.exists() and _same(fd, lock)):
+            os.close(fd)
+            fd = -1
+        return Claim(lock, "the virtual chip", fd=fd)
 
     def read(self) -> ChipState:
         """As it stands now.
@@ -93,6 +100,10 @@ class VirtualChip:
                 todo="Give another path, or delete the file.",
             )
         return log.state
+
+
+def _same(fd: int, path: Path) -> bool:
+    return os.path.samestat(os.fstat(fd), path.stat())
 
 
 def read_chip(path: str | Path) -> ChipState:
