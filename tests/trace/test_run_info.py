@@ -28,6 +28,7 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
         "actuators",
         "limits",
         "simulated",
+        "start_us",
     ]
     assert list(content) == keys
 

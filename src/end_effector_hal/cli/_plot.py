@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 import click
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.tool.replay import missed_moments
 from end_effector_hal.trace import (
+    Moment,
     PressuresLog,
     StatesLog,
     Story,
@@ -44,11 +47,13 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
     targets = {name: _targets(states, name, styles, output) for name in styles}
     alarms = read_alarms(states.with_name("alarms.csv"))
     pressures, notes = _pressures(states.with_name("pressures.csv"))
+    missed, more = missed_moments(states.parent)
     files: list[Path] = []
     for name, paths in targets.items():
-        figure = timeline(log, pressures, info, alarms) if name == "timeline" else paper(log, info)
+        figure = timeline(log, pressures, info, alarms, missed) if name == "timeline" else paper(log, info)
         files += [save(figure, path) for path in paths]
-    _report(log, tell(log, info), files, [note for note in (log.note, *notes) if note], as_json)
+    notes = [note for note in (log.note, *notes, *more) if note]
+    _report(log, tell(log, info), missed, files, notes, as_json)
 
 
 def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | None) -> list[Path]:
@@ -78,7 +83,14 @@ def _pressures(path: Path) -> tuple[PressuresLog | None, list[str]]:
     return pressures, [pressures.note]
 
 
-def _report(log: StatesLog, story: Story, files: list[Path], notes: list[str], as_json: bool) -> None:
+def _report(
+    log: StatesLog,
+    story: Story,
+    missed: Sequence[Moment],
+    files: list[Path],
+    notes: list[str],
+    as_json: bool,
+) -> None:
     if as_json:
         answer = {
             "verdict": story.verdict,
@@ -88,6 +100,7 @@ def _report(log: StatesLog, story: Story, files: list[Path], notes: list[str], a
                 {**asdict(release), "ended": release.ended.name if release.ended is not None else None}
                 for release in story.releases
             ],
+            "missed": [{"time_s": moment.time_s, "text": moment.text} for moment in missed],
             "rows": len(log.rows),
             "files": [str(file) for file in files],
             "notes": notes,
@@ -95,6 +108,8 @@ def _report(log: StatesLog, story: Story, files: list[Path], notes: list[str], a
         click.echo(json.dumps(answer, indent=2, ensure_ascii=False))
         return
     click.echo(story.verdict)
+    for moment in missed:
+        click.echo(f"At {moment.time_s:.3f} s: {moment.text}")
     for file in files:
         click.echo(str(file))
     for note in notes:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from end_effector_hal.tool.replay import missed_moments
 from end_effector_hal.trace import RunInfo, StatesLog, paper, read_alarms, read_pressures, save, timeline
 
 
 def draw(folder: Path, log: StatesLog, info: RunInfo) -> list[Path]:
     """Draw ``timeline`` and ``paper``, each as PNG and SVG, into the folder of the recording."""
     pressures = read_pressures(folder / "pressures.csv") if (folder / "pressures.csv").exists() else None
+    missed, _ = missed_moments(folder)
     alarms = read_alarms(folder / "alarms.csv")
     figures = {
-        "timeline": timeline(log, pressures, info, alarms),
+        "timeline": timeline(log, pressures, info, alarms, missed),
         "paper": paper(log, info),
     }
     return [

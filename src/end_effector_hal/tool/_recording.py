@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -48,13 +49,13 @@ class Recording:
         self._start = self._begun if begun else None
         self._states = StatesWriter(self.folder / "states.csv", description.sequence)
         try:
-            info = run_info(
+            self._info = run_info(
                 description,
                 scenario=scenario or read_run(self.folder).scenario,
                 ros=ros,
                 started=(begun or now).isoformat(),
             )
-            info.write(self.folder)
+            self._write_info()
             channels = pressure_channels(description)
             self._alarms = AlarmsWriter(self.folder / "alarms.csv")
             self._pressures = PressuresWriter(self.folder / "pressures.csv", channels) if channels else None
@@ -66,12 +67,16 @@ class Recording:
         """The states that hold from ``at`` on; False when they are those of the last row."""
         if self._start is None:
             self._start = max(at, self._begun)
+            self._write_info()
         return self._states.write(self.seconds(at), end_effector, command, actuators)
 
     def alarms(self, at: int, alarms: Sequence[str]) -> None:
         """The alarms that stand from ``at`` on."""
         if self._start is not None:
             self._alarms.write(self.seconds(at), alarms)
+
+    def _write_info(self) -> None:
+        replace(self._info, start_us=self._start).write(self.folder)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
         """What the channels carry at ``at``: gauge Pa, None for invalid; bits are not recorded."""

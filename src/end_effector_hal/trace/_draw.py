@@ -11,6 +11,7 @@ from end_effector_hal.trace._alarms import AlarmRow
 from end_effector_hal.trace._pressures import PressuresLog
 from end_effector_hal.trace._run import RunInfo
 from end_effector_hal.trace._states import StatesLog
+from end_effector_hal.trace._story import Moment
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,15 +22,18 @@ def timeline(
     pressures: PressuresLog | None = None,
     info: RunInfo | None = None,
     alarms: Sequence[AlarmRow] = (),
+    moments: Sequence[Moment] = (),
 ) -> Figure:
     """States as lanes with their names inside, events on top, pressures with their accepted range below.
+
+    ``moments``: to be marked besides those of the story.
 
     Raises UsageError for a recording without a row.
     """
     _need_rows(log)
     from end_effector_hal.trace.figures._timeline import draw
 
-    return draw(log, pressures, info or RunInfo(), alarms)
+    return draw(log, pressures, info or RunInfo(), alarms, moments)
 
 
 def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:

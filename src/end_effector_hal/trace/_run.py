@@ -28,6 +28,7 @@ class RunInfo:
         cylinder gauge)
             and its ``attempts``; what is missing is not drawn.
         simulated: whether a testbench answered; None: when a scenario is named.
+        start_us: time zero of the recording, µs on the monotonic clock of its traces.
     """
 
     scenario: str = ""
@@ -39,6 +40,7 @@ class RunInfo:
     actuators: Mapping[str, str] = field(default_factory=dict)
     limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     simulated: bool | None = None
+    start_us: int | None = None
 
     def write(self, folder: str | Path) -> Path:
         """Write ``run.json`` into a folder, whole or not at all."""
@@ -73,13 +75,14 @@ def read_run(path: str | Path) -> RunInfo:
         return RunInfo()
     texts = ("scenario", "description", "hash", "version", "started")
     actuators, limits = content.get("actuators"), content.get("limits")
-    simulated = content.get("simulated")
+    simulated, start_us = content.get("simulated"), content.get("start_us")
     return RunInfo(
         **{key: value for key in texts if isinstance(value := content.get(key), str)},
         ros=content.get("ros") is True,
         actuators=_only(actuators, str),
         limits=_only(limits, dict),
         simulated=simulated if isinstance(simulated, bool) else None,
+        start_us=start_us if isinstance(start_us, int) else None,
     )
 
 

@@ -2,7 +2,18 @@
 
 from ._differs import Difference
 from ._load import ProgramTrace, load_trace, traces_of
+from ._missed import missed_moments
 from ._replay import Replay, replay
 from ._review import Review, review
 
-__all__ = ["Difference", "ProgramTrace", "Replay", "Review", "load_trace", "replay", "review", "traces_of"]
+__all__ = [
+    "Difference",
+    "ProgramTrace",
+    "Replay",
+    "Review",
+    "load_trace",
+    "missed_moments",
+    "replay",
+    "review",
+    "traces_of",
+]

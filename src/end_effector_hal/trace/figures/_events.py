@@ -16,7 +16,7 @@ FOOT_IN = 0.3
 """From the lowest row down to the lanes."""
 
 LONGEST_ROWS = 7
-_FIRST = ("abort", "lost", "timeout", "alarm", "gripped", "command")
+_FIRST = ("abort", "lost", "missed", "timeout", "alarm", "gripped", "command")
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ MARKERS = {
     "abort": ("X", "#b8232f"),
     "lost": ("X", "#b8232f"),
     "alarm": ("^", "#a85400"),
+    "missed": ("D", "#7a2f8f"),
     "gripped": ("*", "#1f7a55"),
 }
 """Kind of moment -> its mark and colour."""

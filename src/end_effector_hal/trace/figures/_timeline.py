@@ -13,6 +13,7 @@ from end_effector_hal.trace._alarms import AlarmRow
 from end_effector_hal.trace._pressures import PressuresLog
 from end_effector_hal.trace._run import RunInfo
 from end_effector_hal.trace._states import StatesLog
+from end_effector_hal.trace._story import Moment
 from end_effector_hal.trace._tell import tell
 from end_effector_hal.trace.figures._bars import draw_lane
 from end_effector_hal.trace.figures._events import FOOT_IN, ROW_IN, Event, place_events
@@ -46,14 +47,20 @@ class _Sheet:
 
 
 def draw(
-    log: StatesLog, pressures: PressuresLog | None, info: RunInfo, alarms: Sequence[AlarmRow] = ()
+    log: StatesLog,
+    pressures: PressuresLog | None,
+    info: RunInfo,
+    alarms: Sequence[AlarmRow] = (),
+    moments: Sequence[Moment] = (),
 ) -> Figure:
     """Measure everything, then draw it; see `end_effector_hal.trace.timeline`."""
     with drawing():
         story = tell(log, info, alarms)
         panels = panels_of(pressures, info, log.actuators)
         page = page_of(log, pressures if panels else None, labels_width(panels))
-        events = place_events(story.moments, page.x, page.width + EDGE_IN)
+        shown = [moment for moment in moments if page.start_s <= moment.time_s <= page.end_s]
+        told = sorted((*story.moments, *shown), key=lambda moment: moment.time_s)
+        events = place_events(told, page.x, page.width + EDGE_IN)
         crossed = [page.x(event.moment.time_s) for event in events]
         lanes = lanes_of(log, info, page.end_s)
         for lane in lanes:
