@@ -19,6 +19,7 @@ from ._core import play_core
 from ._judge import judge
 from ._pictures import draw
 from ._progress import Progress
+from ._replayed import replayed
 from ._report import Report
 from ._ros import need_ros, play_ros
 from ._scenario import Scenario
@@ -64,7 +65,8 @@ def run_demo(
         if log.rows:
             draw(folder, log, info)
         report = judge(scenario, description, log, info, read_edges(folder / LINES))
-        yield replace(report, folder=folder, seconds=time.monotonic() - begun)
+        findings = (*report.findings, replayed(folder))
+        yield replace(report, findings=findings, folder=folder, seconds=time.monotonic() - begun)
 
 
 def _fresh(folder: Path) -> Path:
