@@ -75,9 +75,6 @@ class Recording:
         if self._start is not None:
             self._alarms.write(self.seconds(at), alarms)
 
-    def _write_info(self) -> None:
-        replace(self._info, start_us=self._start).write(self.folder)
-
     def values(self, at: int, values: Mapping[str, Value]) -> None:
         """What the channels carry at ``at``: gauge Pa, None for invalid; bits are not recorded."""
         if self._pressures is not None and self._start is not None:
@@ -104,6 +101,9 @@ class Recording:
     def seconds(self, at: int) -> float:
         """µs on the monotonic clock as seconds since the start of the recording."""
         return max(0, at - (self._start or self._begun)) / 1_000_000
+
+    def _write_info(self) -> None:
+        replace(self._info, start_us=self._start).write(self.folder)
 
 
 def run_info(
