@@ -25,8 +25,8 @@ from end_effector_hal.errors import EndEffectorError, OwnerError, RosError, Usag
 from end_effector_hal.trace import StatesLog, read_pressures, read_run, read_states
 
 FILES = {
-    "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv", "run.json",
-    "states.csv", "testbench.log", "timeline.png", "timeline.svg", "tool.log", "tool_change.mcap",
+    "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv",
+    "run.json", "states.csv", "testbench.log", "timeline.png", "timeline.svg", "tool.log", "tool_change.mcap",
 }  # fmt: skip
 
 
