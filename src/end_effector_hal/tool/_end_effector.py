@@ -70,9 +70,9 @@ class EndEffector:
         )
 
     @classmethod
-    def open(cls, description: Description | str | Path) -> Self:
+    def open(cls, description: Description | str | Path, *, traces: str | Path | None = None) -> Self:
         """Open a tool by its description and adopt its lines; raises DescriptionError, WireError."""
-        tool = cls(description if isinstance(description, Description) else load(description))
+        tool = cls(description if isinstance(description, Description) else load(description), traces=traces)
         try:
             tool.start()
         except BaseException:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import OwnerError
+from end_effector_hal.errors import OwnerError, UsageError
 
 from ._owner import connect_owner
 from ._unit import Listener, Unit
-from .boundary import NOBODY, open_recorder
+from .boundary import NOBODY, Recorder, open_recorder
+
+_log = logging.getLogger("end_effector_hal.tool")
 
 
 def open_unit(
@@ -22,10 +25,10 @@ def open_unit(
 ) -> Unit:
     """A unit that is not started yet; it keeps its lease at the owner only while it works.
 
-    ``traces``: the folder that gets its trace; None: nothing is recorded.
+    ``traces``: the folder that gets its trace; None: nothing is recorded. One that cannot be written is told in the
+    log: a full disk is no reason not to hold a part.
 
     Raises:
-        UsageError: the trace cannot be written.
         OwnerError: there is no line owner.
         LineBusyError: another process runs this program; says who.
     """
@@ -42,6 +45,14 @@ def open_unit(
         on_lost=lost,
         patience_s=patience_s,
     )
-    recorder = open_recorder(traces, description, program) if traces is not None else NOBODY
+    recorder = _recorder(traces, description, program) if traces is not None else NOBODY
     units.append(Unit(description, program, lines, on_status, recorder))
     return units[0]
+
+
+def _recorder(folder: str | Path, description: Description, program: str) -> Recorder:
+    try:
+        return open_recorder(folder, description, program)
+    except UsageError as error:
+        _log.error("no trace of %s is recorded: %s", program, error)
+        return NOBODY

@@ -1,0 +1,83 @@
+"""What a trace costs: the time from a frame to the status that follows from it, with and without.
+
+``python benchmarks/recording.py [--blocks N]``. Blocks with and without a trace take turns in the same run, so that the
+load of the machine falls on both. A unit in real time, with a line owner that does nothing; each frame changes a level,
+so that each gives a status.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import tempfile
+import threading
+import time
+from collections.abc import Mapping, Sequence
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.tool import Unit
+from end_effector_hal.tool.boundary import NOBODY, open_recorder
+from end_effector_hal.wires import Frame, WillStep, now_us
+
+FRAMES, WARM_UP, PERIOD_S = 150, 20, 0.02
+REST = {
+    "top": 0, "cylinder": 0, "supply": 600_000, "cylinder_extended": False, "cylinder_retracted": True, "locked": True,
+    "unlocked": False, "tool_present": True, "in_stand": True, "estop_ok": True,
+}  # fmt: skip
+
+
+class _Lines:
+    """A line owner that does nothing."""
+
+    def levels(self) -> Mapping[str, bool]:
+        return {}
+
+    def set(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> None:
+        del levels, will
+
+    def close(self, will: Sequence[WillStep]) -> None:
+        del will
+
+
+def block(*, recorded: bool) -> list[float]:
+    """µs from each frame to its status."""
+    description, told, done = load(profile_path()), threading.Event(), [0]
+
+    def on_status(_: object) -> None:
+        done[0] = time.perf_counter_ns()
+        told.set()
+
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        recorder = open_recorder(folder, description, "grip") if recorded else NOBODY
+        unit = Unit(description, "grip", _Lines(), on_status, recorder)
+        unit.start()
+        for number in range(FRAMES):
+            told.clear()
+            begun = time.perf_counter_ns()
+            unit.frame(Frame(now_us(), number, number * 20, REST | {"bottom": -20_000 if number % 2 else 0}))
+            if told.wait(PERIOD_S * 3 / 4) and number >= WARM_UP:
+                found.append((done[0] - begun) / 1000)
+            time.sleep(PERIOD_S)
+        unit.close()
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--blocks", type=int, default=8)
+    blocks = parser.parse_args().blocks
+    times: dict[bool, list[float]] = {False: [], True: []}
+    for number in range(2 * blocks):
+        times[number % 2 == 1] += block(recorded=number % 2 == 1)
+    print(f"{'':16}{'frames':>8}{'median':>10}{'p90':>10}{'p99':>10}  µs")
+    for recorded, name in ((False, "without a trace"), (True, "with a trace")):
+        found = sorted(times[recorded])
+        p90, p99 = (found[int(len(found) * part)] for part in (0.9, 0.99))
+        print(f"{name:16}{len(found):8}{statistics.median(found):10.1f}{p90:10.1f}{p99:10.1f}")
+    ratio = statistics.median(times[True]) / statistics.median(times[False])
+    print(f"ratio of the medians: {ratio:.3f}")
+
+
+if __name__ == "__main__":
+    main()
