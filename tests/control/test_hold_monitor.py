@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import exp
+from random import Random
 
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.control import Status
+from end_effector_hal.control import Senses, Status
+from end_effector_hal.control._hold_monitor import HoldMonitor
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.wires import Frame, get_codec
 
 GRIP_ERROR, GRIPPED, STAND_BY = 2, 3, 6
 
@@ -138,6 +142,39 @@ def test_a_growing_leak_is_told_before_the_grip_is_lost(description: Description
     assert tool.edges == edges  # a warning moves no line, nor does the loss
 
 
+def test_a_leak_that_goes_on_is_told_without_a_break(description: Description) -> None:
+    tool = gripped(description)
+    choose(tool, "leak:top_vacuum:9,leak-grows:top_vacuum:0.4")
+    tool.run(25.0)
+    assert tool.status.ee == GRIP_ERROR
+    leaking = [status for status in tool.statuses if has("Leak:")(status)]
+    assert leaking
+    assert not any(has("Over: Top vacuum leaked")(status) for status in tool.statuses)
+
+
+def test_the_time_to_get_secure_begins_with_each_grip(description: Description) -> None:
+    tool = gripped(description, "leak:top_vacuum", 6.0)
+    assert tool.command("drop").accepted
+    tool.run(3.0)
+    assert tool.command("grip").accepted
+    again = tool.at / 1e6
+    tool.run(6.0)
+    later = [status for status in tool.statuses if status.at / 1e6 > again]
+    gripped_at = next(status.at for status in later if status.ee == GRIPPED)
+    weak_at = next(status.at for status in later if has("Weak grip")(status))
+    assert (weak_at - gripped_at) / 1e6 == pytest.approx(2.02)
+
+
+@pytest.mark.parametrize("leak", ["11", "11.3", "11.6"])
+def test_noise_near_the_threshold_is_no_leak(description: Description, leak: str) -> None:
+    """Steady at some 50.5 to 52 kPa, where a little fall would be a loss."""
+    tool = gripped(description)
+    choose(tool, f"leak:top_vacuum:{leak}")
+    tool.run(60.0)
+    assert tool.status.ee == GRIPPED, tool.status.reason
+    assert not any(has("Leak:")(status) for status in tool.statuses)
+
+
 @pytest.mark.parametrize("leak", ["1", "2", "4", "6", "8"])
 def test_a_leak_that_the_ejector_keeps_up_with_is_no_trend(description: Description, leak: str) -> None:
     tool = gripped(description)
@@ -145,6 +182,25 @@ def test_a_leak_that_the_ejector_keeps_up_with_is_no_trend(description: Descript
     tool.run(30.0)
     assert tool.status.ee == GRIPPED
     assert not any(has("Leak:")(status) for status in tool.statuses)
+
+
+@pytest.mark.parametrize("noise_kpa", [0.1, 0.3])
+@pytest.mark.parametrize("tau_s", [0.05, 0.3, 0.45, 0.8])
+@pytest.mark.parametrize("fall_kpa", [10, 17, 25])
+def test_a_fall_to_another_level_is_no_leak(
+    description: Description, fall_kpa: float, tau_s: float, noise_kpa: float
+) -> None:
+    """Faster than the window and noisier than the bench."""
+    random = Random(f"{fall_kpa} {tau_s} {noise_kpa}")
+    senses = Senses(description, get_codec("ees1-ascii"))
+    monitor = HoldMonitor(description, senses, 20_000)
+    for at in range(20_000, 12_000_000, 20_000):
+        past_s = max(0.0, at / 1e6 - 4.0)
+        kpa = 85 - fall_kpa * (1 - exp(-past_s / tau_s)) + random.gauss(0.0, noise_kpa)
+        values = {"bottom": round(-1000 * kpa), "top": -85_000, "cylinder_extended": True, "supply": 600_000}
+        senses.frame(Frame(at, None, None, values))
+        monitor.sample(at, held=True)
+        assert monitor.allows_lift, (at, monitor.alarms)
 
 
 def test_stale_while_held_is_told_and_stays_told_when_it_is_over(description: Description) -> None:

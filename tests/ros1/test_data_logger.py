@@ -32,7 +32,7 @@ def rows(folder: Path) -> StatesLog:
 def test_a_grip_is_recorded_row_by_row_while_it_happens(system: Any, logger: Any, tmp_path: Path) -> None:
     child = logger("logger_1")
     system.grip()
-    system.until("GRIPPED", lambda: rows(tmp_path).rows[-1].end_effector is EndEffectorState.GRIPPED, 2.0)
+    system.until("GRIPPED", lambda: rows(tmp_path).rows[-1].end_effector is EndEffectorState.GRIPPED)
     log = rows(tmp_path)
     assert log.columns == ("time_s", "end_effector", "command", "bottom_vacuum", "cylinder", "top_vacuum")
     assert [row.states for row in log.rows] == [
@@ -52,16 +52,16 @@ def test_a_grip_is_recorded_row_by_row_while_it_happens(system: Any, logger: Any
 def test_a_killed_logger_loses_nothing_and_the_next_goes_on(system: Any, logger: Any, tmp_path: Path) -> None:
     child = logger("logger_2")
     system.grip()
-    system.until("GRIPPED", lambda: rows(tmp_path).rows[-1].end_effector is EndEffectorState.GRIPPED, 2.0)
+    system.until("GRIPPED", lambda: rows(tmp_path).rows[-1].end_effector is EndEffectorState.GRIPPED)
     before = rows(tmp_path)
     child.end(signal_number=9)
     assert rows(tmp_path).rows == before.rows
     system.run("Drop")
     again = logger("logger_3")
-    system.until("STAND_BY", lambda: rows(tmp_path).rows[-1].end_effector is EndEffectorState.STAND_BY, 5.0)
+    system.until("STAND_BY", lambda: rows(tmp_path).rows[-1].end_effector is EndEffectorState.STAND_BY)
     after = rows(tmp_path)
     assert after.rows[: len(before.rows)] == before.rows
-    assert 0.5 < after.rows[-1].time_s - before.rows[-1].time_s < 15.0
+    assert 0.5 < after.rows[-1].time_s - before.rows[-1].time_s < 60.0
     again.end()
 
 

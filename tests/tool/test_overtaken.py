@@ -112,3 +112,11 @@ def test_a_frame_that_waited_too_long_proves_nothing(tool: Tool) -> None:
         tool.frame(age_us=200_000)
     assert not tool.unit.wait(lambda status: status.ee == State.GRIPPED, 0.3)
     tool.until(lambda status: status.ee == State.GRIPPED)
+
+
+def test_what_the_owner_has_latched_is_an_alarm_until_it_is_reset(tool: Tool) -> None:
+    tool.until(lambda status: status.ee == State.STAND_BY)
+    tool.unit.latched(("IL-13: the emergency stop was opened.",))
+    tool.until(lambda status: "IL-13: the emergency stop was opened." in status.alarms)
+    tool.unit.latched(())
+    tool.until(lambda status: not status.alarms)

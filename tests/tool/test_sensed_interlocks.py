@@ -112,6 +112,7 @@ def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> No
         assert tool.grip().succeeded
         world.choose("estop-open")
         until(lambda: "e_stop_closed" in look.status()["faults"])
+        until(lambda: "IL-13: the emergency stop was opened." in tool.status.alarms)
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert tool.drop().succeeded, "a deactivation is never refused"
         outcome = tool.grip()
@@ -122,4 +123,5 @@ def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> No
         until(lambda: look.status()["told"]["e_stop_closed"]["holds"])
         assert "the emergency stop was opened; reset the faults first." in tool.grip().reason
         look.reset()
+        until(lambda: not tool.status.alarms)
         assert tool.grip().succeeded

@@ -38,11 +38,16 @@ def open_unit(
         for unit in units:
             unit.lost(error)
 
+    def latched(faults: tuple[str, ...]) -> None:
+        for unit in units:
+            unit.latched(faults)
+
     lines = connect_owner(
         description,
         program,
         alive=lambda: all(unit.alive for unit in units),
         on_lost=lost,
+        on_faults=latched,
         patience_s=patience_s,
     )
     recorder = _recorder(traces, description, program) if traces is not None else NOBODY

@@ -28,16 +28,24 @@ def connect_owner(
     *,
     alive: Callable[[], bool] = lambda: True,
     on_lost: Callable[[OwnerError], None] | None = None,
+    on_faults: Callable[[tuple[str, ...]], None] | None = None,
     patience_s: float = 5.0,
 ) -> OwnerClient:
     """The connection of one program to the line owner; raises OwnerError, LineBusyError.
 
     ``alive`` is asked before each renewal of the lease: a program that hangs loses it, and its will is done.
-    ``on_lost`` is called when a renewal finds that the connection was lost.
+    ``on_lost`` is called when a renewal finds that the connection was lost, ``on_faults`` when it finds that the
+    owner has latched others than before.
     """
     lines = program_lines(description, program)
     return OwnerClient(
-        socket_path(description), program, lines, alive=alive, on_lost=on_lost, patience_s=patience_s
+        socket_path(description),
+        program,
+        lines,
+        alive=alive,
+        on_lost=on_lost,
+        on_faults=on_faults,
+        patience_s=patience_s,
     )
 
 

@@ -10,12 +10,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 from end_effector_hal.automata import load_network
-from end_effector_hal.control import Answer, Evidence, Status, model_constants
+from end_effector_hal.control import Answer, Status, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, WireError
-from end_effector_hal.trace import EndEffectorState, display_name
+from end_effector_hal.trace import EndEffectorState
 from end_effector_hal.wires import Frame, now_us
 
+from ._by_hand import proof
 from ._duties import Duties
 from ._maintenance import Maintenance
 from ._outputs import RETRY_US, LineWriter, Outputs
@@ -50,6 +51,7 @@ class Unit:
         self._description, self._program, self._network = description, program, network
         self._recorder, self._lines, self._on_status = recorder, recorder.lines(lines), on_status
         self._heard: dict[str, int] = {}
+        self._faults: tuple[str, ...] = ()
         self._why = ""
         self._told: tuple[str, ...] = ()
         self._be_unborn()
@@ -87,26 +89,24 @@ class Unit:
         """The connection to the line owner was lost; returns at once."""
         self._inbox.put(lambda: self._lose(error))
 
+    def latched(self, faults: tuple[str, ...]) -> None:
+        """What the line owner has latched, in words; returns at once."""
+        self._faults = faults
+        self._inbox.put(list)  # nothing to do but to tell it
+
+    def acknowledge(self) -> None:
+        """Alarms about what is held that are over were seen: they are forgotten; returns at once."""
+        self._inbox.put(lambda: self._controller.acknowledge(now_us()) if self._begun else [])
+
     def command(self, name: str) -> Answer:
         """Give a command and wait for the decision of the automaton."""
         return self._ask(lambda: self._decide(name))
 
     def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
         """Drive one actuator by hand (IL-12); success only with sensor evidence."""
-        actuator = self._description.actuators[name]
-        limit_s = timeout_s or (actuator.timeout_s if active else actuator.release_s)
         answer = self._ask(lambda: self._drive(name, active))
-        if not answer.accepted:
-            return answer
-        index = self._description.sequence.index(name)
-        wanted = 3 if active else 1
-        if self.wait(lambda status: status.evidence[index] == wanted, limit_s):
-            proven = "active" if active else "inactive"
-            return Answer(True, f"{display_name(name)} is {proven}, proven by its sensor.")
-        shown = Evidence(self.status.evidence[index]).name
-        left = f" It stays active for {self._description.maintenance.lease_s:g} s at most." if active else ""
-        what = f"its line is written, but its sensor does not prove it within {limit_s:g} s (it says {shown})"
-        return Answer(False, f"{display_name(name)}: {what}.{left}")
+        proven = answer.accepted and proof(self, self._description, name, active=active, timeout_s=timeout_s)
+        return proven or answer
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; False when the time is over or the unit has ended."""
@@ -239,7 +239,7 @@ class Unit:
                 self._outputs.apply(status)  # not before it has adopted
         if self._outputs.lost:
             statuses = self._look_again(statuses)
-        notices = (self._obstacle, self._outputs.alarm, self._maintenance.notice)
+        notices = (self._obstacle, self._outputs.alarm, *self._faults, self._maintenance.notice)
         extra = tuple(text for text in notices if text)
         if not statuses and extra != self._told:
             statuses = [self._now()]

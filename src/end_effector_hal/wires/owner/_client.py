@@ -49,6 +49,7 @@ class OwnerClient:
         will: until the first `set` leaves another.
         alive: asked before each renewal, every 0.25 s.
         on_lost: called in the thread of the renewals when that is where the loss is seen.
+        on_faults: called there when the owner has latched others than before, sentences.
         timeout_s: longest wait for a reply.
         patience_s: how long to wait for an owner to appear, now.
 
@@ -66,12 +67,15 @@ class OwnerClient:
         will: Iterable[WillStep | Mapping[str, object]] = (),
         alive: Callable[[], bool] = lambda: True,
         on_lost: Callable[[OwnerError], None] | None = None,
+        on_faults: Callable[[tuple[str, ...]], None] | None = None,
         timeout_s: float = 1.0,
         patience_s: float = 5.0,
     ) -> None:
         self._path, self._client, self._lines = str(socket_path), client, list(lines)
         self._will: Will = read_will(will)
         self._alive, self._on_lost, self._timeout_s = alive, on_lost, timeout_s
+        self._on_faults = on_faults
+        self._faults: tuple[str, ...] = ()
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._socket: socket.socket | None = None
@@ -184,14 +188,18 @@ class OwnerClient:
     def _renew(self) -> OwnerError | None:
         """The error if the connection was lost just now; later failures to come back are no news."""
         with self._lock:
-            connected = self._socket is not None
+            connected, faults = self._socket is not None, self._faults
             try:
                 if not self._ended.is_set():
-                    self._request("renew")
+                    faults = tuple(map(str, self._request("renew").get("faults", ())))
             except EndEffectorError as error:
                 if connected:
                     self._lost = error if isinstance(error, OwnerError) else OwnerError(str(error))
                     return self._lost
+                return None
+        if faults != self._faults and self._on_faults:
+            self._on_faults(faults)
+        self._faults = faults
         return None
 
     def _call(self, op: str, **fields: object) -> dict[str, Any]:

@@ -18,7 +18,8 @@ Requests have ``op``, and an ``id`` that the reply repeats::
 the code EE-402 and ``retry_us`` while the will of the one before is executed: a will runs to its end first,
 so that the next client adopts lines that stand still. ``set`` is atomic, and leaves a will (left out: the one
 before stays valid); an empty will holds. After ``until_us`` (monotonic clock; left out: whenever it comes) it
-is refused as a whole: its sender has given it up, and nobody knows of it any more. ``renew`` keeps the lease;
+is refused as a whole: its sender has given it up, and nobody knows of it any more. ``renew`` keeps the lease
+and is answered with the latched ``faults``;
 any ``set`` does, too. ``bye`` ends in order: the will in it is executed at once, the one left before is void.
 A socket that is closed without it, or a lease that ends, is the death of the client: its will is executed.
 ``levels`` and ``status`` need no hello.

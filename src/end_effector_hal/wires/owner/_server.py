@@ -245,9 +245,9 @@ class LineOwner:
             return {"delay_us": keeper.write(session, request.levels, request.will, at)}
         if request.op == "renew":
             keeper.renew(session, at)
-        else:
-            keeper.bye(session, request.will or (), at)
-            connection.session = None
+            return {"faults": list(keeper.sensed.faults.values())}
+        keeper.bye(session, request.will or (), at)
+        connection.session = None
         return {}
 
     def _send(self, connection: _Connection, message: dict[str, Any]) -> bool:
