@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test nightly test-boot interlocks check bench format clean debian ros kill-matrix kill-matrix-full
+.PHONY: help setup demo demo-all test nightly test-boot interlocks check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -46,6 +46,9 @@ kill-matrix: setup ## kill, stop and end every process in the states that tell m
 
 kill-matrix-full: setup ## the same in every state (15 minutes)
 	@$(ROS_ENV) && python tests/kill_matrix/run.py --full
+
+link-campaign: setup ## 10,000 faults of the sensor link in virtual time, a minute of them for real
+	@$(BIN)/python tests/link_campaign/run.py
 
 format: $(VENV)/.synced
 	@$(BIN)/ruff check -q --fix . ; $(BIN)/ruff format -q .

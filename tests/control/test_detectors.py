@@ -45,7 +45,7 @@ def test_everything_is_unknown_before_the_first_frame(feed: Feed) -> None:
 
 
 def test_vacuum_is_confirmed_by_three_samples_at_55_kpa(feed: Feed) -> None:
-    assert feed() == ["gone[0]", "partial[1]", "gone[2]"]
+    assert feed() == ["partial[1]", "gone[0]", "gone[2]"]
     assert feed(bottom=-54_999) == ["partial[0]"]
     assert feed(2, bottom=-55_000) == []
     assert feed(bottom=-55_000) == ["confirmed[0]"]
@@ -88,6 +88,12 @@ def test_cylinder_is_retracted_under_50_kpa_for_200_ms(feed: Feed) -> None:
     feed(12, cylinder=600_000)
     assert feed(10, cylinder=49_999) == ["partial[1]"]
     assert feed(cylinder=49_999) == ["gone[1]"]
+
+
+def test_of_one_frame_what_is_undone_is_told_before_what_is_confirmed(feed: Feed) -> None:
+    feed(4, bottom=-60_000, top=-60_000)
+    feed(12)
+    assert feed(bottom=0, top=-15_000, cylinder_extended=True) == ["partial[2]", "gone[0]", "confirmed[1]"]
 
 
 def test_a_reading_is_stale_after_150_ms_and_never_the_last_value(feed: Feed) -> None:

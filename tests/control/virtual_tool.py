@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from end_effector_hal.automata import Network, load_network
 from end_effector_hal.control import Answer, Controller, Status, model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import Bench, SensorBoard
-from end_effector_hal.wires import get_codec
+from end_effector_hal.testbench import Bench, SensorBoard, Sent
+from end_effector_hal.wires import Frame, get_codec
 
 
 class VirtualTool:
@@ -20,16 +20,18 @@ class VirtualTool:
         scenario: str = "nominal",
         *,
         levels: Mapping[str, bool] | None = None,
+        network: Network | None = None,
+        seed: int = 0,
         controller: Callable[[Description, Network, str], Controller] = Controller,
     ) -> None:
         self.description = description
         self.codec = get_codec(description.link.codec)
-        network = load_network(description.automata_path, model_constants(description))
+        network = network or load_network(description.automata_path, model_constants(description))
         self.grip = controller(description, network, "grip")
         self.change = controller(description, network, "tool_change")
         self.at = 0
         self.levels = dict(levels or {})
-        self.bench = Bench(description, scenario, levels=self.levels)
+        self.bench = Bench(description, scenario, seed, levels=self.levels)
         self.board = SensorBoard(self.codec, self.bench, description, 0)
         self.decoder = self.codec.decoder()
         self.statuses: list[Status] = []
@@ -59,7 +61,10 @@ class VirtualTool:
             due = [time for time in (self.grip.deadline, self.change.deadline) if time is not None]
             self.at = max(self.at, min([*due, frame_at, until]))
             if self.at == frame_at and self.link:
-                for frame in self.decoder.feed(self.board.frame(self.at).data, self.at):
+                sent = self.board.frame(self.at)
+                frames = self.decoder.feed(sent.data, self.at)
+                self._heard(sent, frames)
+                for frame in frames:
                     self._gripper(self.grip.frame(frame))
                     self._changer(self.change.frame(frame))
             self._gripper(self.grip.advance(self.at))
@@ -69,6 +74,9 @@ class VirtualTool:
         """Changes of (end-effector, command, actuators), as states.csv has them."""
         rows = [(status.ee, status.command, status.actuators) for status in self.statuses]
         return [row for i, row in enumerate(rows) if i == 0 or row != rows[i - 1]]
+
+    def _heard(self, sent: Sent, frames: list[Frame]) -> None:
+        """What was sent, and what the decoder has made of it; for those who watch."""
 
     def _gripper(self, statuses: list[Status]) -> None:
         for status in statuses:

@@ -11,7 +11,7 @@ from end_effector_hal.wires.codecs import get_codec
 from end_effector_hal.wires.frame import Frame
 
 from ._hold_monitor import HoldMonitor
-from ._levels import Cause, Evidence, ToolEvidence
+from ._levels import Cause, ChangerState, Evidence, ToolEvidence
 from ._predicates import LOCKED, predicates_fitted
 from ._reasons import explain, latched, not_by_hand, refusal
 from ._senses import Senses
@@ -20,6 +20,7 @@ from ._steps import StepLog
 
 FIRST_FRAME_US = 5_000_000
 """What was found active waits so long for the link before it counts as unproven: who reads it may start later."""
+CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
 PROGRAMS = ("grip", "tool_change")
 _SCALARS = ("ee", "command", "cause", "cause_at", "changer", "changer_command", "unlock_valve")
 
@@ -200,6 +201,8 @@ class Controller:
             alarms.append(f"The sensor link {link.port} is down.")
         if self._latched:
             alarms.append(latched(EndEffectorState(self._values["ee"]), self._reason))
+        if self._program == "tool_change" and self._values["changer"] == ChangerState.FAULT:
+            alarms.append(CHANGER_FAULT)
         alarms += self._hold.alarms
         if self._adopted:
             alarms += self._senses.notices(self._at, held=self._held)

@@ -24,13 +24,13 @@ class Judged:
     """A frame as far as it is believed.
 
     Attributes:
-        frame: what is impossible is invalid in it.
-        frozen: channels that prove nothing from now on; invalid too.
+        frame: what is impossible or frozen is invalid in it.
+        doubted: channels whose reading proves nothing from now on; they are invalid in it.
         rebooted: the device began anew: what was read before is nothing any more.
     """
 
     frame: Frame
-    frozen: frozenset[str] = frozenset()
+    doubted: frozenset[str] = frozenset()
     rebooted: bool = False
 
 
@@ -67,21 +67,19 @@ class LinkRules:
         """The frame as far as it is believed."""
         rebooted = self._is_reboot(frame)
         doubts: dict[str, str] = {}
-        frozen = set()
         for channel, value in frame.values.items():
             if value is None or isinstance(value, bool):
                 continue
             if why := self._impossible(channel, value):
                 doubts[channel] = why
             elif channel in self._frozen and self._frozen[channel].sample(value, frame.at):
-                frozen.add(channel)
                 doubts[channel] = _frozen(channel)
         # A doubt is told in the words of its beginning: it does not flicker.
         self._doubts = {channel: self._known(channel, why) for channel, why in doubts.items()}
         values: Mapping[str, Value] = frame.values
         if doubts:
             values = {channel: None if channel in doubts else value for channel, value in values.items()}
-        return Judged(replace(frame, values=values), frozenset(frozen), rebooted)
+        return Judged(replace(frame, values=values), frozenset(doubts), rebooted)
 
     def notices(self, at: int) -> tuple[str, ...]:
         """What is doubted now, in words."""

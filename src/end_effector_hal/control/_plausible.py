@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from end_effector_hal.description import Description, VacuumActuator
 
-# Ambient pressure is 101 kPa at most at sea level; a transmitter may be a few kPa off.
+# Ambient pressure is 101 kPa at most at sea level; a transmitter may be a few kPa off. What is left of a vacuum that
+# is no longer "gone" must not pass for compressed air: then exchanged sensors would be believed.
 LOWEST_VACUUM_KPA, HIGHEST_VACUUM_KPA = -110.0, 50.0
-LOWEST_AIR_KPA, HIGHEST_AIR_KPA = -20.0, 2000.0
+LOWEST_AIR_KPA, HIGHEST_AIR_KPA = -10.0, 2000.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.automata import Event
 from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.trace import display_name
 from end_effector_hal.wires.codecs import Codec
 from end_effector_hal.wires.frame import Frame
 
@@ -22,6 +23,8 @@ _EVIDENCE_CHANNELS = {
     Evidence.PARTIAL: "partial",
     Evidence.CONFIRMED: "confirmed",
 }
+# Of what one frame shows, nothing is decided before it is known what else it has undone.
+_RANK = (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE, Evidence.CONFIRMED)
 _TOOL_CHANNELS = {
     ToolEvidence.UNCLEAR: "tool_unclear",
     ToolEvidence.LOCKED: "tool_locked",
@@ -36,7 +39,7 @@ class Senses:
         self.readings = Readings(description.link, codec)
         self._rules = LinkRules(description, codec, self.readings.stale_us)
         self._wanted = tuple(name for name in used_channels(description) if name in codec.channels)
-        self._channels = tuple(channels_of(part) for _, part in description.ordered)
+        self._channels = {name: frozenset(channels_of(part)) for name, part in description.ordered}
         self._noticed: tuple[str, ...] = ()
         self._detectors = tuple(
             VacuumDetector(part)
@@ -58,14 +61,14 @@ class Senses:
         )
 
     def frame(self, frame: Frame) -> list[Event]:
-        """The events of one frame, in the order of the sequence."""
+        """The events of one frame: what is lost before what is gone before what is confirmed, then by the sequence."""
         judged = self._rules.judge(frame)
         events: list[Event] = []
         if judged.rebooted:
             self.readings.forget()
             events = self._sample(frame.at)
         self.readings.take(judged.frame)
-        for channel in judged.frozen:
+        for channel in judged.doubted:
             self.readings.forget(channel)
         return events + self._sample(frame.at)
 
@@ -84,35 +87,40 @@ class Senses:
 
         A link that is down, and an actuator of a held part without evidence, are told elsewhere.
         """
-        told = self._unknown() if held else set()
-        lacking = [name for name in self._wanted if name not in told and self.readings.get(name, at) is None]
-        said = self._rules.notices(at)
-        if lacking and self.readings.link_up(at):
-            said = (*said, f"No valid reading of {', '.join(lacking)}.")
-        return said
+        said = list(self._rules.notices(at))
+        if not self.readings.link_up(at):
+            return tuple(said)
+        unknown = self._unknown()
+        told = {channel for name in unknown for channel in self._channels[name]} if held else set()
+        lacking = [name for name in self._wanted if self.readings.get(name, at) is None]
+        if missing := [name for name in lacking if name not in told]:
+            said.append(f"No valid reading of {', '.join(missing)}.")
+        if not held and (anew := [name for name in unknown if not self._channels[name] & set(lacking)]):
+            said.append(f"Read again, and not judged yet: {', '.join(map(display_name, anew))}.")
+        return tuple(said)
 
     def noticed(self, at: int, *, held: bool) -> bool:
         """Whether the notices are others than at the last call."""
         before, self._noticed = self._noticed, self.notices(at, held=held)
         return self._noticed != before
 
-    def _unknown(self) -> set[str]:
-        """Channels of the actuators without evidence."""
+    def _unknown(self) -> list[str]:
+        """Actuators without evidence."""
         pairs = zip(self._channels, self.evidence, strict=True)
-        return {name for names, level in pairs if level is Evidence.UNKNOWN for name in names}
+        return [name for name, level in pairs if level is Evidence.UNKNOWN]
 
     def _sample(self, at: int) -> list[Event]:
         self.supply.sample(self.readings, at)
-        events = []
+        events: list[tuple[int, Event]] = []
         for index, detector in enumerate(self._detectors):
             level = detector.sample(self.readings, at)
             if level is not self.evidence[index]:
                 self.evidence[index] = level
-                events.append(
-                    Event(f"{_EVIDENCE_CHANNELS[level]}[{index}]", {f"evidence[{index}]": int(level)})
-                )
+                event = Event(f"{_EVIDENCE_CHANNELS[level]}[{index}]", {f"evidence[{index}]": int(level)})
+                events.append((_RANK.index(level), event))
+        said = [event for _, event in sorted(events, key=lambda each: each[0])]
         tool = self._tool.sample(self.readings, at) if self._tool else self.tool
         if tool is not self.tool:
             self.tool = tool
-            events.append(Event(_TOOL_CHANNELS[tool], {"tool": int(tool)}))
-        return events
+            said.append(Event(_TOOL_CHANNELS[tool], {"tool": int(tool)}))
+        return said

@@ -75,6 +75,11 @@ class Bench:
         first = {TOOL_CHANGER: changer.line} if changer else {}
         return first | {name: actuator.line for name, actuator in self._description.ordered}
 
+    @property
+    def devices(self) -> Mapping[str, Device]:
+        """What is simulated, by name: how it really is, whatever the sensors and the link make of it."""
+        return self._plant.devices
+
     def line(self, name: str, level: bool, at: int) -> None:
         """The line ``name`` has this level from ``at`` (µs) on.
 

@@ -72,7 +72,7 @@ FAULTS: tuple[Fault, ...] = (
           lambda s: {"lost_after_us": _micros(s)}, AIR, Number("seconds", 0.001, 86400)),
     Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, AIR),
     Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, AIR,
-          Number("kpa", -2000, 2000)),
+          Number("kpa", -110, 800)),
     Fault("frozen-after", "its sensor stays at what it shows", lambda s: {"frozen_after_us": _micros(s)}, AIR,
           Number("seconds", 0, 86400)),
     Fault("swapped", "its sensor is exchanged with that of the next actuator", lambda _: {"swapped": True}, AIR),
