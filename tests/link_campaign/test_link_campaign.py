@@ -24,7 +24,7 @@ def test_nothing_that_a_link_does_harms() -> None:
     assert (found.undetected, found.false_confirmations) == (0, 0)
     assert holds(found)
     assert found.faults.total() >= 100
-    assert found.confirmations > 50
+    assert found.confirmations > 20
 
 
 @pytest.mark.wall
