@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 RATIO, P99_MS, CPU_PERCENT, MEMORY_MB, REQUIREMENTS_S, GROWTH = 1.5, 5.0, 15.0, 250.0, 1.0, 2.0
+ADDED_US = 150.0
 OWNER = "line owner"  # no node, but no node works without it
 
 
@@ -33,6 +34,9 @@ def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
             nodes = sum(one[field] for one in result["usage"].values()) * unit - owner
             words = f"{nodes:.1f} {text}, with the line owner {nodes + owner:.1f}"
             aim(f"all nodes {where}: under {most:g} {text} while holding", nodes, most, words)
+    if cost := written.get("owner"):
+        added = cost["added_us"]
+        aim(f"the line owner adds at most {ADDED_US:g} µs at the median", added, ADDED_US, f"{added:.0f} µs")
     if measured := written.get("verification"):
         seconds = sum(answer["seconds"] for answer in measured["together"]["answers"])
         finished = measured["together"]["finished"]

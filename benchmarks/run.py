@@ -1,4 +1,4 @@
-"""``make bench``: latencies against their floor, processor time, memory, verification."""
+"""``make bench``: latencies against their floor, processor time, memory, the line owner, verification."""
 
 from __future__ import annotations
 
@@ -16,14 +16,16 @@ import latency
 import verification
 from aims import aims
 from machine import load_now, machine
+from owner_cost import measure_owner
 from rich.console import Console
-from table import print_latencies, print_usage, print_verification
+from table import print_latencies, print_owner, print_usage, print_verification
 
 from end_effector_hal.demo import need_ros
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import EndEffectorError, RosError
 
 PARTS = {"core": "without ROS", "ros": "through ROS"}
+OTHERS = ("owner", "verification")
 progress, console = Console(stderr=True, highlight=False), Console(width=150, highlight=False)
 
 
@@ -34,6 +36,10 @@ def main() -> int:
     for part in PARTS:
         if part in arguments.parts:
             written[part] = _latencies(part, plan)
+    if "owner" in arguments.parts:
+        cost = measure_owner(*((5, 5.0) if arguments.quick else (30, 20.0)), _say("owner"))
+        print_owner(console, cost)
+        written["owner"] = cost.as_json()
     if "verification" in arguments.parts:
         measured = verification.measure_verification(
             verification.QUICK if arguments.quick else verification.FULL, _say("verification")
@@ -86,9 +92,9 @@ def _arguments() -> argparse.Namespace:
         "--parts",
         dest="parts",
         nargs="+",
-        choices=[*PARTS, "verification"],
-        default=[*PARTS, "verification"],
-        help="some of it; verification needs no ROS",
+        choices=[*PARTS, *OTHERS],
+        default=[*PARTS, *OTHERS],
+        help="some of it; owner and verification need no ROS",
     )
     parser.add_argument("-o", "--output", type=Path, default=Path("runs/bench.json"))
     return parser.parse_args()

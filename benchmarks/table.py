@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from figures import Figures, figures
 from latency import Result
+from owner_cost import OwnerCost
 from rich.console import Console
 from rich.table import Table
 from usage import Usage
@@ -35,6 +36,23 @@ def print_latencies(console: Console, title: str, result: Result) -> None:
     for name, samples in result.losses.items():
         table.add_row(WORDS[name], *_cells(figures(samples)), *[""] * 6)
     console.print(table)
+
+
+def print_owner(console: Console, cost: OwnerCost) -> None:
+    """A command with and without the line owner, and what the owner uses."""
+    table = Table(title="A line command, directly and through the line owner", title_justify="left")
+    table.add_column("ms", no_wrap=True)
+    for head in ("median", "p99", "max", "n"):
+        table.add_column(head, justify="right")
+    for text, found in (
+        ("directly: call → line written", cost.direct_line),
+        ("  … → call returns", cost.direct_return),
+        ("through the owner: call → line written", cost.owner_line),
+        ("  … → call returns", cost.owner_return),
+    ):
+        table.add_row(text, *_cells(found))
+    console.print(table)
+    print_usage(console, "The line owner while a part is held, link at 50 Hz", {"line owner": cost.usage})
 
 
 def print_usage(console: Console, title: str, usage: Mapping[str, Usage]) -> None:

@@ -1,0 +1,149 @@
+"""What the line owner costs: a command through it beside the same one on the back-end, and what it uses."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import sleep
+from typing import Any
+
+from figures import Figures, figures
+from usage import Meter, Usage
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.tool import output_lines, program_lines
+from end_effector_hal.wires import OwnerClient, Teller, VirtualChip, VirtualLines, WillStep, now_us
+
+# The owner of the tool without IL-10, whose wait would be all that is measured.
+OWNER = """
+import sys
+from dataclasses import replace
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.tool import owner_policy
+from end_effector_hal.wires import VirtualLines, serve
+chip, socket = sys.argv[1:]
+policy = replace(owner_policy(load(profile_path())), min_switch_us=0)
+ready = lambda owner: print("ready", flush=True)
+serve(VirtualLines(chip), socket, policy, journal=socket + ".journal", on_ready=ready)
+"""
+PROVEN = {"locked": True, "nothing_gripped": True}
+TELL_S = 0.04
+BLOCK = 100
+
+
+@dataclass(frozen=True)
+class OwnerCost:
+    """From a call until the line is written, and until the call returns; what the owner uses while it holds."""
+
+    direct_line: Figures
+    direct_return: Figures
+    owner_line: Figures
+    owner_return: Figures
+    usage: Usage
+
+    @property
+    def added_us(self) -> float:
+        """By the owner at the median, until the line is written."""
+        return self.owner_line.median - self.direct_line.median
+
+    def as_json(self) -> dict[str, Any]:
+        return asdict(self) | {"added_us": self.added_us}
+
+
+def measure_owner(blocks: int, hold_s: float, say: Callable[[str], None]) -> OwnerCost:
+    """Blocks of commands, directly and through the owner in turns; then it is left holding for ``hold_s``."""
+    description = load(profile_path())
+    gripping, changing = (program_lines(description, program) for program in ("grip", "tool_change"))
+    line = gripping[0]
+    unwind = [WillStep(each) for each in reversed(gripping)]
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="eehal-owner-")))
+        lines = output_lines(description)
+        chips = {name: VirtualChip.create(folder / name, lines).path for name in ("owned", "direct")}
+        owner = stack.enter_context(_owner(chips["owned"], folder / "sock"))
+        stack.enter_context(_told(folder / "sock"))
+        stack.enter_context(OwnerClient(folder / "sock", "tool_change", changing))
+        grip = stack.enter_context(OwnerClient(folder / "sock", "grip", gripping))
+        backend = VirtualLines(chips["direct"])
+        backend.request(lines)
+        stack.callback(backend.close)
+        # with the will of each step, as the gripping program leaves it
+        owned = _Commands(chips["owned"], lambda level: grip.set({line: level}, unwind if level else []))
+        direct = _Commands(chips["direct"], lambda level: backend.set({line: level}))
+        for block in range(blocks):
+            say(f"block {block + 1} of {blocks}")
+            direct.run()
+            owned.run()
+        say(f"holding for {hold_s:g} s")
+        grip.set({line: True}, [])
+        meter = Meter({"line owner": owner.pid})
+        sleep(hold_s)
+        usage = meter.read()["line owner"]
+    return OwnerCost(*(direct.found()), *(owned.found()), usage)
+
+
+class _Commands:
+    """Activates and deactivates a line, and reads off its chip when it was written."""
+
+    def __init__(self, chip: Path, write: Callable[[bool], object]) -> None:
+        self._records = chip.open("rb")
+        self._write = write
+        self._to_line: list[int] = []
+        self._to_return: list[int] = []
+
+    def run(self) -> None:
+        self._records.read()
+        for index in range(BLOCK):
+            called = now_us()
+            self._write(index % 2 == 0)
+            returned = now_us()
+            (record,) = self._records.read().splitlines()
+            self._to_line.append(json.loads(record)["t"] - called)
+            self._to_return.append(returned - called)
+
+    def found(self) -> tuple[Figures, Figures]:
+        self._records.close()
+        to_line, to_return = figures(self._to_line), figures(self._to_return)
+        assert to_line
+        assert to_return
+        return to_line, to_return
+
+
+@contextmanager
+def _owner(chip: Path, sock: Path) -> Iterator[subprocess.Popen[bytes]]:
+    command = [sys.executable, "-c", OWNER, str(chip), str(sock)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        try:
+            assert process.stdout
+            assert process.stdout.readline() == b"ready\n"
+            yield process
+        finally:
+            process.kill()
+
+
+@contextmanager
+def _told(sock: Path) -> Iterator[None]:
+    """What the sensors prove, as often as a link of 50 Hz has it told."""
+    teller, ended = Teller(sock), threading.Event()
+
+    def tell() -> None:
+        while not ended.wait(TELL_S):
+            teller.tell(PROVEN, now_us())
+
+    thread = threading.Thread(target=tell)
+    thread.start()
+    while True:
+        with OwnerClient(sock, "look") as look:
+            if look.status()["told"]:
+                break
+    yield
+    ended.set()
+    thread.join()
+    teller.close()
