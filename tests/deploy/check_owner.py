@@ -11,7 +11,7 @@ from itertools import pairwise
 from end_effector_hal.description import load
 from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.tool import program_lines
-from end_effector_hal.wires import OwnerClient, read_chip
+from end_effector_hal.wires import OwnerClient, now_us, read_chip
 
 CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-owner"
 BOTTOM, CYLINDER, TOP = program_lines(load("/etc/eehal/end_effector.yaml"), "grip")
@@ -42,21 +42,32 @@ def serves(other_than):
     return None
 
 
+def engage(client, will):
+    """What an owner does only where the sensors are said to prove it."""
+    client.tell({"locked": True, "nothing_gripped": True}, now_us())
+    client.set(ACTIVE, will=will)
+
+
 def replaced(signal_name):
     """What the death or the standstill of the owner does while lines are active."""
     pid = int(shown("MainPID"))
     with OwnerClient(SOCKET, "grip", ACTIVE) as client:
-        client.set(ACTIVE, will=())
+        engage(client, ())
         subprocess.run(["systemctl", "kill", "-s", signal_name, UNIT], check=True)
         seconds = serves(other_than=pid)
         time.sleep(0.5)
-        return {"seconds": seconds, "levels": levels(), "pid_shown": int(shown("MainPID")) != pid}
+        return {
+            "seconds": seconds,
+            "levels": levels(),
+            "pid_shown": int(shown("MainPID")) != pid,
+            "stored": int(shown("NFileDescriptorStore")),
+        }
 
 
 def die():
     """A client that leaves a will that takes 1.2 s, and dies."""
     client = OwnerClient(SOCKET, "grip", ACTIVE)
-    client.set(ACTIVE, will=WILL)
+    engage(client, WILL)
     os._exit(0)
 
 
@@ -84,6 +95,7 @@ def main():
     for path in (SOCKET, "/run/eehal"):
         status = os.stat(path)
         seen[path] = [stat.filemode(status.st_mode), status.st_gid]
+    seen["stored"], seen["journal"] = int(shown("NFileDescriptorStore")), os.listdir("/var/lib/eehal-owner")
     seen["SIGKILL"] = replaced("KILL")
     seen["SIGSTOP"] = replaced("STOP")
     seen["stop"] = stopped()

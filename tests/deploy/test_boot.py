@@ -115,6 +115,11 @@ def test_it_is_ready_when_it_says_so(seen: dict) -> None:
     assert -10 < seen["active_after_ms"] < 2000, "systemd waits for READY=1, which follows the socket"
 
 
+def test_the_claim_of_the_lines_and_the_journal_outlive_the_owner(seen: dict) -> None:
+    assert [seen["stored"], seen["SIGKILL"]["stored"], seen["SIGSTOP"]["stored"]] == [1, 1, 1]
+    assert seen["journal"] == ["verdin_gripper.sock.journal"]
+
+
 def test_the_socket_is_for_the_group_gpio_only(seen: dict) -> None:
     gid = seen["/run/eehal"][1]
     assert seen["/run/eehal"][0] == "drwxr-x---"
