@@ -22,6 +22,8 @@ from end_effector_hal.wires import OwnerClient
 
 LAUNCHED = ("HALMain", "Grip", "ToolChange", "Pressure", "Position", "LineOwner")
 START_S = 60.0
+LATCHED = ("Over:", "GRIP_ERROR:", "RELEASE_ERROR:")
+"""Alarms that stay on purpose: of what is over, and of the state that is expected."""
 
 
 class Plant(World):
@@ -139,7 +141,8 @@ class System:
         """Every node was heard just now, the link is up, both programs hold their lease."""
         state, now = self.hands.look(), time.monotonic()
         fresh = all(now - self.hands.heard.get(name, 0) < 0.5 for name in LAUNCHED if name != "LineOwner")
-        up = fresh and bool(state) and state["link_up"] and not state["alarms"]
+        obstacles = [alarm for alarm in state.get("alarms", ()) if not alarm.startswith(LATCHED)]
+        up = fresh and bool(state) and state["link_up"] and not obstacles
         return up and self.clients_of_the_owner() >= {"grip", "tool_change"}
 
     def why_not_up(self) -> str:
