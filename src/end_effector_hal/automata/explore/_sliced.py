@@ -7,11 +7,10 @@ first value here, so that states that differ in it alone are one (cone of influe
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 
-from end_effector_hal.automata._network import Edge, Network, State
+from end_effector_hal.automata._network import Network
 from end_effector_hal.automata._scope import Function
-from end_effector_hal.automata._semantics import Fired
 from end_effector_hal.automata.explore._listening import ListeningSemantics
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
@@ -24,26 +23,12 @@ class SlicedSemantics(ListeningSemantics):
         super().__init__(network)
         self.unread = unread(network, queries)
         first = network.initial.values
-        self._constant = [
-            (offset, first[offset])
+        self._fixed = [
+            (variable.name, offset, first[offset])
             for variable in network.variables
             if variable.name in self.unread
             for offset in range(variable.offset, variable.offset + variable.type.size)
         ]
-
-    def fire(self, state: State, edges: Sequence[Edge], writes: Mapping[int, int] | None = None) -> Fired:
-        """Take a transition; what nobody reads stays as it is."""
-        locations, values = list(state.locations), list(state.values)
-        resets: list[tuple[int, int]] = []
-        for offset, value in (writes or {}).items():
-            values[offset] = value
-        for edge in edges:
-            locations[edge.process] = edge.target
-            if edge.update is not None:
-                edge.update(values, resets)
-        for offset, value in self._constant:
-            values[offset] = value
-        return Fired(State(tuple(locations), tuple(values)), tuple(resets))
 
 
 def unread(network: Network, queries: Iterable[str]) -> frozenset[str]:
