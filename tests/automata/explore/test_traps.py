@@ -207,3 +207,12 @@ def test_a_supremum_beyond_the_limits_is_not_taken_from_a_widened_zone() -> None
     second = Template("Q", ["a -> a; guard: y > 0 && x == 0"], invariants={"a": "y < 3"})
     (extreme,) = check(network("clock x, y;", first, second), "sup{y <= 3}: x").extremes
     assert (extreme.value, extreme.attained) == (5, False)
+
+
+def test_no_supremum_is_seen_although_an_invariant_keeps_the_clock_near_its_limit() -> None:
+    # In a the clock is never more than 1 past the last round: each limit is passed by a little only, for ever.
+    rounds = Template("P", ["a -> b", "b -> a; guard: y == 3; do: y = 0"], invariants={"a": "y <= 1"})
+    verdict = check(network("clock x, y;", rounds), "sup{P.a}: x")
+    (extreme,) = verdict.extremes
+    assert (extreme.value, extreme.attained) == (None, False)
+    assert verdict.states < 100

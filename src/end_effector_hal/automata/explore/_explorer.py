@@ -215,10 +215,9 @@ class Explorer:
         space = SymbolicSpace(self.discrete, Limits(self.network))
         with self._errors(space):
             if clock is not None:
-                return extreme_clock(self.discrete, condition, clock, upper=upper)
-            return extreme_integer(
-                self.discrete, condition, compile_integer(self.network, target), upper=upper
-            )
+                return extreme_clock(self.discrete, condition, clock, upper=upper, told=self._told)
+            read = compile_integer(self.network, target)
+            return extreme_integer(self.discrete, condition, read, upper=upper, told=self._told)
 
     @contextmanager
     def _errors(self, space: SymbolicSpace) -> Iterator[None]:

@@ -12,7 +12,7 @@ from end_effector_hal.automata.explore._discrete import DiscreteSpace
 from end_effector_hal.automata.explore._formula import Formula, limits_of
 from end_effector_hal.automata.explore._growth import grows
 from end_effector_hal.automata.explore._limits import NEVER, Limit, Limits, largest, merged
-from end_effector_hal.automata.explore._reach import Node, Search
+from end_effector_hal.automata.explore._reach import Node, Search, Told
 from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
 from end_effector_hal.automata.explore._verdict import Extreme
 from end_effector_hal.automata.explore._zone import Zone, constrained
@@ -33,14 +33,16 @@ class Found:
 Read = Callable[[tuple[int, ...], tuple[int, ...]], int]
 
 
-def extreme_integer(discrete: DiscreteSpace, condition: Formula, read: Read, *, upper: bool) -> Found:
+def extreme_integer(
+    discrete: DiscreteSpace, condition: Formula, read: Read, *, upper: bool, told: Told | None = None
+) -> Found:
     """Of an integer expression.
 
     Raises:
         OutOfRangeError: a value leaves its range on the way.
     """
     search, cases = (
-        Search(SymbolicSpace(discrete, Limits(discrete.network, limits_of(condition)))),
+        Search(SymbolicSpace(discrete, Limits(discrete.network, limits_of(condition))), told),
         Cases(condition),
     )
     best, where = None, None
@@ -54,7 +56,9 @@ def extreme_integer(discrete: DiscreteSpace, condition: Formula, read: Read, *, 
     return Found(Extreme(best, attained=True), search, where, cases.part)
 
 
-def extreme_clock(discrete: DiscreteSpace, condition: Formula, clock: int, *, upper: bool) -> Found:
+def extreme_clock(
+    discrete: DiscreteSpace, condition: Formula, clock: int, *, upper: bool, told: Told | None = None
+) -> Found:
     """Of a clock. Zones are exact up to its limits, which are doubled until the extreme lies below.
 
     Raises:
@@ -64,7 +68,7 @@ def extreme_clock(discrete: DiscreteSpace, condition: Formula, clock: int, *, up
     while True:
         extra = {clock: Limit(limit, NEVER) if upper else Limit(NEVER, limit)}
         merged(extra, limits_of(condition))
-        search = Search(SymbolicSpace(discrete, Limits(discrete.network, extra)))
+        search = Search(SymbolicSpace(discrete, Limits(discrete.network, extra)), told)
         attempt = _Attempt(search, Cases(condition), clock, upper, limit)
         found = attempt.run()
         if found is not None:
@@ -87,13 +91,10 @@ class _Attempt:
         best, where = -INFINITY, None
         for node in self.search.nodes():
             bound = self._bound(node)
-            if bound == INFINITY:
-                return (
-                    self.unbounded(node)
-                    if self._endless(node) or grows(self.search, node, self.clock, self.cases)
-                    else None
-                )
-            if self.upper and bound > at_most(self.limit):
+            if bound == INFINITY or (self.upper and bound > at_most(self.limit)):
+                endless = bound == INFINITY and self._endless(node)
+                if endless or grows(self.search, node, self.clock, self.cases):
+                    return self.unbounded(node)
                 return None
             if bound > best:
                 best, where = bound, node
