@@ -97,7 +97,7 @@ class Automata(Part):
         default=("Gripper", "Actuator"), description="processes that the grip program executes"
     )
     tool_change: Texts = Field(
-        default=("Changer",), description="processes that the tool-change program executes"
+        default=("Changer", "Arming"), description="processes that the tool-change program executes"
     )
     interface: Texts = Field(
         default=(
@@ -106,10 +106,18 @@ class Automata(Part):
             "supply_ok",
             "adopted",
             "adopted_unlock",
+            "adopted_fault",
+            "vented",
+            "parked",
+            "told",
             "ee",
             "valve",
             "changer",
+            "changer_fault",
             "unlock_valve",
+            "armed",
+            "command",
+            "actuator",
         ),
         description="variables that the executed processes share with the rest",
     )
