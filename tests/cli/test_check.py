@@ -103,7 +103,7 @@ def test_what_the_prototype_s_byte_does_not_carry_is_told(check: Check) -> None:
         "it is taken as the opposite of extended",
         "top_vacuum: top is carried by legacy-nibble as a bit: thresholds are off",
         "supply pressure: not carried by legacy-nibble: IL-06 is off, 600 kPa is taken for it",
-        "tool stand: not carried by legacy-nibble: tool_present, in_stand: IL-02 is off",
+        "tool stand: not carried by legacy-nibble: in_stand: an unlock is armed first (IL-02)",
         NO_E_STOP,
     ]
     plain = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})

@@ -161,7 +161,10 @@ def test_each_template_is_drawn_with_the_constants_of_the_description() -> None:
     result = run("show", "tool.yaml", "-o", "drawings")
     assert result.exit_code == 0
     names = [line.split(":")[0] for line in result.stdout.splitlines()]
-    assert names == ["Gripper", "Actuator", "Changer", "World", "Sensors", "Tool", "Observer", "Commands"]
+    assert names == [
+        "Gripper", "Actuator", "Changer", "Arming", "World", "Sensors", "Tool", "Observer", "Commands",
+        "Messages", "Owner", "Wills",
+    ]  # fmt: skip
     assert sorted(path.name for path in Path("drawings").iterdir()) == sorted(
         f"{name}.{suffix}" for name in names for suffix in ("png", "svg")
     )

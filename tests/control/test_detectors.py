@@ -104,7 +104,7 @@ def test_a_reading_is_stale_after_150_ms_and_never_the_last_value(feed: Feed) ->
     assert due == feed.at + 150_000
     assert feed.senses.advance(due - 1) == []
     said = [event.channel for event in feed.senses.advance(due)]
-    assert said == ["stale[0]", "stale[1]", "stale[2]", "tool_unclear"]
+    assert said == ["stale[0]", "stale[1]", "stale[2]", "tool_is[0]"]
     assert feed.senses.evidence == [Evidence.UNKNOWN] * 3
 
 
@@ -136,11 +136,11 @@ def test_what_fell_during_a_silence_is_lost_at_the_first_samples(feed: Feed) -> 
 
 def test_lock_is_proven_by_both_bits_for_100_ms(feed: Feed) -> None:
     feed.tool = True
-    assert "tool_locked" not in feed(5)
-    assert "tool_locked" in feed()
+    assert "tool_is[1]" not in feed(5)
+    assert "tool_is[1]" in feed()
     feed(24, locked=False)
     assert feed.senses.tool is ToolEvidence.LOCKED
-    assert feed(2, locked=False) == ["tool_unclear"]
+    assert feed(2, locked=False) == ["tool_is[3]"]
 
 
 def test_supply_refuses_under_400_kpa_with_hysteresis(feed: Feed) -> None:

@@ -2,7 +2,7 @@
 
 from ._constants import channels_of, model_constants
 from ._controller import PROGRAMS, Controller
-from ._levels import Cause, ChangerState, Evidence, ToolEvidence
+from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._margin import margin_pa
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, Predicates, predicates_fitted
 from ._senses import Senses
@@ -18,6 +18,7 @@ __all__ = [
     "PROGRAMS",
     "Answer",
     "Cause",
+    "ChangerFault",
     "ChangerState",
     "Controller",
     "Evidence",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Actuator, CylinderActuator, Description
+from end_effector_hal.wires import Policy
 from end_effector_hal.wires.codecs import Codec, get_codec
 
 Constants = dict[str, "int | bool | list[int]"]
@@ -31,8 +32,13 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
         "RELEASE_BOUND": _ms(bounds.release_s),
         "CANCEL_BOUND": _ms(bounds.cancel_s),
         "CANCEL_HOLDS": description.endings.gripping.cancel == "hold",
+        "DEATH_HOLDS": description.endings.gripping.process_death == "hold",
+        "DEATH_KEEPS": description.endings.held.process_death == "hold",
+        "LEASE": Policy(lines=()).lease_us // 1000,
+        "MESSAGE": bounds.message_ms,
         "CHANGER": changer is not None,
         "IL_01": locks.il_01,
+        "IL_02": locks.il_02,
         "IL_05": locks.il_05 and fitted,
         "IL_06": locks.il_06 and description.supply.channel in carried,
         "IL_07": locks.il_07,
@@ -42,6 +48,8 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
             "LATCHING": changer.latching,
             "T_PROVE": _ms(changer.prove_s),
             "T_UNLOCK": _ms(changer.unlock_max_s),
+            "T_ARM": _ms(changer.arm_s),
+            "STAND": changer.stand_bit in carried,
         }
     return constants
 

@@ -10,6 +10,7 @@ from end_effector_hal.trace import Command, EndEffectorState
 from end_effector_hal.wires.codecs import get_codec
 from end_effector_hal.wires.frame import Frame
 
+from ._changer_reasons import explain_changer
 from ._hold_monitor import HoldMonitor
 from ._levels import Cause, ChangerState, Evidence, ToolEvidence
 from ._predicates import LOCKED, predicates_fitted
@@ -22,7 +23,10 @@ FIRST_FRAME_US = 5_000_000
 """What was found active waits so long for the link before it counts as unproven: who reads it may start later."""
 CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
 PROGRAMS = ("grip", "tool_change")
-_SCALARS = ("ee", "command", "cause", "cause_at", "changer", "changer_command", "unlock_valve")
+_SCALARS = (
+    "ee", "command", "cause", "cause_at", "changer", "changer_command", "changer_fault", "unlock_valve", "armed",
+)  # fmt: skip
+_AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
 
 class Controller:
@@ -57,6 +61,7 @@ class Controller:
         self._values = {name: self._execution.value(name) for name in _watched(len(description.sequence))}
         self._cause, self._cause_at, self._reason = int(Cause.NONE), -1, ""
         self._levels: Mapping[str, bool] = {}
+        self._sensor_fault = False
         self._adopt_by: int | None = None
         self._adopted = False
         self._missed, self._worst_late_us = 0, 0
@@ -68,9 +73,12 @@ class Controller:
         due = (self._execution.deadline, self._senses.deadline(self._at), self._adopt_by)
         return min((time for time in due if time is not None), default=None)
 
-    def start(self, levels: Mapping[str, bool], at: int) -> list[Status]:
-        """Begin, with the lines' levels as they were found; adoption follows once the sensors are read."""
-        self._at, self._levels = at, levels
+    def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
+        """Begin, with the lines' levels as they were found; adoption follows once the sensors are read.
+
+        ``sensor_fault``: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
+        """
+        self._at, self._levels, self._sensor_fault = at, levels, sensor_fault
         down_us = self._senses.readings.down_us
         self._adopt_by = at + (max(FIRST_FRAME_US, down_us) if any(levels.values()) else down_us)
         return self._told(self._execution.start(at))
@@ -88,25 +96,29 @@ class Controller:
         statuses: list[Status] = []
         if expired is not None and expired < frame.at:
             events = self._senses.advance(expired)
+            self._execution.write(self._senses.levels)
             self._hold.sample(expired, held=self._held)
             for event in events:
                 statuses += self._receive(event, self._at, expired)
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
         events = self._senses.frame(frame)
+        self._execution.write(self._senses.levels)
         told = self._hold.sample(frame.at, held=self._held) | self._senses.noticed(frame.at, held=self._held)
         for event in events:
             statuses += self._receive(event, self._at, frame.at)
-        self._execution.write({"supply_ok": int(self._senses.supply.ok)})
         if not self._adopted and self._senses.settled:
             statuses += self._adopt(self._at)
         return statuses if statuses or not (events or told) else [self.status()]
 
     def tell(self, values: Mapping[str, int], at: int) -> list[Status]:
-        """What another program says: interface variables by name."""
+        """What another program says: ``ee`` or ``unlock_valve``, as the model has them."""
         at = self._until(at)
         statuses = self._due_before(at)
-        self._execution.write(values)
+        if "ee" in values:
+            self._execution.write({"told[0]": int(values["ee"] in _AT_REST)})
+        if "unlock_valve" in values:
+            self._execution.write({"told[1]": values["unlock_valve"]})
         self._values.update(values)
         return statuses + self._told(self._execution.advance(at))
 
@@ -122,6 +134,13 @@ class Controller:
             self._take_cause(Cause.NONE, -1)
             self._hold.dropped()
         return Answer(True), statuses + self._told(reaction.steps)
+
+    def refused(self, at: int) -> list[Status]:
+        """The line owner refused to activate what the last status asked for."""
+        at = self._until(at)
+        statuses = self._due_before(at)
+        channel = "unlock_refused" if self._program == "tool_change" else "grip_refused"
+        return statuses + self._receive(Event(channel), at)
 
     def acknowledge(self, at: int) -> list[Status]:
         """Alarms that are over were seen: they are forgotten. Nothing else is changed by it."""
@@ -149,6 +168,7 @@ class Controller:
             # what is late is taken now, and told as late: nobody may see a time at which nothing happened
             self._at = at
             events = self._senses.advance(at)
+            self._execution.write(self._senses.levels)
             self._hold.sample(at, held=self._held)
             for event in events:
                 statuses += self._receive(event, at)
@@ -180,12 +200,14 @@ class Controller:
             deadline=self._execution.deadline,
             cause=self._cause,
             cause_at=self._cause_at,
-            reason=self._reason,
+            reason=self._reason or explain_changer(self._description, values["changer_fault"]),
             lift_allowed=proven and self._hold.allows_lift,
             held=self._held,
             secure=proven and self._hold.secure,
             changer=values["changer"],
             unlock_output=bool(values["unlock_valve"]),
+            changer_fault=values["changer_fault"],
+            armed=bool(values["armed"]),
             link_up=readings.link_up(self._at),
             stale=readings.stale(self._at),
             missed=self._missed,
@@ -232,6 +254,7 @@ class Controller:
         changer = self._description.tool_changer
         if changer is not None:
             adopted["adopted_unlock"] = int(self._levels.get(changer.line, False))
+            adopted["adopted_fault"] = int(self._sensor_fault)
         self._execution.write(adopted)  # before the event: whoever receives it asks for these levels
         return self._receive(Event("adopt"), at)
 

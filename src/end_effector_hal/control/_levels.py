@@ -22,6 +22,8 @@ class ToolEvidence(IntEnum):
     UNCLEAR = 0
     LOCKED = 1
     UNLOCKED = 2
+    FAULTY = 3
+    """Both bits or neither, for too long (IL-04)."""
 
 
 class ChangerState(IntEnum):
@@ -45,3 +47,15 @@ class Cause(IntEnum):
     STILL_PRESENT = 4
     NOT_PROVEN = 5
     UNPROVEN_AT_START = 6
+    REFUSED = 7
+    """The line owner refused to activate an output."""
+
+
+class ChangerFault(IntEnum):
+    """Why the tool changer is FAULT; ``changer_fault`` of the model."""
+
+    NONE = 0
+    UNPROVEN = 1
+    """Its sensors did not prove in time, or any longer, what it should be."""
+    SENSOR = 2
+    """Both bits or neither (IL-04): latched until a reset."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from end_effector_hal.description import Actuator, Description, VacuumActuator
 from end_effector_hal.trace import EndEffectorState, display_name
 
-from ._levels import Cause, ChangerState, Evidence, ToolEvidence
+from ._changer_reasons import changer_refusal
+from ._levels import Cause, Evidence, ToolEvidence
 from ._senses import Senses
 from ._status import Status
 
@@ -18,6 +19,8 @@ def explain(description: Description, cause: int, cause_at: int, senses: Senses,
         return f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts."
     if cause == Cause.LOST and actuator:
         return f"{who} was lost{_shown(actuator, senses, at)}."
+    if cause == Cause.REFUSED:
+        return f"The line owner refused to activate {display_name(name) or 'an output'}."
     return {
         Cause.NONE: "",
         Cause.LOST: f"{who} was lost.",
@@ -67,18 +70,8 @@ def refusal(description: Description, command: str, status: Status, senses: Sens
         return f"Nothing is held: a drop is accepted in GRIPPED, GRIP_ERROR, RELEASE_ERROR; this is {_name(state)}."
     if command == "cancel":
         return f"There is no running grip to cancel; the end-effector is {_name(state)}."
-    changer = ChangerState(status.changer)
-    if command == "unlock":
-        if description.tool_changer is None:
-            return "The tool has no tool changer."
-        if changer is not ChangerState.LOCKED:
-            return f"An unlock is accepted when the tool changer is LOCKED; it is {changer.name}."
-        if state not in (EndEffectorState.STAND_BY, EndEffectorState.OFF):
-            return f"IL-01: unlock only in STAND_BY; the end-effector is {_name(state)}."
-        present = _present(description, senses)
-        return f"IL-01: {present}" if present else "The unlock is not taken now."
-    if command == "lock":
-        return f"A lock is not taken now; the tool changer is {changer.name}."
+    if command in ("lock", "unlock", "arm", "reset"):
+        return changer_refusal(description, command, status, senses)
     return f"{command!r} is not taken now."
 
 

@@ -15,6 +15,7 @@ from ._link_rules import LinkRules
 from ._readings import Readings
 from ._supply_detector import SupplyDetector
 from ._tool_detector import ToolDetector
+from ._vented_detector import VentedDetector
 from ._vacuum_detector import VacuumDetector
 
 _EVIDENCE_CHANNELS = {
@@ -25,11 +26,6 @@ _EVIDENCE_CHANNELS = {
 }
 # Of what one frame shows, nothing is decided before it is known what else it has undone.
 _RANK = (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE, Evidence.CONFIRMED)
-_TOOL_CHANNELS = {
-    ToolEvidence.UNCLEAR: "tool_unclear",
-    ToolEvidence.LOCKED: "tool_locked",
-    ToolEvidence.UNLOCKED: "tool_unlocked",
-}
 
 
 class Senses:
@@ -49,9 +45,17 @@ class Senses:
         )
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None
+        self._stand = (changer.stand_bit, changer.present_bit) if changer else None
+        self._vented = VentedDetector(description, codec)
         self.supply = SupplyDetector(description.supply)
         self.evidence = [Evidence.UNKNOWN] * len(self._detectors)
         self.tool = ToolEvidence.UNCLEAR
+        self.vented, self.parked = False, False
+
+    @property
+    def levels(self) -> dict[str, int]:
+        """Levels of the model that have no event: they are asked for when a command comes."""
+        return {"supply_ok": int(self.supply.ok), "vented": int(self.vented), "parked": int(self.parked)}
 
     @property
     def settled(self) -> bool:
@@ -122,5 +126,14 @@ class Senses:
         tool = self._tool.sample(self.readings, at) if self._tool else self.tool
         if tool is not self.tool:
             self.tool = tool
-            said.append(Event(_TOOL_CHANNELS[tool], {"tool": int(tool)}))
+            said.append(Event(f"tool_is[{int(tool)}]", {"tool": int(tool)}))
+        self.vented = self._vented.sample(self.readings, self.evidence, at)
+        self.parked = self._is_parked(at)
         return said
+
+    def _is_parked(self, at: int) -> bool:
+        """IL-02: in its stand, or there is none; without a fresh reading, neither."""
+        if self._stand is None:
+            return False
+        in_stand, present = (self.readings.get(bit, at) for bit in self._stand)
+        return in_stand is not None and (bool(in_stand) or present is False)

@@ -47,6 +47,10 @@ class Status:
     maintenance: bool = False
     changer: int = 0
     unlock_output: bool = False
+    changer_fault: int = 0
+    """Why the tool changer is FAULT; ``ChangerFault``."""
+    armed: bool = False
+    """An unlock was armed (IL-02)."""
     link_up: bool = False
     stale: tuple[str, ...] = ()
     missed: int = 0

@@ -11,7 +11,7 @@ from ._time import to_us
 
 
 class ToolDetector:
-    """Locked or unlocked once the bits say so for 100 ms; unclear when both or neither for 0.5 s, or stale."""
+    """Locked or unlocked once the bits say so for 100 ms; faulty when both or neither for 0.5 s; unclear when stale."""
 
     def __init__(self, changer: ToolChanger) -> None:
         self._changer = changer
@@ -28,12 +28,12 @@ class ToolDetector:
             return self.level
         if not readings.arrived(self._changer.locked_bit):
             return self.level
-        said = ToolEvidence.UNCLEAR
+        said = ToolEvidence.FAULTY
         if bool(locked) != bool(unlocked):
             said = ToolEvidence.LOCKED if locked else ToolEvidence.UNLOCKED
         for level, streak in self._streaks.items():
             streak.take(level is said, at)
-        wait_s = self._changer.fault_s if said is ToolEvidence.UNCLEAR else self._changer.proven_s
+        wait_s = self._changer.fault_s if said is ToolEvidence.FAULTY else self._changer.proven_s
         if self._streaks[said].lasted(at, to_us(wait_s)):
             self.level = said
         return self.level

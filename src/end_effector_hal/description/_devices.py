@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds
+from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum
 
 
 class ToolChanger(Part):
@@ -24,6 +24,13 @@ class ToolChanger(Part):
     proven_s: Seconds = Field(default=0.1, description="IL-04: bits stand for at least this long")
     fault_s: Seconds = Field(
         default=0.5, description="IL-04: both bits or neither for this long: sensor fault"
+    )
+    vented_kpa: Vacuum = Field(default=5.0, description="IL-01: unlock only with every vacuum under this")
+    vented_s: Seconds = Field(default=0.5, description="IL-01: and for at least this long")
+    stand_bit: Name = Field(default="in_stand", description="IL-02: bit of the link: the tool is in its stand")
+    present_bit: Name = Field(default="tool_present", description="IL-02: bit of the link: there is a tool")
+    arm_s: Seconds = Field(
+        default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"
     )
     service: RosName = Field(default="SetToolChanger", description="ROS service")
 

@@ -88,8 +88,10 @@ def _interlocks(description: Description, carried: Carried) -> Iterator[str]:
         yield "tool changer: none in the description: IL-01 to IL-05 are off"
     elif missing := [bit for bit in (changer.locked_bit, changer.unlocked_bit) if bit not in channels]:
         yield f"tool changer: not carried by {codec}: {', '.join(missing)}: IL-04 and IL-05 are off"
-    if changer and (missing := [bit for bit in ("tool_present", "in_stand") if bit not in channels]):
-        yield f"tool stand: not carried by {codec}: {', '.join(missing)}: IL-02 is off"
+    if changer and changer.stand_bit not in channels:
+        yield f"tool stand: not carried by {codec}: {changer.stand_bit}: an unlock is armed first (IL-02)"
+    elif changer and changer.present_bit not in channels:
+        yield f"tool stand: not carried by {codec}: {changer.present_bit}: an absent tool is not seen (IL-02)"
     for name, line in description.blow_off_lines.items():
         yield f"{name}: its blow-off {line} is guarded by the line owner (IL-08), but no command drives it"
     e_stop = description.e_stop

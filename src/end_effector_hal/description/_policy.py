@@ -66,6 +66,9 @@ class Interlocks(Part):
     il_01: bool = Field(
         default=True, alias="IL-01", description="unlock only when nothing is gripped or held"
     )
+    il_02: bool = Field(
+        default=True, alias="IL-02", description="unlock only with the tool in its stand or absent, or armed"
+    )
     il_05: bool = Field(default=True, alias="IL-05", description="no gripping unless the tool is locked")
     il_06: bool = Field(
         default=True, alias="IL-06", description="no new grip under the least supply pressure"
@@ -80,6 +83,9 @@ class Bounds(Part):
     reaction_ms: Milliseconds = Field(default=50, description="D: longest lateness")
     sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
     command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
+    message_ms: Milliseconds = Field(
+        default=100, description="the programs hear of each other within"
+    )
     grip_s: Seconds = Field(default=58.0, description="every grip is over within")
     release_s: Seconds = Field(default=6.2, description="every release is over within")
     cancel_s: Seconds = Field(default=6.2, description="every cancelled grip is unwound within")

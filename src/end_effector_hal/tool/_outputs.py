@@ -54,6 +54,8 @@ class Outputs:
         self.alarm = ""
         self.refused = ""
         """Why the line owner did not activate something, in words, until it activates again."""
+        self.objected = False
+        """It has just refused an activation, and the automata do not know yet."""
 
     def apply(self, status: Status) -> None:
         """Bring the lines to what a status asks for; trouble becomes :attr:`alarm`."""
@@ -98,7 +100,8 @@ class Outputs:
                 self.alarm, self._said, self._undone, self.retry_at = "", will, {}, None
                 return
         except EndEffectorError as error:
-            self.refused = str(error) if isinstance(error, LineRefusedError) else self.refused
+            if isinstance(error, LineRefusedError):
+                self.refused, self.objected = str(error), self.objected or any(changes.values())
             self.alarm = f"The lines could not be written: {error}"
             self.retry_at = self.retry_at if self.lost else at + RETRY_US
         self._said = None

@@ -234,9 +234,7 @@ class Unit:
         return self._controller.advance(now)
 
     def _act(self, statuses: list[Status]) -> None:
-        for status in statuses:
-            if status.ee if self._program == "grip" else status.changer:
-                self._outputs.apply(status)  # not before it has adopted
+        statuses = self._written(statuses)
         if self._outputs.lost:
             statuses = self._look_again(statuses)
         notices = (self._obstacle, self._outputs.alarm, *self._faults, self._maintenance.notice)
@@ -252,6 +250,16 @@ class Unit:
                 self._changed.notify_all()
             if self._on_status is not None:
                 self._on_status(told)
+
+    def _written(self, statuses: list[Status]) -> list[Status]:
+        """These, and what follows from what the line owner says to them."""
+        for status in statuses:
+            if status.ee if self._program == "grip" else status.changer:
+                self._outputs.apply(status)  # not before it has adopted
+        if not self._outputs.objected:
+            return statuses
+        self._outputs.objected = False
+        return statuses + self._written(self._controller.refused(now_us()))
 
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:
         if name == "grip" and self._maintenance.active:

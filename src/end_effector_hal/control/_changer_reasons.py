@@ -1,0 +1,84 @@
+"""Decisions about the tool changer, in words. Nothing is decided here."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import Description, ToolChanger, VacuumActuator
+from end_effector_hal.trace import EndEffectorState, display_name
+
+from ._levels import ChangerFault, ChangerState, Evidence
+from ._senses import Senses
+from ._status import Status
+
+_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
+
+
+def explain_changer(description: Description, fault: int) -> str:
+    """Why the tool changer is FAULT, and what to do; empty: it is not."""
+    changer = description.tool_changer
+    if changer is None or fault == ChangerFault.NONE:
+        return ""
+    if fault == ChangerFault.SENSOR:
+        return (
+            f"IL-04: {changer.locked_bit} and {changer.unlocked_bit} were both on, or both off, for "
+            f"{changer.fault_s:g} s: a sensor fault, until a reset."
+        )
+    return "The tool changer is not where it should be, as its sensors have it: lock it again, or reset."
+
+
+def changer_refusal(description: Description, command: str, status: Status, senses: Senses) -> str:
+    """Why ``lock``, ``unlock``, ``arm`` or ``reset`` is not taken now."""
+    changer, state = description.tool_changer, ChangerState(status.changer)
+    if changer is None:
+        return "The tool has no tool changer."
+    if state is ChangerState.FAULT:
+        if command == "reset":
+            return f"The sensors of the tool changer still contradict each other. {_fault(description, status)}"
+        return f"The tool changer is FAULT. {_fault(description, status)}"
+    if command == "unlock":
+        return _unlock_refusal(description, changer, status, senses)
+    if command == "arm":
+        return _arm_refusal(description, changer, state, senses)
+    if command == "reset":
+        return f"Nothing is latched: the tool changer is {state.name}."
+    return f"A lock is not taken now; the tool changer is {state.name}."
+
+
+def _fault(description: Description, status: Status) -> str:
+    return explain_changer(description, status.changer_fault)
+
+
+def _unlock_refusal(description: Description, changer: ToolChanger, status: Status, senses: Senses) -> str:
+    state, at_rest = ChangerState(status.changer), EndEffectorState(status.ee)
+    if state is not ChangerState.LOCKED:
+        return f"An unlock is accepted when the tool changer is LOCKED; it is {state.name}."
+    locks = description.interlocks
+    if locks.il_01 and at_rest not in _REST:
+        return f"IL-01: unlock only in STAND_BY; the end-effector is {at_rest.name}."
+    if locks.il_01 and not senses.vented:
+        return f"IL-01: {_not_vented(description, changer, senses)}"
+    if locks.il_02 and changer.stand_bit in senses.readings.carried and not senses.parked:
+        return f"IL-02: the tool is not in its stand ({changer.stand_bit} is off or has no valid reading), nor absent."
+    if locks.il_02 and not senses.parked and not status.armed:
+        return f"IL-02: no sensor shows where the tool is: arm first, then unlock within {changer.arm_s:g} s."
+    return "The unlock is not taken now: the gripping program has not said yet that nothing is gripped."
+
+
+def _not_vented(description: Description, changer: ToolChanger, senses: Senses) -> str:
+    for (name, part), level in zip(description.ordered, senses.evidence, strict=True):
+        if level is Evidence.UNKNOWN:
+            return f"{display_name(name)} has no valid reading."
+        if level is not Evidence.GONE:
+            return f"{display_name(name)} shows feedback although it is not active."
+    vacuums = [display_name(name) for name, part in description.ordered if isinstance(part, VacuumActuator)]
+    limit = f"under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s"
+    return f"{', '.join(vacuums) or 'a vacuum'}: not proven to be {limit} yet."
+
+
+def _arm_refusal(description: Description, changer: ToolChanger, state: ChangerState, senses: Senses) -> str:
+    if not description.interlocks.il_02:
+        return "IL-02 is switched off in the description: an unlock needs no arming."
+    if changer.stand_bit in senses.readings.carried:
+        return f"A sensor ({changer.stand_bit}) shows where the tool is: an unlock needs no arming."
+    if state is not ChangerState.LOCKED:
+        return f"An unlock is armed when the tool changer is LOCKED; it is {state.name}."
+    return "The unlock is not armed now."
