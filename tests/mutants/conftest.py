@@ -35,7 +35,15 @@ class Shipped:
 
     def network(self, mutant: dict | None = None) -> Network:
         text = mutated(self.text, mutant) if mutant else self.text
-        return make_network(read_document(text.encode(), "mutant.xml"), self.constants)
+        return self._network(text, mutant or {})
+
+    def original(self, mutant: dict) -> Network:
+        """The network that a mutant is one of, with its constants."""
+        return self._network(self.text, mutant)
+
+    def _network(self, text: str, mutant: dict) -> Network:
+        constants = self.constants | mutant.get("constants", {})
+        return make_network(read_document(text.encode(), "mutant.xml"), constants)
 
     def catches(self, mutant: dict) -> bool:
         """Whether the requirement that is named does not hold of a mutant."""

@@ -35,11 +35,11 @@ class Watched:
 
 @pytest.fixture
 def refused(shipped, monkeypatch):  # type: ignore[no-untyped-def]
-    """Whether the monitor of the shipped network refuses one run of a network, by its seed."""
-    watched, true = Watched(monkeypatch), shipped.network()
+    """Whether the monitor of the true network refuses one run of a network, by its seed."""
+    watched = Watched(monkeypatch)
     interface = load(profile_path()).automata.interface
 
-    def judge(network, seed: int) -> bool:  # type: ignore[no-untyped-def]
+    def judge(network, true, seed: int) -> bool:  # type: ignore[no-untyped-def]
         play(network, seed)
         monitor = Monitor(true, EXECUTED, interface)
         for observation in watched.seen:
@@ -52,7 +52,7 @@ def refused(shipped, monkeypatch):  # type: ignore[no-untyped-def]
 
 def test_the_shipped_executor_is_accepted(shipped, refused) -> None:  # type: ignore[no-untyped-def]
     network = shipped.network()
-    assert not any(refused(network, seed) for seed in random.Random(1).sample(range(RUNS), 40))
+    assert not any(refused(network, network, seed) for seed in random.Random(1).sample(range(RUNS), 40))
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant["name"] for mutant in MUTANTS])
@@ -61,6 +61,7 @@ def test_the_executor_of_a_mutant_is_refused(shipped, refused, mutant) -> None: 
         return
     try:
         network = shipped.network(mutant)
-        assert any(refused(network, seed) for seed in range(RUNS))
+        true = shipped.original(mutant)
+        assert any(refused(network, true, seed) for seed in range(RUNS))
     except ModelError:
         pass  # it cannot be executed at all

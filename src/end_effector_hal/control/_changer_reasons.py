@@ -25,6 +25,16 @@ def explain_changer(description: Description, fault: int) -> str:
     return "The tool changer is not where it should be, as its sensors have it: lock it again, or reset."
 
 
+def feedback(description: Description, senses: Senses) -> str:
+    """What speaks against it that nothing is gripped; empty: nothing does."""
+    for name, level in zip(description.sequence, senses.evidence, strict=True):
+        if level is Evidence.UNKNOWN:
+            return f"{display_name(name)} has no valid reading."
+        if level is not Evidence.GONE:
+            return f"{display_name(name)} shows feedback although it is not active."
+    return ""
+
+
 def changer_refusal(description: Description, command: str, status: Status, senses: Senses) -> str:
     """Why ``lock``, ``unlock``, ``arm`` or ``reset`` is not taken now."""
     changer, state = description.tool_changer, ChangerState(status.changer)
@@ -32,7 +42,9 @@ def changer_refusal(description: Description, command: str, status: Status, sens
         return "The tool has no tool changer."
     if state is ChangerState.FAULT:
         if command == "reset":
-            return f"The sensors of the tool changer still contradict each other. {_fault(description, status)}"
+            return (
+                f"The sensors of the tool changer still contradict each other. {_fault(description, status)}"
+            )
         return f"The tool changer is FAULT. {_fault(description, status)}"
     if command == "unlock":
         return _unlock_refusal(description, changer, status, senses)
@@ -64,11 +76,8 @@ def _unlock_refusal(description: Description, changer: ToolChanger, status: Stat
 
 
 def _not_vented(description: Description, changer: ToolChanger, senses: Senses) -> str:
-    for (name, part), level in zip(description.ordered, senses.evidence, strict=True):
-        if level is Evidence.UNKNOWN:
-            return f"{display_name(name)} has no valid reading."
-        if level is not Evidence.GONE:
-            return f"{display_name(name)} shows feedback although it is not active."
+    if present := feedback(description, senses):
+        return present
     vacuums = [display_name(name) for name, part in description.ordered if isinstance(part, VacuumActuator)]
     limit = f"under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s"
     return f"{', '.join(vacuums) or 'a vacuum'}: not proven to be {limit} yet."

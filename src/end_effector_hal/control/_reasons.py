@@ -5,8 +5,8 @@ from __future__ import annotations
 from end_effector_hal.description import Actuator, Description, VacuumActuator
 from end_effector_hal.trace import EndEffectorState, display_name
 
-from ._changer_reasons import changer_refusal
-from ._levels import Cause, Evidence, ToolEvidence
+from ._changer_reasons import changer_refusal, feedback
+from ._levels import Cause, ToolEvidence
 from ._senses import Senses
 from ._status import Status
 
@@ -79,7 +79,7 @@ def _grip_refusal(description: Description, status: Status, senses: Senses, at: 
     locks = description.interlocks
     if locks.il_07 and not senses.readings.link_up(at):
         return f"IL-07: the sensor link {description.link.port} is not up."
-    present = _present(description, senses)
+    present = feedback(description, senses)
     if locks.il_07 and present:
         return f"IL-07: {present}"
     if locks.il_05 and description.tool_changer and senses.tool is not ToolEvidence.LOCKED:
@@ -99,15 +99,6 @@ def _no_air(description: Description, senses: Senses) -> str:
         return f"the supply pressure is {kpa:.0f} kPa, a grip takes {supply.refuse_kpa:g} kPa."
     again_kpa = supply.refuse_kpa + supply.hysteresis_kpa
     return f"the supply pressure was too low and is {kpa:.0f} kPa, a grip takes {again_kpa:g} kPa again."
-
-
-def _present(description: Description, senses: Senses) -> str:
-    for name, level in zip(description.sequence, senses.evidence, strict=True):
-        if level is Evidence.UNKNOWN:
-            return f"{display_name(name)} has no valid reading."
-        if level is not Evidence.GONE:
-            return f"{display_name(name)} shows feedback although it is not active."
-    return ""
 
 
 def _name(state: EndEffectorState) -> str:

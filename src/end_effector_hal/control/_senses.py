@@ -15,8 +15,8 @@ from ._link_rules import LinkRules
 from ._readings import Readings
 from ._supply_detector import SupplyDetector
 from ._tool_detector import ToolDetector
-from ._vented_detector import VentedDetector
 from ._vacuum_detector import VacuumDetector
+from ._vented_detector import VentedDetector
 
 _EVIDENCE_CHANNELS = {
     Evidence.UNKNOWN: "stale",

@@ -27,7 +27,9 @@ class ToolChanger(Part):
     )
     vented_kpa: Vacuum = Field(default=5.0, description="IL-01: unlock only with every vacuum under this")
     vented_s: Seconds = Field(default=0.5, description="IL-01: and for at least this long")
-    stand_bit: Name = Field(default="in_stand", description="IL-02: bit of the link: the tool is in its stand")
+    stand_bit: Name = Field(
+        default="in_stand", description="IL-02: bit of the link: the tool is in its stand"
+    )
     present_bit: Name = Field(default="tool_present", description="IL-02: bit of the link: there is a tool")
     arm_s: Seconds = Field(
         default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"

@@ -83,9 +83,7 @@ class Bounds(Part):
     reaction_ms: Milliseconds = Field(default=50, description="D: longest lateness")
     sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
     command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
-    message_ms: Milliseconds = Field(
-        default=100, description="the programs hear of each other within"
-    )
+    message_ms: Milliseconds = Field(default=100, description="the programs hear of each other within")
     grip_s: Seconds = Field(default=58.0, description="every grip is over within")
     release_s: Seconds = Field(default=6.2, description="every release is over within")
     cancel_s: Seconds = Field(default=6.2, description="every cancelled grip is unwound within")
