@@ -10,7 +10,7 @@ from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.wires import Frame
 
-from ._records import Acknowledged, Answered, Commanded, FrameTaken, Start, TimeTold, Told
+from ._records import Acknowledged, Answered, Commanded, FrameTaken, Refused, Start, TimeTold, Told
 
 Put = Callable[[str, int, object], None]
 """Takes the kind of a record, its time and its content."""
@@ -25,11 +25,10 @@ class RecordedController(Controller):
         self._put = put
         self._inside = False
 
-    def start(self, levels: Mapping[str, bool], at: int) -> list[Status]:
+    def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
         """Begin."""
-        return self._take(
-            "start", Start(at, dict(levels)), at, lambda: super(RecordedController, self).start(levels, at)
-        )
+        begin = partial(super().start, levels, at, sensor_fault=sensor_fault)
+        return self._take("start", Start(at, dict(levels), sensor_fault), at, begin)
 
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
         """One frame of the link."""
@@ -40,6 +39,10 @@ class RecordedController(Controller):
     def tell(self, values: Mapping[str, int], at: int) -> list[Status]:
         """What another program says."""
         return self._take("tell", Told(at, dict(values)), at, partial(super().tell, values, at))
+
+    def refused(self, at: int) -> list[Status]:
+        """The line owner refused an activation."""
+        return self._take("refused", Refused(at), at, partial(super().refused, at))
 
     def acknowledge(self, at: int) -> list[Status]:
         """Alarms that are over were seen."""

@@ -40,6 +40,8 @@ class Start:
 
     at: int
     levels: Mapping[str, bool]
+    sensor_fault: bool = False
+    """One of the tool changer was latched before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +69,13 @@ class Told:
 
     at: int
     values: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """The line owner refused to activate what the last status asked for."""
+
+    at: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +127,7 @@ INPUTS: Mapping[str, type] = {
     "frame": FrameTaken,
     "command": Commanded,
     "tell": Told,
+    "refused": Refused,
     "acknowledge": Acknowledged,
     "time": TimeTold,
 }

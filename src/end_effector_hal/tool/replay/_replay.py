@@ -50,12 +50,15 @@ def replay(trace: ProgramTrace, description: Description, network: Network) -> R
 
 
 _CALLS: Mapping[str, Callable[[RecordedController, Any], object]] = {
-    "start": lambda controller, record: controller.start(record.levels, record.at),
+    "start": lambda controller, record: controller.start(
+        record.levels, record.at, sensor_fault=record.sensor_fault
+    ),
     "frame": lambda controller, record: controller.frame(
         Frame(record.stamp, record.seq, record.device_ms, record.values), record.at
     ),
     "command": lambda controller, record: controller.command(record.name, record.at),
     "tell": lambda controller, record: controller.tell(record.values, record.at),
+    "refused": lambda controller, record: controller.refused(record.at),
     "acknowledge": lambda controller, record: controller.acknowledge(record.at),
     "time": lambda controller, record: controller.advance(record.at),
 }
