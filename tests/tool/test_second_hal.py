@@ -27,13 +27,16 @@ def running(world: World) -> Iterator[subprocess.Popen[str]]:
     """The first: `eehal run` at a prompt, adopted."""
     command = [*EEHAL, "run", str(world.description_path)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert process.stdin is not None
-        while "STAND-BY" not in (line := process.stdout.readline()):
-            assert line, "it ended"
-        yield process
-        process.stdin.close()
-        assert process.wait(20) == 0
+        try:
+            assert process.stdout is not None
+            assert process.stdin is not None
+            while "STAND-BY" not in (line := process.stdout.readline()):
+                assert line, "it ended"
+            yield process
+            process.stdin.close()
+            assert process.wait(20) == 0
+        finally:
+            process.kill()
 
 
 def second(*arguments: object) -> str:
@@ -82,12 +85,16 @@ def test_a_second_reader_of_the_same_port_is_told_who_reads_it(
         text = text.replace(str(mine), str(its))
     other.write_text(text, encoding="utf-8")
     with subprocess.Popen([*EEHAL, "owner", str(other)], stdout=subprocess.PIPE, text=True) as owner:
-        assert owner.stdout is not None
-        assert "ready" in owner.stdout.readline()
-        begun = time.monotonic()
-        said = second("run", other, "--script", "lock")
-        assert f"the port is used by pid {running.pid} (" in said or f"and pid {running.pid} (" in said
-        assert time.monotonic() - begun < 30
-        owner.terminate()
+        try:
+            assert owner.stdout is not None
+            assert "ready" in owner.stdout.readline()
+            begun = time.monotonic()
+            said = second("run", other, "--script", "lock")
+            assert f"the port is used by pid {running.pid} (" in said or f"and pid {running.pid} (" in said
+            assert time.monotonic() - begun < 30
+            owner.terminate()
+            owner.wait(20)
+        finally:
+            owner.kill()
     assert owner.returncode == 0
     assert running.poll() is None

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -48,11 +49,18 @@ class Manager:
             return message.decode()
         return self.told(within_s)
 
-    def start(self, command: list[str], environ: dict[str, str]) -> subprocess.Popen[bytes]:
-        """As systemd starts a service again: what is stored stands from descriptor 3 on."""
+    @contextmanager
+    def start(self, command: list[str], environ: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
+        """As systemd starts a service again: what is stored stands from descriptor 3 on; killed in the end."""
         given = [*self.store.values()]
         words = [sys.executable, "-c", EXECUTE, ",".join(map(str, given)), ":".join(self.store), *command]
-        return subprocess.Popen(words, env=environ, stdout=subprocess.DEVNULL, pass_fds=given)
+        process = subprocess.Popen(words, env=environ, stdout=subprocess.DEVNULL, pass_fds=given)
+        try:
+            yield process
+            process.wait(20)
+        finally:
+            process.kill()
+            process.wait()
 
     def close(self) -> None:
         self._socket.close()
@@ -202,9 +210,7 @@ def test_a_stopped_owner_gives_no_sign_of_life(manager: Manager, tmp_path: Path)
     description = virtual_tool(tmp_path)
     environ = {**os.environ, "NOTIFY_SOCKET": str(tmp_path / "notify"), "WATCHDOG_USEC": "150000"}
     environ.pop("WATCHDOG_PID", None)
-    with subprocess.Popen(
-        [*EEHAL, "owner", str(description)], env=environ, stdout=subprocess.DEVNULL
-    ) as owner:
+    with manager.start([*EEHAL, "owner", str(description)], environ) as owner:
         assert manager.told() == f"READY=1\nSTATUS=verdin_gripper on {tmp_path}/owner.sock"
         assert manager.told() == "WATCHDOG=1"
         owner.send_signal(signal.SIGSTOP)

@@ -7,6 +7,8 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -328,11 +330,16 @@ def test_when_both_are_killed_the_next_owner_does_what_the_client_has_left(tmp_p
         *LINES,
     ]
 
-    def owner() -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(command, stdout=subprocess.PIPE)
-        assert process.stdout
-        assert process.stdout.readline() == b"ready\n"
-        return process
+    @contextmanager
+    def owner() -> Iterator[subprocess.Popen[bytes]]:
+        with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+            try:
+                assert process.stdout
+                assert process.stdout.readline() == b"ready\n"
+                yield process
+                process.wait(20)
+            finally:
+                process.kill()
 
     with owner() as first:
         client = OwnerClient(tmp_path / "sock", "grip", [BOTTOM, TOP], alive=lambda: False)
