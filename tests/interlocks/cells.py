@@ -74,7 +74,9 @@ for each_door in DOORS:
 
 @cell("IL-03", "action", r"^the program ended it: LOCKED$")
 def _(rig: Rig) -> str:
-    assert rig.action("unlock") == ""
+    rig.until(
+        lambda: rig.action("unlock") == ""
+    )  # the sensors must have proven for a while that nothing is there
     rig.until(lambda: not rig.owner.levels()[UNLOCK])
     rig.until(lambda: rig.change.status.changer == ChangerState.LOCKED)
     return f"the program ended it: {ChangerState(rig.change.status.changer).name}"
@@ -82,7 +84,7 @@ def _(rig: Rig) -> str:
 
 @cell("IL-03", "service", r"^the program ended it: LOCKED$")
 def _(rig: Rig) -> str:
-    assert rig.service("tool_changer", True).accepted
+    rig.until(lambda: rig.service("tool_changer", True).accepted)
     rig.until(lambda: not rig.owner.levels()[UNLOCK])
     rig.until(lambda: rig.change.status.changer == ChangerState.LOCKED)
     return f"the program ended it: {ChangerState(rig.change.status.changer).name}"
@@ -98,23 +100,37 @@ def _(rig: Rig) -> str:
         return f"the owner ended {trip['line']} by {trip['interlock']}"
 
 
-# IL-04: a lock is proven by its sensors
+# IL-04: a lock is proven by its sensors; both bits or neither is a sensor fault
+
+UNPROVEN = r"^The tool changer is \w+: its sensors do not prove LOCKED"
+FAULT = r"IL-04: .*sensor fault|its sensors do not prove LOCKED"
 
 
-def lock_without_proof(rig: Rig) -> None:
+def unlocked_by_itself(rig: Rig) -> None:
+    rig.odd |= {"locked": False, "unlocked": True}
+    rig.until(lambda: rig.change.status.changer != ChangerState.LOCKED)
+
+
+def no_bit(rig: Rig) -> None:
     rig.odd |= {"locked": False, "unlocked": False}
     rig.until(lambda: rig.change.status.changer != ChangerState.LOCKED)
 
 
-@cell("IL-04", "action", r"^The tool changer is \w+: its sensors do not prove LOCKED")
+@cell("IL-04", "action", UNPROVEN)
 def _(rig: Rig) -> str:
-    lock_without_proof(rig)
+    unlocked_by_itself(rig)
     return rig.action("lock")
 
 
-@cell("IL-04", "service", r"^The tool changer is \w+: its sensors do not prove LOCKED")
+@cell("IL-04", "action", FAULT)
 def _(rig: Rig) -> str:
-    lock_without_proof(rig)
+    no_bit(rig)
+    return rig.action("lock")
+
+
+@cell("IL-04", "service", FAULT)
+def _(rig: Rig) -> str:
+    no_bit(rig)
     return rig.service("tool_changer", False).reason
 
 
@@ -352,7 +368,9 @@ def _(rig: Rig) -> str:
 @cell("IL-13", "action", r"IL-13: SODIMM_206 \(unlock\) is not activated: the emergency stop is open")
 def _(rig: Rig) -> str:
     open_e_stop(rig)
-    return rig.action("unlock")
+    said: list[str] = []
+    rig.until(lambda: "IL-13" in (said.append(rig.action("unlock")) or said[-1]))
+    return said[-1]
 
 
 @cell("IL-13", "service", r"^IL-13: SODIMM_210 \(cylinder\) is not activated: the emergency stop is open")
