@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import json
+import random
 from collections.abc import Callable
 from typing import Any
 
@@ -25,6 +27,7 @@ WORDS = {
     Command.RELEASE: "drop",
     Command.CANCEL: "cancel",
 }
+TELLING = {"start", "command", "begin", "write", "event", "step", "answer", "status"}
 QUESTIONS = {"deadline", "refuse_maintenance", "status"}
 """What changes nothing in a controller, and so is not recorded."""
 
@@ -179,3 +182,33 @@ def test_another_description_decides_otherwise_and_says_so(gripped: ProgramTrace
     assert not found.ok
     assert "Replayed with another description" in " ".join(found.notes)
     assert "T_CONFIRM" in " ".join(found.notes)
+
+
+def test_arbitrary_damage_is_found_or_refused_in_words(tool: Callable[..., RecordedTool]) -> None:
+    """Never a traceback, whatever stands in a record."""
+    played = tool()
+    played.run(0.5)
+    played.command("grip")
+    played.run(0.5)
+    trace, chooser, found = played.trace(), random.Random(1), set()
+    telling = [
+        number for number in range(len(trace.file.records)) if trace.file.records[number].kind in TELLING
+    ]
+    for _ in range(20):
+        damaged = edited(trace, chooser.choice(telling), lambda content: damage(chooser, content))
+        try:
+            json.dumps(review(damaged).as_json())
+            found.add("judged")
+        except UsageError:
+            found.add("refused")
+    assert found == {"judged", "refused"}
+
+
+def damage(chooser: random.Random, content: dict[str, Any] | list[Any]) -> None:
+    """One value of a record, somewhere in its depths, becomes something else."""
+    key = chooser.choice([*content] if isinstance(content, dict) else range(len(content)))
+    value = content[key]
+    if isinstance(value, dict | list) and value and chooser.random() < 0.8:
+        damage(chooser, value)
+    else:
+        content[key] = chooser.choice([None, -1, 0, 10**30, "x", "", [], {}, True, 1.5, [[]], {"a": 1}])

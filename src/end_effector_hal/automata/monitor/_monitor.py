@@ -23,6 +23,7 @@ from end_effector_hal.automata.monitor._words import (
     same_edges,
     why_not,
 )
+from end_effector_hal.errors import UsageError
 
 
 class Monitor:
@@ -91,7 +92,7 @@ class Monitor:
             else:
                 self._forget_event()
                 self._next(observation)
-        except RangeError as error:
+        except (RangeError, UsageError) as error:
             self._refuse(observation.at, str(error))
 
     def end(self, at: int) -> None:

@@ -35,7 +35,7 @@ def first_difference(kind: str, recorded: Any, replayed: Any) -> Difference | No
     if found is None:
         return None
     what, old, new = found
-    return Difference(int(recorded.get("at", 0)), what, old, new)
+    return Difference(recorded["at"], what, old, new)
 
 
 def _differs(old: Any, new: Any, what: str, *, lenient: bool = False) -> tuple[str, Any, Any] | None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from end_effector_hal.control import PROGRAMS
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import DescriptionError, UsageError
 from end_effector_hal.trace import Record, TraceFile, read_trace
@@ -37,17 +38,20 @@ class ProgramTrace:
             raise self._fault(number, record, error) from None
 
     def content(self, number: int) -> dict[str, Any]:
-        """A record as JSON; raises UsageError when it is none."""
+        """A record as JSON, with its time ``at``; raises UsageError when it is none."""
         record = self.file.records[number]
         try:
-            return record.content
+            content = record.content
         except ValueError as error:
             raise self._fault(number, record, error) from None
+        if type(content.get("at")) is not int:
+            raise self._fault(number, record, ValueError("at: it has no time"))
+        return content
 
     @property
     def last_at(self) -> int:
         """The time of the last record, µs."""
-        return max(int(self.content(n).get("at", 0)) for n in range(len(self.file.records)))
+        return max(int(self.content(n)["at"]) for n in range(len(self.file.records)))
 
     def seconds(self, at: int) -> float:
         """A time in seconds since the beginning of the trace."""
@@ -98,6 +102,9 @@ def load_trace(path: str | Path) -> ProgramTrace:
         header = TypeAdapter(Header).validate_json(file.records[0].data)
     except ValidationError as error:
         raise UsageError(f"The header cannot be read: {_short(error)}.", where=str(path)) from None
+    if header.program not in PROGRAMS:
+        known = " and ".join(PROGRAMS)
+        raise UsageError(f"There is no program {header.program!r}, only {known}.", where=str(path))
     return ProgramTrace(file, header)
 
 

@@ -104,11 +104,11 @@ class _Replay:
 
     def _compare(self, kind: str, recorded: dict[str, Any]) -> Difference | None:
         if not self._decided:
-            return Difference(int(recorded.get("at", 0)), kind, _brief(recorded), NOTHING)
+            return Difference(recorded["at"], kind, _brief(recorded), NOTHING)
         replayed_kind, _, content = self._decided.popleft()
         replayed = json.loads(to_json(content, fallback=dict))
         if replayed_kind != kind:
-            at = int(recorded.get("at", 0))
+            at = recorded["at"]
             return Difference(
                 at, "decision", f"{kind} {_brief(recorded)}", f"{replayed_kind} {_brief(replayed)}"
             )

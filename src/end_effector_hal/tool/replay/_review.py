@@ -133,5 +133,5 @@ def _notes(trace: ProgramTrace, description: Description, used: str) -> list[str
 def _hash_of(source: Path) -> str | None:
     try:
         return content_hash(load(source)) if source.is_file() else None
-    except (DescriptionError, OSError):
+    except (DescriptionError, OSError, ValueError):
         return "not readable"
