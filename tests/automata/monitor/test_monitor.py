@@ -157,7 +157,7 @@ def test_every_execution_is_a_run_however_late(model, gaps, late):
     assert len(found) == sum(step.missed for step in seen if isinstance(step, Step))
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(model=networks(), late=st.lists(st.sampled_from([0, 0, 1, 999, 1000, 5000]), max_size=12))
 def test_executions_of_random_networks_are_runs_of_them(model, late):
     """All of it executed: no environment, so that only time and order are at stake."""

@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.automata import Network
+from end_effector_hal.automata import Network, load_network
 from end_effector_hal.control import Controller
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.tool.boundary import Recorder, open_recorder
-from end_effector_hal.tool.replay import ProgramTrace, load_trace
+from end_effector_hal.tool.replay import ProgramTrace, _review, load_trace
 from end_effector_hal.trace import Record
 
 Edit = Callable[[dict[str, Any]], object]
@@ -44,6 +44,22 @@ class RecordedTool(VirtualTool):
         """What was recorded; the run is over."""
         self.close()
         return load_trace(self.folder / f"{program}.mcap")
+
+
+@pytest.fixture(autouse=True)
+def parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The automata of one file: to parse them takes longer than to replay a run."""
+    monkeypatch.setattr(_review, "load_network", _network)
+
+
+_networks: dict[tuple[bytes, str], Network] = {}
+
+
+def _network(path: Path, constants: dict[str, Any]) -> Network:
+    key = (path.read_bytes(), repr(constants))
+    if key not in _networks:
+        _networks[key] = load_network(path, constants)
+    return _networks[key]
 
 
 @pytest.fixture
