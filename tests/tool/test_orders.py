@@ -57,3 +57,9 @@ def test_what_is_no_script_is_said_in_a_sentence(text: str, expected: str) -> No
     with pytest.raises(UsageError) as raised:
         read_script(text)
     assert expected in str(raised.value)
+
+
+def test_a_reset_is_no_command_of_table_ii() -> None:
+    assert read_order("reset") == Order(reset=True)
+    with pytest.raises(UsageError, match="Did you mean 'reset'"):
+        read_order("rest")

@@ -119,9 +119,10 @@ def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> No
         assert "is not activated: the emergency stop is open." in outcome.reason
         with pytest.raises(LineRefusedError, match="stop is open: this fault stays"):
             look.reset()
+        assert "stop is open: this fault stays" in tool.reset().reason
         world.choose("nominal")
         until(lambda: look.status()["told"]["e_stop_closed"]["holds"])
         assert "the emergency stop was opened; reset the faults first." in tool.grip().reason
-        look.reset()
+        assert tool.reset().accepted
         until(lambda: not tool.status.alarms)
         assert tool.grip().succeeded

@@ -15,7 +15,7 @@ import click
 from end_effector_hal.errors import EndEffectorError, UsageError
 
 if TYPE_CHECKING:
-    from end_effector_hal.control import Status
+    from end_effector_hal.control import Answer, Status
     from end_effector_hal.tool import EndEffector, Order, Recording
 
 READY_S = 10.0
@@ -26,7 +26,7 @@ READY_S = 10.0
 @click.option("--script", help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.")
 @click.option("--record", type=click.Path(path_type=Path), help="Folder for the recording of the run.")
 def command(description: Path, script: str | None, record: Path | None) -> None:
-    """Give commands to one tool: lock, unlock, grip, drop, cancel, wait SECONDS, quit.
+    """Give commands to one tool: lock, unlock, grip, drop, cancel, reset, wait SECONDS, quit.
 
     The line owner of the tool (`eehal owner DESCRIPTION`) must run. A command followed by `&` goes on in the
     background, so that it can be cancelled. Quitting releases nothing that is held.
@@ -104,6 +104,9 @@ class _Session:
         for order in orders:
             if order.command is Command.QUIT:
                 break
+            if order.reset:
+                self._tell("RESET", self._tool.reset())
+                continue
             if order.command is None:
                 time.sleep(order.wait_s)
                 continue
@@ -115,6 +118,11 @@ class _Session:
         for thread in self._running:
             thread.join()
         return self._succeeded
+
+    def _tell(self, name: str, answer: Answer) -> None:
+        self._succeeded = self._succeeded and answer.accepted
+        said = f". {answer.reason}" if answer.reason else ""
+        click.echo(f"{name}: {'succeeded' if answer.accepted else 'failed'}{said}")
 
     def _run(self, given: int) -> None:
         from end_effector_hal.trace import Command

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from std_srvs.srv import SetBoolResponse
+from std_srvs.srv import SetBoolResponse, TriggerResponse
 
 from end_effector_hal.description import Description
+from end_effector_hal.tool import reset
 
 from ._node import Node
-from ._table import GRIP, GRIP_COMMAND, GRIP_STATE, TOOL_CHANGE_STATE, set_services
+from ._table import GRIP, GRIP_COMMAND, GRIP_STATE, RESET_FAULTS, TOOL_CHANGE_STATE, set_services
 from ._unit_node import UnitNode
 
 
 class GripNode:
-    """One unit, the three services of its actuators, and what the tool changer says."""
+    """One unit, the three services of its actuators, the reset, and what the tool changer says."""
 
     def __init__(self, node: Node, description: Description) -> None:
         self._unit = UnitNode(node, description, "grip", GRIP_STATE, GRIP_COMMAND).unit
@@ -23,6 +24,12 @@ class GripNode:
         node.subscribe(TOOL_CHANGE_STATE, self._on_tool_change)
         for name, service in set_services(description).items():
             node.serve(service, self._setter(name))
+
+        node.serve(RESET_FAULTS, lambda _: self._reset(description))
+
+    def _reset(self, description: Description) -> Any:
+        answer = reset(description, self._unit)
+        return TriggerResponse(answer.accepted, answer.reason)
 
     def _on_tool_change(self, message: Any) -> None:
         if message.unlock_output != self._unlock:

@@ -16,11 +16,11 @@ from end_effector_hal.tool import Order, read_order, read_script
 from end_effector_hal.trace import Command, EndEffectorState
 
 from ._goals import GIVE_UP_S, Goals
-from ._node import Node, stamp
-from ._table import END_EFFECTOR_STATE, SCRIPT, SUPERVISOR, SUPERVISOR_COMMANDS
+from ._node import Node, service_class, stamp
+from ._table import END_EFFECTOR_STATE, RESET_FAULTS, SCRIPT, SUPERVISOR, SUPERVISOR_COMMANDS
 
 PROMPT = "> "
-HELP = "commands: lock, unlock, grip, drop (or release), cancel, wait <seconds>, quit"
+HELP = "commands: lock, unlock, grip, drop (or release), cancel, reset, wait <seconds>, quit"
 
 
 class Supervisor:
@@ -31,7 +31,7 @@ class Supervisor:
     """
 
     def __init__(self, node: Node) -> None:
-        self._prompting = False
+        self._prompting = self._reset_failed = False
         self._tell = node.publisher(SUPERVISOR_COMMANDS)
         self._goals = Goals(self.say)
         self._adopted = threading.Event()
@@ -52,7 +52,7 @@ class Supervisor:
             if rospy.is_shutdown() or not self.give(order):
                 break
         self._goals.wait_for_all()
-        return int(self._goals.any_failed)
+        return int(self._goals.any_failed or self._reset_failed)
 
     def run_prompt(self) -> int:
         """Obey standard input until `quit`, its end or Ctrl-C; at a terminal goals run in the background."""
@@ -71,10 +71,13 @@ class Supervisor:
                 continue
             if order is not None and not self.give(order, wait=not terminal):
                 break
-        return 0 if terminal else int(self._goals.any_failed)
+        return 0 if terminal else int(self._goals.any_failed or self._reset_failed)
 
     def give(self, order: Order, *, wait: bool = True) -> bool:
         """Give one order; False when it was `quit`."""
+        if order.reset:
+            self.say(self._reset())
+            return True
         if order.command is None:
             rospy.rostime.wallsleep(order.wait_s)
             return True
@@ -95,6 +98,15 @@ class Supervisor:
         else:
             threading.Thread(target=self._goals.wait, args=(goal,), daemon=True).start()
         return True
+
+    def _reset(self) -> str:
+        try:
+            answer = rospy.ServiceProxy(RESET_FAULTS.name, service_class(RESET_FAULTS.type))()
+        except rospy.ServiceException:
+            self._reset_failed = True
+            return f"reset: UNREACHABLE. The node {RESET_FAULTS.server} cannot be reached."
+        self._reset_failed = self._reset_failed or not answer.success
+        return f"reset: {'SUCCEEDED' if answer.success else 'FAILED'}. {answer.message}"
 
     def _read(self, terminal: bool) -> str:
         if not terminal:

@@ -113,6 +113,8 @@ TOOL_CHANGE_COMMAND = Service(
     "tool_change/command", "end_effector_msgs/HalCommand", TOOL_CHANGE, internal=True
 )
 
+RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
+
 LOCK_TOOL_CHANGER = Action("LockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.LOCK)
 UNLOCK_TOOL_CHANGER = Action("UnlockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.UNLOCK)
 TRIGGER_GRIP = Action("TriggerGrip", "end_effector_msgs/EndEffector", HAL_MAIN, Command.GRIP)
@@ -178,7 +180,7 @@ def services(description: Description) -> tuple[Service, ...]:
     """Every service of a tool."""
     changer = set_tool_changer(description)
     own = (*set_services(description).values(), *((changer,) if changer else ()))
-    return (*own, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+    return (*own, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
 
 
 def _pressure(name: str) -> Topic:

@@ -9,6 +9,7 @@ from ._orders import Order, read_order, read_script
 from ._outputs import LineWriter
 from ._owner import connect_owner, run_owner
 from ._recording import Recording, content_hash, run_info
+from ._reset import reset
 from ._unit import Unit
 from ._witness import Witness
 
@@ -31,6 +32,7 @@ __all__ = [
     "program_lines",
     "read_order",
     "read_script",
+    "reset",
     "run_info",
     "run_owner",
 ]

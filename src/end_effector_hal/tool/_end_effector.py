@@ -16,6 +16,7 @@ from end_effector_hal.trace import Command, EndEffectorState
 from end_effector_hal.wires import Frame, LinkHealth, LinkReader, get_codec
 
 from ._open_unit import open_unit
+from ._reset import reset
 from ._unit import Unit
 from ._witness import Witness
 
@@ -140,6 +141,10 @@ class EndEffector:
     def cancel(self) -> Answer:
         """Cancel a running grip; returns once it is accepted or refused."""
         return self._grip.command("cancel")
+
+    def reset(self) -> Answer:
+        """Clear latched faults and the alarms that are over; never what only a Drop ends."""
+        return reset(self.description, self._grip)
 
     def lock(self) -> Outcome:
         """Lock the tool changer, and wait for the proof."""

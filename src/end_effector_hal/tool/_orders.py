@@ -20,12 +20,14 @@ VERBS: Mapping[str, Command] = {
     "quit": Command.QUIT,
     "exit": Command.QUIT,
 }
+RESET = "reset"
+"""Clears latched faults; Table II has no command for it."""
 LONGEST_WAIT_S = 86_400.0
 
 
 @dataclass(frozen=True)
 class Order:
-    """One command, or a wait where ``command`` is None.
+    """One command; where ``command`` is None a reset, or else a wait.
 
     ``background``: the next one follows without waiting for the outcome, as after ``&`` in a shell.
     """
@@ -33,6 +35,7 @@ class Order:
     command: Command | None = None
     wait_s: float = 0.0
     background: bool = False
+    reset: bool = False
 
 
 def read_script(text: str) -> tuple[Order, ...]:
@@ -55,12 +58,15 @@ def read_order(text: str) -> Order:
         if background:
             raise UsageError(f"{text!r}: a wait cannot go on in the background.")
         return Order(wait_s=_seconds(text, rest))
-    if verb not in VERBS:
-        close = get_close_matches(verb, [*VERBS, "wait"], n=1)
-        todo = f"Did you mean {close[0]!r}?" if close else f"There are: {', '.join(VERBS)}, wait <seconds>."
+    if verb not in (*VERBS, RESET):
+        close = get_close_matches(verb, [*VERBS, RESET, "wait"], n=1)
+        known = f"There are: {', '.join(VERBS)}, {RESET}, wait <seconds>."
+        todo = f"Did you mean {close[0]!r}?" if close else known
         raise UsageError(f"{verb or text!r} is no command.", todo=todo)
     if rest:
         raise UsageError(f"{text!r}: nothing may follow {verb!r}.", todo="Separate commands by ';'.")
+    if verb == RESET:
+        return Order(reset=True)
     return Order(VERBS[verb], background=background)
 
 
