@@ -33,7 +33,7 @@ policy = replace(owner_policy(load(profile_path())), min_switch_us=0)
 ready = lambda owner: print("ready", flush=True)
 serve(VirtualLines(chip), socket, policy, journal=socket + ".journal", on_ready=ready)
 """
-PROVEN = {"locked": True, "nothing_gripped": True}
+PROVEN = {"locked": True, "nothing_gripped": True, "parked": True}
 TELL_S = 0.04
 BLOCK = 100
 

@@ -332,7 +332,7 @@ def test_no_chip_and_the_wrong_library(tmp_path: Path, monkeypatch: pytest.Monke
 def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
     from end_effector_hal.wires import OwnerClient
 
-    said = {"locked": True, "nothing_gripped": False}
+    said = {"locked": True, "nothing_gripped": False, "parked": True}
     machine.findings("owner")  # the first look takes longer than what is said counts
     with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client:
         client.tell(said, now_us())
@@ -344,7 +344,7 @@ def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
                 "",
             ),
             ("ok", "active: SODIMM_208 (bottom_vacuum)", ""),
-            ("ok", "by the sensors: locked yes, nothing_gripped no", ""),
+            ("ok", "by the sensors: locked yes, nothing_gripped no, parked yes", ""),
         ]
         assert client.levels()["SODIMM_208"], "a look is not a death"
 
@@ -358,7 +358,8 @@ def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(machine: Machi
         told = machine.findings("owner")[2:]
     assert [level for level, _, _ in told] == ["warning", "warning"]
     assert (
-        told[0][1] == "nobody says what the sensors show (locked, nothing_gripped): activations are refused"
+        told[0][1]
+        == "nobody says what the sensors show (locked, nothing_gripped, parked): activations are refused"
     )
     assert told[1][1] == "latched: IL-04: both bits are set."
 

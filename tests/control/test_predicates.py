@@ -11,9 +11,10 @@ from end_effector_hal.wires import Frame, get_codec
 MS, PERIOD = 1_000, 20_000
 QUIET = {
     "bottom": 0, "cylinder": 0, "top": 0, "supply": 600_000, "cylinder_extended": False,
-    "cylinder_retracted": True, "locked": True, "unlocked": False, "estop_ok": True,
+    "cylinder_retracted": True, "locked": True, "unlocked": False, "tool_present": True, "in_stand": True,
+    "estop_ok": True,
 }  # fmt: skip
-ALL = {"locked": True, "nothing_gripped": True, "e_stop_closed": True}
+ALL = {"locked": True, "nothing_gripped": True, "parked": True, "e_stop_closed": True}
 
 
 class Feed:
@@ -22,7 +23,7 @@ class Feed:
     def __init__(self, description: Description) -> None:
         self.predicates = Predicates(description, get_codec("ees1-ascii"))
         self.at, self.values = 1_000_000, dict(QUIET)
-        assert self(20) == ALL
+        assert self(40) == ALL
 
     def __call__(self, frames: int = 1, **values: int | bool | None) -> dict[str, bool]:
         self.values |= values  # type: ignore[arg-type]
@@ -47,13 +48,15 @@ def feed() -> Feed:
 
 def test_nothing_is_proven_before_the_first_frame() -> None:
     predicates = Predicates(load(profile_path()), get_codec("ees1-ascii"))
-    assert predicates.advance(5) == {"locked": False, "nothing_gripped": False}
+    assert predicates.advance(5) == {"locked": False, "nothing_gripped": False, "parked": False}
 
 
 @pytest.mark.parametrize(
     ("values", "lost"),
     [
-        ({"bottom": -10_000}, "nothing_gripped"),
+        ({"bottom": -5_000}, "nothing_gripped"),
+        ({"in_stand": False}, "parked"),
+        ({"in_stand": None}, "parked"),
         ({"top": -80_000}, "nothing_gripped"),
         ({"cylinder": 50_000}, "nothing_gripped"),
         ({"cylinder_extended": True}, "nothing_gripped"),
@@ -66,6 +69,18 @@ def test_nothing_is_proven_before_the_first_frame() -> None:
 def test_each_sensor_counts(feed: Feed, values: dict[str, int | bool | None], lost: str) -> None:
     assert feed(50, **values) == ALL | {lost: False}
     assert feed(50, **QUIET) == ALL
+
+
+def test_nothing_is_gripped_once_every_vacuum_was_under_5_kpa_for_half_a_second(feed: Feed) -> None:
+    feed(bottom=-5_010)
+    feed(bottom=-4_990)
+    assert not feed(24)["nothing_gripped"]
+    assert feed(1)["nothing_gripped"]
+
+
+def test_an_absent_tool_is_as_good_as_one_in_its_stand(feed: Feed) -> None:
+    assert feed(in_stand=False, tool_present=False) == ALL
+    assert feed(tool_present=True) == ALL | {"parked": False}
 
 
 def test_what_is_stale_proves_nothing(feed: Feed) -> None:
@@ -83,7 +98,7 @@ def test_what_the_codec_does_not_carry_is_not_fitted() -> None:
         said = predicates.frame(Frame(second * 1_000_000, None, None, values))
     assert said == {"locked": True, "nothing_gripped": True}
     changerless = description.model_copy(update={"tool_changer": None, "e_stop": None})
-    assert predicates_fitted(changerless, nibble) == {"nothing_gripped"}
+    assert predicates_fitted(changerless, nibble) == set()
 
 
 def test_an_actuator_that_is_not_carried_does_not_stand_in_the_way() -> None:

@@ -44,7 +44,7 @@ def serves(other_than):
 
 def engage(client, will):
     """What an owner does only where the sensors are said to prove it."""
-    client.tell({"locked": True, "nothing_gripped": True}, now_us())
+    client.tell({"locked": True, "nothing_gripped": True, "parked": True}, now_us())
     client.set(ACTIVE, will=will)
 
 

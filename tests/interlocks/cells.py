@@ -66,8 +66,34 @@ def _(rig: Rig) -> str:
 
 # IL-02: unlock only with the tool in its stand or absent
 
-for each_door in DOORS:
-    no("IL-02", each_door, "not enforced yet: the bits of the tool stand are read, nothing asks for them")
+
+@cell("IL-02", "action", r"^IL-02: the tool is not in its stand")
+def _(rig: Rig) -> str:
+    rig.show(in_stand=False)
+    said: list[str] = []
+    rig.until(lambda: "IL-02" in (said.append(rig.action("unlock")) or said[-1]))
+    return said[-1]
+
+
+@cell("IL-02", "service", r"^IL-02: the tool is not in its stand")
+def _(rig: Rig) -> str:
+    rig.show(in_stand=False)
+    said: list[str] = []
+    rig.until(lambda: "IL-02" in (said.append(rig.service("tool_changer", True).reason) or said[-1]))
+    return said[-1]
+
+
+@cell(
+    "IL-02",
+    "socket",
+    r"^IL-02: SODIMM_206 \(unlock\) is not activated: the tool is neither in its stand nor absent",
+)
+def _(rig: Rig) -> str:
+    rig.odd["in_stand"] = False
+    with rig.hand(UNLOCK) as hand:
+        rig.until(lambda: not hand.status()["told"]["parked"]["holds"])
+        return refusal(hand, UNLOCK)
+
 
 # IL-03: the unlock output is active for a limited time
 
@@ -103,7 +129,7 @@ def _(rig: Rig) -> str:
 # IL-04: a lock is proven by its sensors; both bits or neither is a sensor fault
 
 UNPROVEN = r"^The tool changer is \w+: its sensors do not prove LOCKED"
-FAULT = r"IL-04: .*sensor fault|its sensors do not prove LOCKED"
+FAULT = r"IL-04: .*sensor fault"
 
 
 def unlocked_by_itself(rig: Rig) -> None:

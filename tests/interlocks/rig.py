@@ -72,7 +72,9 @@ class Rig:
         self._stack.callback(feeding.join)
         self._stack.callback(self._ended.set)
         with OwnerClient(self.socket, "look") as look:
-            self.until(lambda: [said["holds"] for said in look.status()["told"].values()] == [True] * 3)
+            self.until(
+                lambda: bool(told := look.status()["told"]) and all(one["holds"] for one in told.values())
+            )
         if self._programs:
             self.until(lambda: self.grip.status.ee == State.STAND_BY)
             self.until(lambda: self.change.status.changer == ChangerState.LOCKED)

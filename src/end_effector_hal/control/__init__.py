@@ -4,7 +4,7 @@ from ._constants import channels_of, model_constants
 from ._controller import PROGRAMS, Controller
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._margin import margin_pa
-from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, Predicates, predicates_fitted
+from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
 from ._senses import Senses
 from ._stand import ToolPlace, tool_place
 from ._status import Answer, Status, StepReport
@@ -15,6 +15,7 @@ __all__ = [
     "E_STOP_CLOSED",
     "LOCKED",
     "NOTHING_GRIPPED",
+    "PARKED",
     "PROGRAMS",
     "Answer",
     "Cause",

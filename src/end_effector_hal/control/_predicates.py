@@ -7,13 +7,15 @@ from end_effector_hal.wires.codecs import Codec
 from end_effector_hal.wires.frame import Frame
 
 from ._constants import channels_of
-from ._levels import Evidence, ToolEvidence
+from ._levels import ToolEvidence
 from ._senses import Senses
 
 LOCKED = "locked"
 """The tool is proven to be locked (IL-05)."""
 NOTHING_GRIPPED = "nothing_gripped"
-"""Every vacuum is gone and every cylinder retracted, proven by what is fitted (IL-01)."""
+"""Every vacuum has been vented for a while and every cylinder is retracted, proven by what is fitted (IL-01)."""
+PARKED = "parked"
+"""The tool is in its stand, or there is none (IL-02)."""
 E_STOP_CLOSED = "e_stop_closed"
 """The e-stop input is read and closed (IL-13)."""
 
@@ -24,8 +26,11 @@ def predicates_fitted(description: Description, codec: Codec) -> frozenset[str]:
     fitted = set()
     if changer and changer.locked_bit in carried and changer.unlocked_bit in carried:
         fitted.add(LOCKED)
-    if _proving(description, codec):
+    proving = (channel for _, part in description.ordered for channel in channels_of(part))
+    if changer and any(channel in carried for channel in proving):
         fitted.add(NOTHING_GRIPPED)
+    if changer and changer.stand_bit in carried:
+        fitted.add(PARKED)
     if e_stop and e_stop.channel in carried:
         fitted.add(E_STOP_CLOSED)
     return frozenset(fitted)
@@ -40,7 +45,6 @@ class Predicates:
     def __init__(self, description: Description, codec: Codec) -> None:
         self._senses = Senses(description, codec)
         self._fitted = predicates_fitted(description, codec)
-        self._proving = _proving(description, codec)
         self._e_stop = description.e_stop.channel if description.e_stop else None
 
     def frame(self, frame: Frame) -> dict[str, bool]:
@@ -57,16 +61,8 @@ class Predicates:
         senses = self._senses
         all_said = {
             LOCKED: senses.tool is ToolEvidence.LOCKED,
-            NOTHING_GRIPPED: all(senses.evidence[index] is Evidence.GONE for index in self._proving),
+            NOTHING_GRIPPED: senses.vented,
+            PARKED: senses.parked,
             E_STOP_CLOSED: bool(senses.readings.get(self._e_stop, at)),
         }
         return {name: holds for name, holds in all_said.items() if name in self._fitted}
-
-
-def _proving(description: Description, codec: Codec) -> tuple[int, ...]:
-    """Indices of the actuators of which any channel is carried."""
-    return tuple(
-        index
-        for index, (_, part) in enumerate(description.ordered)
-        if any(channel in codec.channels for channel in channels_of(part))
-    )

@@ -23,7 +23,7 @@ class PressureNode:
     """Frames in, messages out, in the thread of the link: the frame first, for the reaction depends on it.
 
     Before it, and only when it proves something else than before, the line owner is told: this node reads the
-    sensors, so the interlocks that need one (IL-01, IL-05, IL-13) rest on what it says.
+    sensors, so the interlocks that need one (IL-01, IL-02, IL-05, IL-13) rest on what it says.
 
     A pressure that is invalid, doubted or stale is NaN, never the last value; what is stale is told so once.
     """

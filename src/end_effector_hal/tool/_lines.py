@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from end_effector_hal.control import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, predicates_fitted, to_us
+from end_effector_hal.control import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, predicates_fitted, to_us
 from end_effector_hal.description import Description, VacuumActuator
 from end_effector_hal.wires import Exclusion, Need, Policy, get_codec
 
 IL_01 = Need(
     NOTHING_GRIPPED, "IL-01", "nothing is gripped", "the sensors do not prove that nothing is gripped"
 )
+IL_02 = Need(PARKED, "IL-02", "the tool is in its stand", "the tool is neither in its stand nor absent")
 IL_05 = Need(LOCKED, "IL-05", "the tool is locked", "the tool is not proven to be locked")
 IL_13 = Need(
     E_STOP_CLOSED, "IL-13", "the emergency stop is closed", "the emergency stop is open",
@@ -48,7 +49,12 @@ def _needs(description: Description, line: str) -> list[Need]:
     locks = description.interlocks
     unlocks = line in program_lines(description, "tool_change")
     grips = line in program_lines(description, "grip")
-    asked = [(IL_01, unlocks and locks.il_01), (IL_05, grips and locks.il_05), (IL_13, True)]
+    asked = [
+        (IL_01, unlocks and locks.il_01),
+        (IL_02, unlocks and locks.il_02),
+        (IL_05, grips and locks.il_05),
+        (IL_13, True),
+    ]
     return [need for need, wanted in asked if wanted and need.predicate in fitted]
 
 

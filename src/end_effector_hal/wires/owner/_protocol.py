@@ -26,7 +26,7 @@ A socket that is closed without it, or a lease that ends, is the death of the cl
 
 ``tell`` comes from the process that reads the sensors, on change and at least every 50 ms: what they proved at
 ``at_us`` (monotonic clock). It counts for 150 ms from then on. A line whose activation needs a predicate (IL-01,
-IL-05, IL-13) is refused without it; nothing is ever deactivated for want of one. Without an ``id`` it gets no
+IL-02, IL-05, IL-13) is refused without it; nothing is ever deactivated for want of one. Without an ``id`` it gets no
 reply. ``latch`` keeps a fault of a client by name through a restart; it shows in ``status`` and refuses nothing.
 ``reset`` clears all faults; it is refused with EE-403 for those that still are the case (an open e-stop).
 These three need no hello, either.
