@@ -6,8 +6,10 @@ import pytest
 
 from end_effector_hal.control import ToolPlace, tool_place
 from end_effector_hal.control._readings import Readings
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import ToolChanger, load, profile_path
 from end_effector_hal.wires import Frame, get_codec
+
+CHANGER = ToolChanger(line="SODIMM_206")
 
 
 @pytest.mark.parametrize(
@@ -25,13 +27,13 @@ from end_effector_hal.wires import Frame, get_codec
 )
 def test_place(present: bool | None, in_stand: bool | None, place: ToolPlace) -> None:
     readings = Readings(load(profile_path()).link, get_codec("ees1-ascii"))
-    assert tool_place(readings, 0) is ToolPlace.UNKNOWN
+    assert tool_place(CHANGER, readings, 0) is ToolPlace.UNKNOWN
     readings.take(Frame(0, 1, None, {"tool_present": present, "in_stand": in_stand}))
-    assert tool_place(readings, 149_999) is place
-    assert tool_place(readings, 150_000) is ToolPlace.UNKNOWN
+    assert tool_place(CHANGER, readings, 149_999) is place
+    assert tool_place(CHANGER, readings, 150_000) is ToolPlace.UNKNOWN
 
 
 def test_a_codec_that_does_not_carry_them_proves_nothing() -> None:
     readings = Readings(load(profile_path()).link, get_codec("legacy-nibble"))
     readings.take(Frame(0, None, None, {"locked": True}))
-    assert tool_place(readings, 0) is ToolPlace.UNKNOWN
+    assert tool_place(CHANGER, readings, 0) is ToolPlace.UNKNOWN

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-from ._readings import Readings
+from end_effector_hal.description import ToolChanger
 
-PRESENT_BIT, STAND_BIT = "tool_present", "in_stand"
-"""Channels of the link; a codec need not carry them."""
+from ._readings import Readings
 
 
 class ToolPlace(IntEnum):
@@ -22,11 +21,11 @@ class ToolPlace(IntEnum):
     """The tool changer carries no tool."""
 
 
-def tool_place(readings: Readings, at: int) -> ToolPlace:
+def tool_place(changer: ToolChanger, readings: Readings, at: int) -> ToolPlace:
     """Where the tool is at ``at`` µs, as far as fresh readings prove it."""
-    present, in_stand = readings.get(PRESENT_BIT, at), readings.get(STAND_BIT, at)
+    present, in_stand = readings.get(changer.present_bit, at), readings.get(changer.stand_bit, at)
     if present is not None and not present:
         return ToolPlace.ABSENT
-    if in_stand is None or (present is None and PRESENT_BIT in readings.carried):
+    if in_stand is None or (present is None and changer.present_bit in readings.carried):
         return ToolPlace.UNKNOWN
     return ToolPlace.IN_STAND if in_stand else ToolPlace.AWAY

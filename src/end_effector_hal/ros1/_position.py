@@ -56,7 +56,9 @@ class PositionNode:
             publish = node.publisher(POSITION_TOOL_CHANGER)
             self._outputs += [
                 _Output("tool_changer", publish, ToolChangerPosition, self._tool_changer(changer)),
-                _Output("tool_stand", node.publisher(POSITION_TOOL_STAND), ToolStandPosition, self._stand),
+                _Output(
+                    "tool_stand", node.publisher(POSITION_TOOL_STAND), ToolStandPosition, self._stand(changer)
+                ),
             ]
         self._known: dict[str, int] = {}
         node.subscribe(SENSOR_FRAME, self._on_frame)
@@ -96,8 +98,8 @@ class PositionNode:
 
         return read
 
-    def _stand(self, at: int) -> int:
-        return int(tool_place(self._senses.readings, at))
+    def _stand(self, changer: ToolChanger) -> Callable[[int], int]:
+        return lambda at: int(tool_place(changer, self._senses.readings, at))
 
     def _health(self) -> Health:
         values = {
