@@ -232,3 +232,35 @@ def test_a_file_that_is_missing() -> None:
 def test_schema_for_editors_and_tables_for_people() -> None:
     assert CliRunner().invoke(_schema.command).stdout == schema_text()
     assert CliRunner().invoke(_schema.command, ["--markdown"]).stdout == markdown()
+
+
+@pytest.mark.parametrize(
+    ("replace", "said"),
+    [
+        (
+            {"supply:\n": "supply:\n  channel: suply\n"},
+            "ees1-ascii carries no 'suply' (suply), expected a channel",
+        ),
+        ({"  service: SetToolChanger": "  locked_bit: loked"}, "did you mean 'locked'? [EE-225]"),
+        ({"channel: bottom": "channel: locked"}, "'locked' is a position bit and no pressure (locked)"),
+        (
+            {"channel: top": "channel: tpo"},
+            "ees1-ascii carries nothing that could confirm 'top_vacuum' (tpo)",
+        ),
+        (
+            {"codec: ees1-ascii ": "codec: modbus-rtu-transmitters "},
+            "",
+        ),
+        (
+            {"supply:\n  frozen_s: 2.0": "supply:\n  frozen_s: 0.05"},
+            "5 samples take 0.1 s with ees1-ascii (0.05), expected at least 0.1, or null",
+        ),
+        ({"baudrate: 115200": "baudrate: 100"}, "'baudrate' is out of range (100), expected at least 300"),
+    ],
+)
+def test_channels_and_codecs_that_do_not_fit(check: Check, replace: dict[str, str], said: str) -> None:
+    result = check(replace=replace)
+    assert said in result.stderr
+    assert result.exit_code == (2 if said else 0)
+    if not said:
+        assert "counts too coarsely to show a frozen sensor: frozen_s is off" in result.stdout

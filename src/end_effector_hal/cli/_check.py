@@ -59,6 +59,7 @@ def command(file: Path | None, as_json: bool) -> None:
 
 def _against_the_rest(description: Description, name: str) -> tuple[list[Finding], list[str]]:
     """What only shows together with the codec and the automata: faults, and what is not fitted."""
+    from end_effector_hal.control import shows_noise
     from end_effector_hal.wires import codec_names, get_codec
 
     wanted, known = description.link.codec, codec_names()
@@ -69,7 +70,8 @@ def _against_the_rest(description: Description, name: str) -> tuple[list[Finding
         place, hint = description.place("link", "codec"), did_you_mean(wanted, known)
         fault = Fault.at(place, "EE-226", what, expected=f"one of {', '.join(known)}", hint=hint)
         return [_finding(name, fault)], []
-    carried = Carried(codec.name, {key: kind.value for key, kind in codec.channels.items()}, codec.period_us)
+    channels = {key: kind.value for key, kind in codec.channels.items()}
+    carried = Carried(codec.name, channels, codec.period_us, shows_noise(codec))
     faults = [_finding(name, fault) for fault in unproven(description, carried)]
     return [*faults, *_automata(description)], not_fitted(description, carried)
 

@@ -114,9 +114,14 @@ class LinkRules:
         return before if before and same_kind else why
 
 
+def shows_noise(codec: Codec) -> bool:
+    """Whether it counts finely enough to tell a frozen sensor from a living one."""
+    return resolution_of(codec) <= FINE_PA
+
+
 def frozen_after(description: Description, codec: Codec) -> dict[str, float]:
     """Seconds by channel, of those that are watched: a pressure, carried finely, with ``frozen_s``."""
-    if resolution_of(codec) > FINE_PA:
+    if not shows_noise(codec):
         return {}
     declared = {part.channel: part.frozen_s for _, part in description.ordered}
     declared[description.supply.channel] = description.supply.frozen_s

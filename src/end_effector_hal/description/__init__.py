@@ -1,10 +1,11 @@
 """What an end-effector is made of: YAML in, frozen typed objects out; pure."""
 
 from ._actuators import Actuator, ActuatorPart, BlowOff, CylinderActuator, VacuumActuator
+from ._carried import Carried
 from ._devices import EStop, Lines, Link, Supply, ToolChanger
 from ._examine import Examination, examine, examine_text
 from ._fault import CODES, Fault, did_you_mean
-from ._fitting import Carried, not_fitted, unproven
+from ._fitting import not_fitted, unproven
 from ._load import load
 from ._markdown import markdown
 from ._model import Description, camel_case

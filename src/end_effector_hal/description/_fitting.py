@@ -5,35 +5,24 @@ Codecs belong to a higher layer; here one is its period and what it carries, ``"
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 from ._actuators import Actuator, CylinderActuator, VacuumActuator
+from ._carried import Carried, misspelt, too_soon
 from ._fault import Fault, did_you_mean
 from ._model import Description
 from ._units import number
 
 
-@dataclass(frozen=True)
-class Carried:
-    """What comes over the link. ``period_us``: nominal time between two frames."""
-
-    codec: str
-    channels: Mapping[str, str]
-    period_us: int
-
-    @property
-    def listed(self) -> str:
-        """For a sentence: which channels there are."""
-        return f"a channel of {self.codec}: {', '.join(self.channels)}"
-
-
 def unproven(description: Description, carried: Carried) -> list[Fault]:
-    """A fault for each actuator that can never be confirmed over this link, in the order of the file."""
-    found = (
+    """A fault for each actuator that can never be confirmed over this link, in the order of the file.
+
+    And for each name that is written and misspelt: it must not switch off an interlock in silence.
+    """
+    found = [
         fault for name, each in description.ordered for fault in _unproven(description, carried, name, each)
-    )
-    return sorted(found)
+    ]
+    return sorted([*found, *misspelt(description, carried), *too_soon(description, carried)])
 
 
 def _unproven(description: Description, carried: Carried, name: str, actuator: Actuator) -> Iterator[Fault]:
@@ -43,6 +32,10 @@ def _unproven(description: Description, carried: Carried, name: str, actuator: A
         what = f"{carried.codec} carries nothing that could confirm {name!r}"
         hint = did_you_mean(actuator.channel, carried.channels)
         yield Fault.at(place, "EE-225", what, expected=carried.listed, hint=hint)
+    if carried.channels.get(actuator.channel) == "bit" and actuator.channel in _position_bits(description):
+        place = description.place("actuators", name, "channel")
+        what = f"{actuator.channel!r} is a position bit and no pressure"
+        yield Fault.at(place, "EE-225", what, expected="a pressure, or a bit of its own")
     for key, bit in zip(("extended_bit", "retracted_bit"), bits, strict=False):
         if carried.channels.get(bit) == "pressure":
             place = description.place("actuators", name, key)
@@ -55,6 +48,14 @@ def _unproven(description: Description, carried: Carried, name: str, actuator: A
             what = f"{name!r} can never be confirmed: {samples}"
             expected = f"less than timeout_s = {number(actuator.timeout_s)}"
             yield Fault.at(place, "EE-225", what, found=carried.codec, expected=expected)
+
+
+def _position_bits(description: Description) -> set[str]:
+    """Bits that mean something else than that an actuator shows feedback."""
+    changer, e_stop = description.tool_changer, description.e_stop
+    bits = {bit for _, each in description.ordered for bit in _bits(each)}
+    bits |= {changer.locked_bit, changer.unlocked_bit} if changer else set()
+    return bits | ({e_stop.channel} if e_stop else set()) | {"tool_present", "in_stand"}
 
 
 def not_fitted(description: Description, carried: Carried) -> list[str]:
@@ -70,6 +71,8 @@ def _devices(description: Description, carried: Carried) -> Iterator[str]:
             yield f"{name}: {actuator.channel} is carried by {codec} as a bit: thresholds are off"
         elif kind is None:
             yield f"{name}: {actuator.channel} is not carried by {codec}: thresholds are off"
+        if actuator.frozen_s is not None and kind == "pressure" and not carried.noise_shows:
+            yield f"{name}: {codec} counts too coarsely to show a frozen sensor: frozen_s is off"
         for bit in _bits(actuator):
             if bit not in channels:
                 yield f"{name}: {bit} is not carried by {codec}: {_instead(actuator, bit, kind)}"
