@@ -10,7 +10,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from end_effector_hal.cli import _check, _schema
-from end_effector_hal.description import markdown, profile_path, schema_text
+from end_effector_hal.description import load, markdown, profile_path, schema_text
+from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.codecs import codec_of
 
 SHIPPED = profile_path().read_text(encoding="utf-8")
 Check = Callable[..., Result]
@@ -264,3 +266,10 @@ def test_channels_and_codecs_that_do_not_fit(check: Check, replace: dict[str, st
     assert result.exit_code == (2 if said else 0)
     if not said:
         assert "counts too coarsely to show a frozen sensor: frozen_s is off" in result.stdout
+
+
+def test_a_program_says_where_an_unknown_codec_stands(tmp_path: Path) -> None:
+    text = profile_path().read_text().replace("codec: ees1-ascii ", "codec: ees1-cob ")
+    (tmp_path / "tool.yaml").write_text(text)
+    with pytest.raises(UsageError, match=r"tool\.yaml:13:10: .*Did you mean ees1-cobs\?"):
+        codec_of(load(tmp_path / "tool.yaml"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.description import Actuator, CylinderActuator, Description
 from end_effector_hal.wires import Policy
-from end_effector_hal.wires.codecs import Codec, get_codec
+from end_effector_hal.wires.codecs import Codec, codec_of
 
 Constants = dict[str, "int | bool | list[int]"]
 
@@ -14,7 +14,7 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
 
     Interlocks whose sensors the codec does not carry are off (section 4 of the contract: not fitted).
     """
-    carried = (codec or get_codec(description.link.codec)).channels
+    carried = (codec or codec_of(description)).channels
     actuators = [actuator for _, actuator in description.ordered]
     changer, locks, bounds = description.tool_changer, description.interlocks, description.bounds
     fitted = changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried

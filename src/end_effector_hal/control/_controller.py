@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from end_effector_hal.automata import Event, Execution, Network, Observation, Step
 from end_effector_hal.description import Description
 from end_effector_hal.trace import Command, EndEffectorState
-from end_effector_hal.wires.codecs import get_codec
+from end_effector_hal.wires.codecs import codec_of
 from end_effector_hal.wires.frame import Frame
 
 from ._changer_reasons import explain_changer
@@ -50,7 +50,7 @@ class Controller:
     ) -> None:
         self._description = description
         self._program, self._grips = program, program == "grip"
-        codec = get_codec(description.link.codec)
+        codec = codec_of(description)
         self._senses = Senses(description, codec)
         self._lock_fitted = LOCKED in predicates_fitted(description, codec)
         self._hold = HoldMonitor(description, self._senses, codec.period_us)

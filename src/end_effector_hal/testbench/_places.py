@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires.codecs import get_codec, parity_of
+from end_effector_hal.wires.codecs import codec_of, parity_of
 
 from ._gpio_inputs import GpioInputs
 from ._inputs import LineInputs, VirtualInputs
@@ -68,7 +68,7 @@ def open_port(text: str | None, description: Description, lines: str | None) -> 
     Raises:
         UsageError: none is given and none is known.
     """
-    codec = get_codec(description.link.codec)
+    codec = codec_of(description)
     baudrate, parity = description.link.baudrate or codec.baudrate, parity_of(codec)
     if text is not None:
         kind, _, rest = text.partition(":")

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.wires import Codec, Value, get_codec
-from end_effector_hal.wires.codecs import is_polled
+from end_effector_hal.wires import Codec, Value
+from end_effector_hal.wires.codecs import codec_of, is_polled
 
 from ._bench import Bench
 from ._inputs import LineInputs
@@ -68,7 +68,7 @@ class Testbench:
         self._description, self._inputs, self._port = description, inputs, port
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
-        self.codec: Codec = get_codec(description.link.codec)
+        self.codec: Codec = codec_of(description)
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._frames, name="frames", daemon=True)

@@ -13,7 +13,8 @@ from end_effector_hal.control import Answer, ChangerState, Status, StepReport
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import UsageError
 from end_effector_hal.trace import Command, EndEffectorState
-from end_effector_hal.wires import Frame, LinkHealth, LinkReader, get_codec
+from end_effector_hal.wires import Frame, LinkHealth, LinkReader
+from end_effector_hal.wires.codecs import codec_of
 
 from ._open_unit import open_unit
 from ._reset import reset
@@ -61,7 +62,7 @@ class EndEffector:
         except BaseException:
             self._grip.close()
             raise
-        codec = get_codec(description.link.codec)
+        codec = codec_of(description)
         self._witness = Witness(description, codec)
         self._reader = LinkReader(
             description.link.port,

@@ -17,7 +17,7 @@ from end_effector_hal.wires.codecs._polled import (
     asks,
     is_polled,
 )
-from end_effector_hal.wires.codecs._registry import codec_names, get_codec
+from end_effector_hal.wires.codecs._registry import codec_names, codec_of, get_codec
 from end_effector_hal.wires.codecs._sequence import Sequence, sequence_of
 
 __all__ = [
@@ -33,6 +33,7 @@ __all__ = [
     "Sequence",
     "asks",
     "codec_names",
+    "codec_of",
     "get_codec",
     "is_polled",
     "parity_of",

@@ -13,6 +13,8 @@ from end_effector_hal.wires.codecs._codec import Codec
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
 
+    from end_effector_hal.description import Description
+
 GROUP = "end_effector_hal.codecs"
 # The entry points of this distribution, as pyproject.toml has them too: known without reading any metadata, which
 # takes longer than all of the rest; each is imported when it is wanted.
@@ -63,6 +65,14 @@ def get_codec(name: str) -> Codec:
     close = get_close_matches(name, codec_names(), n=1)
     hint = f"Did you mean {close[0]}?" if close else f"There are: {', '.join(codec_names())}."
     raise UsageError(f"there is no codec {name!r}.", todo=hint)
+
+
+def codec_of(description: Description) -> Codec:
+    """The codec that a description names; raises UsageError with its place there."""
+    try:
+        return get_codec(description.link.codec)
+    except UsageError as error:
+        raise UsageError(error.what, where=description.where("link", "codec"), todo=error.todo) from error
 
 
 @cache
