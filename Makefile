@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test nightly test-boot interlocks check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
+.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -30,6 +30,11 @@ test-boot: setup ## by hand, as root: the systemd units on a booted systemd (nee
 
 interlocks: $(VENV)/.synced ## the interlock table: each interlock at each door, refused in words
 	@$(BIN)/python -m pytest -q -s tests/interlocks
+
+test-gpiochip: setup ## by hand: on a real GPIO chip and serial driver, in a kernel of its own that is built once
+	@deploy/debian.sh tests/gpiochip/debian-packages.txt
+	@tests/gpiochip/build-kernel.sh >/dev/null
+	@$(ROS_ENV) && EEHAL_GPIOCHIP=1 pytest -q --durations=0 --durations-min=1 tests/gpiochip
 
 check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Installs what the project needs from Debian, without a question; quick when all is there.
+# Installs from Debian what the project needs, or the packages of another list; without a question, quick when all is there.
 set -eu
-list=$(dirname "$0")/debian-packages.txt
+list=${1:-$(dirname "$0")/debian-packages.txt}
 missing=$(while read -r name; do
     dpkg-query -W -f '${Status}' "$name" 2>/dev/null | grep -q 'ok installed' || printf '%s ' "$name"
 done < "$list")

@@ -22,7 +22,9 @@ from end_effector_hal.demo import _world as world_module
 from end_effector_hal.demo._demo import _fresh
 from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError, OwnerError, RosError, UsageError
+from end_effector_hal.testbench import Testbench, open_inputs, open_port
 from end_effector_hal.trace import StatesLog, read_pressures, read_run, read_states
+from end_effector_hal.wires import read_chip
 
 FILES = {
     "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv",
@@ -73,6 +75,24 @@ def test_the_nominal_scenario_without_ros(
     assert shown.getvalue().startswith("[1/1] nominal: starting\n")
     assert "[1/1] nominal: GRIPPED, Bottom vacuum ON, Cylinder EXTENDED, Top vacuum ON\n" in shown.getvalue()
     assert left() == set()
+
+
+@pytest.mark.wall
+def test_on_its_own_wires_the_testbench_is_somebody_elses(verdin: Description, tmp_path: Path) -> None:
+    place, folder = tmp_path / "wires", tmp_path / "demo"
+    place.mkdir()
+    tool = verdin.with_virtual(place / "chip", str(place / "uart"))
+    inputs, port = open_inputs(None, tool), open_port(None, tool, None)
+    with Testbench(tool, inputs, port):
+        (report,) = run_demo(
+            tool, scenarios(tool)[:1], folder, ros=False, progress=Console(quiet=True), own_wires=True,
+            figures=False,
+        )  # fmt: skip
+        assert read_chip(place / "chip").lines["SODIMM_208"] == ("out", False)
+    assert report.faults == ()
+    assert {path.name for path in (folder / "nominal").iterdir()} == FILES - {
+        "lines.log", "paper.png", "paper.svg", "testbench.log", "timeline.png", "timeline.svg",
+    }  # fmt: skip
 
 
 @pytest.mark.wall
@@ -218,3 +238,24 @@ def test_all_and_json(played: Played) -> None:
     assert all(each["ok"] for each in content)
     assert len(played.asked["names"]) == 6
     assert played.asked["output"] == Path("elsewhere")
+    assert (played.asked["own_wires"], played.asked["figures"]) == (False, True)
+
+
+def test_one_scenario_on_its_own_wires(played: Played) -> None:
+    done = CliRunner().invoke(command, ["--own-wires", "--only", "cancel", "--no-figures"])
+    assert done.exit_code == 0, done.output
+    assert played.asked["names"] == ["cancel"]
+    assert (played.asked["own_wires"], played.asked["figures"]) == (True, False)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--only", "nominal", "--only", "x"], "there is no scenario x. There are: nominal, fails-once"),
+        (["--own-wires"], "one scenario of the testbench is played at a time. Give --only NAME."),
+    ],
+)
+def test_refused_options(played: Played, options: list[str], message: str) -> None:
+    done = CliRunner().invoke(command, options)
+    assert message in str(done.exception)
+    assert played.asked == {}

@@ -40,6 +40,10 @@ log=$place/build.log
     # A line that was throttled once is never read again (after 4094 unread bytes): it is not to be throttled.
     sed -i '/\.throttle[[:space:]]*= line_throttle,/d; /\.unthrottle[[:space:]]*= line_unthrottle,/d' \
         "$source/arch/um/drivers/ssl.c"
+    # All interrupt numbers are taken; the lines of simulated chips need some.
+    sed -i 's/^#define NR_IRQS[[:space:]]*UM_LAST_SIGNAL_IRQ$/#define NR_IRQS (UM_LAST_SIGNAL_IRQ + 64)/' \
+        "$source/arch/um/include/asm/irq.h"
+    grep -q 'define NR_IRQS (UM' "$source/arch/um/include/asm/irq.h"
     make -C "$source" ARCH=um O="$work/out" KCONFIG_ALLCONFIG="$here/kernel.fragment" allnoconfig
     nice -n 10 make -C "$work/out" ARCH=um -j"$(nproc)" linux
     strip -o "$work/linux" "$work/out/linux"

@@ -52,7 +52,16 @@ def test_a_name_that_is_missing_or_ambiguous(kernel: Kernel, name: str, count: s
 
 def test_lines_that_somebody_holds(kernel: Kernel) -> None:
     kernel.busy = True
-    with pytest.raises(WireError, match="busy"):
+    with pytest.raises(WireError, match=r"busy.*who holds a line"):
+        inputs(bottom="GPIO16").start(ignore)
+
+
+def test_a_controller_without_interrupts(kernel: Kernel) -> None:
+    def refuse(*_: Any, **__: Any) -> Request:
+        raise OSError(6, "No such device or address")
+
+    kernel.request_lines = refuse  # type: ignore[method-assign]
+    with pytest.raises(WireError, match=r"No such device or address.*gives no edges"):
         inputs(bottom="GPIO16").start(ignore)
 
 

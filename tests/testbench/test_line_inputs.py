@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from pathlib import Path
+from queue import Queue
 from types import SimpleNamespace
 
 import pytest
+from emulator import Emulator
 from gpio_kernel import Kernel, Kind
 from virtual_machine import VirtualMachine
 
 from end_effector_hal.errors import LineNotFoundError, WireError
-from end_effector_hal.testbench import GpioInputs, GpioSimInputs, VirtioGpioInputs, VirtualInputs
+from end_effector_hal.testbench import GpioInputs, GpioSimInputs, QemuInputs, VirtioGpioInputs, VirtualInputs
 from end_effector_hal.testbench import _gpio_inputs as gpio_module
 from end_effector_hal.testbench.conformance import A, B, LineInputsConformance, Wires
 from end_effector_hal.wires import VirtualLines, now_us
@@ -61,7 +64,8 @@ class TestGpioSim(LineInputsConformance):
         inputs = GpioSimInputs([A, B], tmp_path / "config", tmp_path / "devices")
 
         def drive(line: str, level: bool) -> None:
-            level_file(tmp_path, {A: 0, B: 1}[line]).write_text(f"{level:d}\n")
+            with level_file(tmp_path, {A: 0, B: 1}[line]).open("r+") as file:  # never empty, as in sysfs
+                file.write(f"{level:d}")
 
         yield SimpleNamespace(inputs=inputs, drive=drive)
         inputs.close()
@@ -82,6 +86,51 @@ class TestVirtioGpio(LineInputsConformance):
         inputs.close()
         for machine in running:
             machine.off()
+
+
+class TestQemu(LineInputsConformance):
+    @pytest.fixture
+    def wires(self, tmp_path: Path) -> Iterator[Wires]:
+        machine = Emulator(tmp_path / "qtest")
+        pins = {A: 0, B: 5}
+        inputs = QemuInputs(str(tmp_path / "qtest"), pins)
+        yield SimpleNamespace(inputs=inputs, drive=lambda line, level: machine.drive(pins[line], level))
+        inputs.close()
+        machine.off()
+
+
+def test_an_emulated_machine_that_ends_drives_nothing(tmp_path: Path) -> None:
+    machine, seen = Emulator(tmp_path / "qtest"), Queue[tuple[str, bool]]()
+    inputs = QemuInputs(str(tmp_path / "qtest"), {A: 0, B: 5})
+    inputs.start(lambda line, level, _at: seen.put((line, level)))
+    machine.drive(7, True)
+    machine.drive(5, True)
+    machine.off()
+    assert [seen.get(timeout=20), seen.get(timeout=20)] == [(B, True), (B, False)]
+    inputs.close()
+
+
+def test_an_emulated_machine_without_the_controller(tmp_path: Path) -> None:
+    machine = Emulator(tmp_path / "qtest", controller="/machine/other")
+    with pytest.raises(WireError, match=r"no GPIO controller /machine/soc/gpio1: FAIL Unknown device"):
+        QemuInputs(str(tmp_path / "qtest"), {A: 0}).start(lambda *_: None)
+    machine.off()
+
+
+def test_the_emulated_machine_may_come_later(tmp_path: Path) -> None:
+    inputs, started = QemuInputs(str(tmp_path / "qtest"), {A: 0}), Queue[dict[str, bool]]()
+    waiting = threading.Thread(target=lambda: started.put(inputs.start(lambda *_: None)))
+    waiting.start()
+    machine = Emulator(tmp_path / "qtest")
+    assert started.get(timeout=20) == {A: False}
+    waiting.join()
+    inputs.close()
+    machine.off()
+
+
+def test_no_emulated_machine(tmp_path: Path) -> None:
+    with pytest.raises(WireError, match="Start QEMU with -qtest"):
+        QemuInputs(str(tmp_path / "qtest"), {A: 0}, patience_s=0.1).start(lambda *_: None)
 
 
 def level_file(tmp_path: Path, number: int) -> Path:

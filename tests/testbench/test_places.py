@@ -8,6 +8,7 @@ from end_effector_hal.testbench import (
     GpioInputs,
     GpioSimInputs,
     PtyPort,
+    QemuInputs,
     SerialPort,
     VirtioGpioInputs,
     VirtualInputs,
@@ -62,6 +63,7 @@ def test_lines_of_a_kernel_that_simulates_them_and_of_a_virtual_machine(verdin: 
     guest = open_inputs("virtio-gpio:/run/x.sock", verdin)
     assert isinstance(guest, VirtioGpioInputs)
     assert guest.text == "virtio-gpio:/run/x.sock"
+    assert isinstance(open_inputs("qemu:/run/q.sock", verdin), QemuInputs)
 
 
 def test_ports(verdin: Description) -> None:
@@ -94,6 +96,13 @@ def test_a_device_that_the_preset_does_not_know(verdin: Description) -> None:
     other = verdin.model_copy(update={"actuators": dict(verdin.actuators) | {"top_vacuum": cup}})
     with pytest.raises(UsageError, match="rpi3 has no pin for SODIMM_212"):
         open_inputs("rpi3", other)
+
+
+def test_a_line_that_the_emulated_board_does_not_have(verdin: Description) -> None:
+    cup = verdin.actuators["top_vacuum"].model_copy(update={"line": "SODIMM_999"})
+    other = verdin.model_copy(update={"actuators": dict(verdin.actuators) | {"top_vacuum": cup}})
+    with pytest.raises(UsageError, match="has no line SODIMM_999"):
+        open_inputs("qemu:/run/q.sock", other)
 
 
 def test_real_lines_cannot_be_power_cycled(verdin: Description) -> None:

@@ -5,14 +5,19 @@ from __future__ import annotations
 import json
 import signal
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
 import click
 
+from end_effector_hal.errors import UsageError
+
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from end_effector_hal.demo import Scenario
 
 WIDTH = 120
 
@@ -23,6 +28,13 @@ WIDTH = 120
 @click.option(
     "--all", "everything", is_flag=True, help="Also a cancel, a release that fails, unlock and lock."
 )
+@click.option("--only", multiple=True, metavar="NAME", help="Only this scenario; may be given again.")
+@click.option(
+    "--own-wires",
+    is_flag=True,
+    help="On the lines and the port of DESCRIPTION: a testbench at their other end plays the scenario.",
+)
+@click.option("--no-figures", is_flag=True, help="Record only; `eehal plot` draws.")
 @click.option(
     "-o",
     "--output",
@@ -32,11 +44,21 @@ WIDTH = 120
     help="Folder of the runs.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON.")
-def command(description: Path | None, no_ros: bool, everything: bool, output: Path, as_json: bool) -> None:
+def command(
+    description: Path | None,
+    no_ros: bool,
+    everything: bool,
+    only: tuple[str, ...],
+    own_wires: bool,
+    no_figures: bool,
+    output: Path,
+    as_json: bool,
+) -> None:
     """Play the paper's three scenarios (Figs. 7, 8 and 9) and draw what was recorded.
 
     For each of them a virtual chip, the line owner and the testbench are started, and with ROS a master, the
-    nodes of the launch file and the Supervisor. DESCRIPTION: default is the shipped tool. Exit code 1: a
+    nodes of the launch file and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
+    the tool itself) is at their other end already. DESCRIPTION: default is the shipped tool. Exit code 1: a
     scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
     """
     from end_effector_hal.demo import print_table, run_demo, scenarios
@@ -45,14 +67,38 @@ def command(description: Path | None, no_ros: bool, everything: bool, output: Pa
     signal.signal(signal.SIGTERM, _end)
     signal.signal(signal.SIGHUP, _end)
     loaded = load(description or profile_path())
-    chosen = scenarios(loaded, everything=everything)
-    reports = list(run_demo(loaded, chosen, output, ros=not no_ros, progress=_console(stderr=True)))
+    chosen = _chosen(scenarios(loaded, everything=everything or bool(only)), only)
+    if own_wires and len({scenario.bench for scenario in chosen}) > 1:
+        raise UsageError(
+            "on its own wires one scenario of the testbench is played at a time.", todo="Give --only NAME."
+        )
+    progress = _console(stderr=True)
+    reports = list(
+        run_demo(
+            loaded,
+            chosen,
+            output,
+            ros=not no_ros,
+            progress=progress,
+            own_wires=own_wires,
+            figures=not no_figures,
+        )
+    )
     if as_json:
         click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
     else:
         print_table(_console(), reports)
     if not all(report.ok for report in reports):
         raise click.exceptions.Exit(1)
+
+
+def _chosen(known: Sequence[Scenario], names: Sequence[str]) -> list[Scenario]:
+    by_name = {scenario.name: scenario for scenario in known}
+    if unknown := [name for name in names if name not in by_name]:
+        raise UsageError(
+            f"there is no scenario {', '.join(unknown)}.", todo=f"There are: {', '.join(by_name)}."
+        )
+    return [by_name[name] for name in names] if names else list(known)
 
 
 def _console(*, stderr: bool = False) -> Console:

@@ -34,7 +34,7 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
     "--lines",
     metavar="WHERE",
     help="Where the lines are seen: virtual:PATH, rpi3, gpiod, gpiod:LINE=NAME,..., gpio-sim, "
-    "virtio-gpio:SOCKET.  "
+    "virtio-gpio:SOCKET, qemu:SOCKET.  "
     "[default: the description's virtual chip]",
 )
 @click.option(

@@ -34,15 +34,19 @@ def run_demo(
     *,
     ros: bool,
     progress: Console,
+    own_wires: bool = False,
+    figures: bool = True,
 ) -> Iterator[Report]:
     """Play scenarios one after the other; each report comes when its scenario is over and drawn.
 
     Args:
-        description: the tool; it gets virtual lines and a pty.
+        description: the tool; it gets virtual lines and a pty, unless ``own_wires``.
         scenarios: what to play.
         output: gets a folder for each.
         ros: through ROS, or through `EndEffector` in this process.
         progress: where the progress is shown.
+        own_wires: on the lines and the port of the description; who stands at their other end plays the scenario.
+        figures: draw them.
 
     Raises:
         RosError: ROS is asked for and not there.
@@ -57,14 +61,15 @@ def run_demo(
         title = f"[{number}/{len(scenarios)}] {scenario.name}"
         with (
             Progress(progress, title, folder / "states.csv", info),
-            World(description, scenario.bench, folder) as world,
+            World(description, scenario.bench, folder, own_wires=own_wires) as world,
         ):
             info.write(folder)
             (play_ros if ros else play_core)(scenario, world, folder)
         log, info = read_states(folder / "states.csv"), read_run(folder)
-        if log.rows:
+        if log.rows and figures:
             draw(folder, log, info)
-        report = judge(scenario, description, log, info, read_edges(folder / LINES))
+        edges = None if own_wires else read_edges(folder / LINES)
+        report = judge(scenario, description, log, info, edges)
         findings = (*report.findings, replayed(folder))
         yield replace(report, findings=findings, folder=folder, seconds=time.monotonic() - begun)
 

@@ -30,10 +30,13 @@ class World:
         description: the tool; its lines become virtual, its link a pty.
         bench: scenario of the testbench.
         folder: receives the logs and the description that is used.
+        own_wires: leave lines and link as they are; who stands at their other end plays the scenario.
     """
 
-    def __init__(self, description: Description, bench: str, folder: Path) -> None:
-        self._bench, self._folder = bench, folder
+    def __init__(
+        self, description: Description, bench: str, folder: Path, *, own_wires: bool = False
+    ) -> None:
+        self._bench, self._folder, self._own_wires = bench, folder, own_wires
         # a socket's path may be 108 bytes long only: not in the run folder
         self._place = Path(mkdtemp(prefix="eehal-demo-"))
         self.chip = self._place / "chip"
@@ -41,7 +44,11 @@ class World:
         self.port = self._place / "uart"
         self.children = Children()
         self.description_path = folder / DESCRIPTION
-        self.description = description.with_virtual(self.chip, str(self.port), self.socket)
+        self.description = (
+            description.with_socket(self.socket)
+            if own_wires
+            else description.with_virtual(self.chip, str(self.port), self.socket)
+        )
 
     def __enter__(self) -> Self:
         try:
@@ -67,6 +74,14 @@ class World:
 
     def _start(self) -> None:
         path = str(self.description_path)
+        if not self._own_wires:
+            self._start_testbench(path)
+        owner = self.children.start(
+            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=OwnerError
+        )
+        owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
+
+    def _start_testbench(self, path: str) -> None:
         testbench = self.children.start(
             "testbench",
             [*EEHAL, "testbench", path, "--scenario", self._bench],
@@ -76,10 +91,6 @@ class World:
         )
         testbench.wait_until(lambda: "ready:" in testbench.text(), timeout_s=START_S, what="it was ready")
         self.testbench = testbench
-        owner = self.children.start(
-            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=OwnerError
-        )
-        owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 
     def _written(self) -> Description:
         """The description as every process of this run reads it."""
@@ -87,7 +98,8 @@ class World:
         content["automata"] = {**content.get("automata", {}), "file": str(self.description.automata_path)}
         try:
             with self.description_path.open("w", encoding="utf-8") as file:
-                file.write("# Written by eehal demo: the same tool on virtual lines and a pty.\n")
+                wires = "its own wires" if self._own_wires else "virtual lines and a pty"
+                file.write(f"# Written by eehal demo: the same tool on {wires}.\n")
                 YAML(typ="safe", pure=True).dump(content, file)
         except OSError as error:
             raise UsageError(

@@ -97,6 +97,10 @@ class Description(Part):
         lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
         return self.model_copy(update={"lines": lines, "link": self.link.model_copy(update={"port": port})})
 
+    def with_socket(self, socket: str | Path) -> Description:
+        """The same tool with its line owner at another socket."""
+        return self.model_copy(update={"lines": self.lines.model_copy(update={"socket": str(socket)})})
+
     def fingerprint(self) -> str:
         """Twelve hex digits of the content; layout, order of keys and omitted defaults do not change them."""
         content = json.dumps(

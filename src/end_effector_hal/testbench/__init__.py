@@ -13,6 +13,7 @@ from ._parse import parse_scenario
 from ._places import open_inputs, open_port
 from ._plant import Plant
 from ._ports import Port, PtyPort, SerialPort
+from ._qemu_inputs import QemuInputs
 from ._records import Events, Record
 from ._run import run_testbench
 from ._scenario import Effect, Scenario
@@ -43,6 +44,7 @@ __all__ = [
     "Plant",
     "Port",
     "PtyPort",
+    "QemuInputs",
     "Record",
     "Scenario",
     "Sensor",

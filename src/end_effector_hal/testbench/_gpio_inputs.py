@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import glob
 import importlib
 import os
@@ -113,11 +114,11 @@ class GpioInputs:
 
 
 def _refused(path: str, error: OSError) -> WireError:
-    return WireError(
-        f"the GPIO lines cannot be used: {error.strerror}.",
-        where=path,
-        todo="Add the user to the group gpio; gpioinfo shows who holds a line.",
-    )
+    todo = {
+        errno.EACCES: "Add the user to the group gpio and log in again.",
+        errno.EBUSY: "gpioinfo shows who holds a line: stop that program.",
+    }.get(error.errno or 0, "The controller gives no edges of these lines: use others, or see dmesg.")
+    return WireError(f"the GPIO lines cannot be used: {error.strerror}.", where=path, todo=todo)
 
 
 def _load_gpiod() -> Any:

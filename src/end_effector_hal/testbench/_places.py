@@ -10,13 +10,18 @@ from ._gpio_inputs import GpioInputs
 from ._inputs import LineInputs, VirtualInputs
 from ._parse import TOOL_CHANGER
 from ._ports import Port, PtyPort, SerialPort
+from ._qemu_inputs import QemuInputs
 from ._sim_inputs import GpioSimInputs
 from .virtio_gpio import VirtioGpioInputs
 
 RPI3 = {TOOL_CHANGER: "GPIO19", "bottom": "GPIO16", "cylinder": "GPIO26", "top": "GPIO20"}
 """Board pins 35 to 38 of a Raspberry Pi, by the channel that proves the actuator on the line."""
 RPI3_PORT = "/dev/serial0"
-_CHOICES = "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3, gpio-sim or virtio-gpio:SOCKET."
+VERDIN = {"SODIMM_206": 0, "SODIMM_208": 1, "SODIMM_210": 5, "SODIMM_212": 6}
+"""Pins of the first GPIO controller of an i.MX 8M Plus, by the names that the Verdin's device tree gives them."""
+_CHOICES = (
+    "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3, gpio-sim, virtio-gpio:SOCKET or qemu:SOCKET."
+)
 
 
 def open_inputs(text: str | None, description: Description, *, power_cycle: bool = False) -> LineInputs:
@@ -25,7 +30,8 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
     Args:
         text: ``virtual:PATH``; ``gpiod``: lines of the same names on this machine; ``gpiod:LINE=NAME,...``:
             of other names; ``rpi3``; ``gpio-sim``: simulated ones of this machine's kernel;
-            ``virtio-gpio:SOCKET``: those of a virtual machine; None: the description's virtual chip.
+            ``virtio-gpio:SOCKET``: those of a virtual machine; ``qemu:SOCKET``: pins of an emulated Verdin;
+            None: the description's virtual chip.
         description: whose lines are to be seen.
         power_cycle: of a virtual chip.
 
@@ -51,6 +57,8 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
         return GpioSimInputs(lines)
     if kind == "virtio-gpio" and rest:
         return VirtioGpioInputs(rest, lines)
+    if kind == "qemu" and rest:
+        return QemuInputs(rest, _pins(lines))
     if text == "rpi3":
         return GpioInputs(_preset(description), text)
     raise UsageError(f"lines cannot be seen at {text!r}.", todo=_CHOICES)
@@ -93,6 +101,14 @@ def _renamed(text: str, lines: list[str]) -> dict[str, str]:
             todo=f"Expected: gpiod:{','.join(f'{line}=NAME' for line in lines)}.",
         )
     return pairs
+
+
+def _pins(lines: list[str]) -> dict[str, int]:
+    if unknown := [line for line in lines if line not in VERDIN]:
+        raise UsageError(
+            f"the emulated Verdin has no line {', '.join(unknown)}.", todo=f"It has {', '.join(VERDIN)}."
+        )
+    return {line: VERDIN[line] for line in lines}
 
 
 def _preset(description: Description) -> dict[str, str]:

@@ -1,0 +1,17 @@
+"""These checks run in the guest, started by ../test_lines.py."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+
+@pytest.fixture
+def tool() -> str:
+    """The file of a description for this machine."""
+    return os.environ["EEHAL_TOOL"]

@@ -1,0 +1,38 @@
+"""Whether two recordings tell the same: the same states in the same order, each for about as long."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from end_effector_hal.trace import EndEffectorState, StatesLog
+
+States = tuple[int, ...]
+
+
+def steps(log: StatesLog) -> list[tuple[States, float]]:
+    """Each state (end-effector, then actuators) with how long it stood, from the first grip to its end.
+
+    What is before depends on when the tool had adopted; the last state stands until the recording is closed. The
+    command column is left out: two programs write it, and which of two rows of one moment comes first is chance.
+    """
+    rows = [(row.time_s, (int(row.end_effector), *row.actuators)) for row in log.rows]
+    begin = next(i for i, (_, state) in enumerate(rows) if state[0] == EndEffectorState.GRIPPING)
+    changes = [rows[begin]]
+    for row in rows[begin:]:
+        if row[1] != changes[-1][1]:
+            if row[0] - changes[-1][0] < MOMENT_S:  # passed through within one moment
+                changes[-1] = (changes[-1][0], row[1])
+            else:
+                changes.append(row)
+    ends = [after[0] - before[0] for before, after in pairwise(changes)]
+    return list(zip([state for _, state in changes], [*ends, 0.0], strict=True))
+
+
+MOMENT_S = 0.0005
+
+
+def differences(one: StatesLog, other: StatesLog) -> list[float]:
+    """By how many seconds each step of the other is longer; fails where the states are not the same."""
+    mine, theirs = steps(one), steps(other)
+    assert [state for state, _ in mine] == [state for state, _ in theirs]
+    return [theirs_s - mine_s for (_, mine_s), (_, theirs_s) in zip(mine, theirs, strict=True)]
