@@ -261,3 +261,20 @@ def test_a_committed_location_without_a_way_on_is_told(load):
             load,
             """int a; process P() { state A, B; commit A; init A; trans A -> B { guard a == 1 }; } system P;""",
         )
+
+
+def test_the_lateness_of_one_does_not_stop_another_in_a_committed_location(load):
+    """Both are beyond their bounds: each goes its way to the end, and tells that it was late."""
+    execution, _ = run(
+        load,
+        """clock x; clock y;
+        process P() { state A { x <= 15 }, B, C; commit B; init A; trans A -> B { guard x >= 10 }, B -> C { }; }
+        process Q() { state A { y <= 16 }, B; init A; trans A -> B { guard y >= 11 }; } system P, Q;""",
+        ["P", "Q"],
+    )
+    steps = execution.advance(40 * MS)
+    assert [(step.edges[0].process, step.edges[0].target, step.missed) for step in steps] == [
+        ("P", "B", True),
+        ("P", "C", True),
+        ("Q", "B", True),
+    ]

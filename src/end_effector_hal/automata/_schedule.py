@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
@@ -73,15 +73,20 @@ class Schedule:
         age = {c.transition.edges: c.since for c in self.candidates}
         if taken:
             age.pop(taken.edges, None)
-        _, self.last = self._clocks.window(self._semantics.invariant(state))
+        stay = self._semantics.invariant(state)
+        _, self.last = self._clocks.window(stay)
         hurry = not self._semantics.may_delay(state)
         self.candidates = []
         for transition in self._semantics.transitions(state):
-            candidate = self._candidate(state, transition, age.get(transition.edges, now))
+            since = age.get(transition.edges, now)
+            candidate = self._candidate(state, transition, since, stay if self.last < now else ())
             if candidate and not (hurry and candidate.due > now):
                 self.candidates.append(candidate)
 
-    def _candidate(self, state: State, transition: Transition, since: int) -> Candidate | None:
+    def _candidate(
+        self, state: State, transition: Transition, since: int, expired: Collection[Bound]
+    ) -> Candidate | None:
+        """``expired``: invariants that somebody's lateness has broken already; no edge is to blame for that."""
         first, last = self._clocks.window(transition.bounds)
         fired: Fired | RangeError
         try:
@@ -93,7 +98,8 @@ class Schedule:
             values = dict(fired.resets)
             if not all(_holds(values[bound.clock], bound) for bound in invariant if bound.clock in values):
                 return None
-            last = min(last, self._clocks.window(b for b in invariant if b.clock not in values)[1])
+            kept = (b for b in invariant if b.clock not in values and b not in expired)
+            last = min(last, self._clocks.window(kept)[1])
         due = max(first, since)
         if due > last:
             return None

@@ -106,10 +106,13 @@ class Situation:
 
     def _found(self, ages: Mapping[tuple[Edge, ...], int]) -> Iterator[Chance]:
         hurry = not self.may_delay()
+        # what somebody's lateness has broken already is no other edge's doing
+        expired = () if self.stays(self.entered) else self._semantics.invariant(self.state)
         for transition in self.transitions():
             since = ages.get(transition.edges, self.entered)
             due = max([since, *map(self._instant, _lower(transition.bounds))])
-            uppers = [*_upper(transition.bounds), *self._kept(transition)]
+            kept = [bound for bound in self._kept(transition) if bound not in expired]
+            uppers = [*_upper(transition.bounds), *kept]
             if self.holds(uppers, due) and self._enters(transition) and not (hurry and due > self.entered):
                 yield Chance(transition, since, due)
 
