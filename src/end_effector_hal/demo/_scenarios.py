@@ -131,6 +131,7 @@ def _unlock_and_lock() -> Scenario:
         title="unlock and lock",
         bench="nominal",
         orders=(Order(Command.UNLOCK, 1.0), _LOCK),
+        rest_s=2 * REST_S,  # the cups have to be seen vented for half a second first (IL-01)
         expected=Expected((State.STAND_BY,), (Command.UNLOCK, Command.LOCK)),
     )
 
