@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 from cells import GRIPPED, GRIPPING, RELEASING, STAND_BY, UNLOCKING, Cell
@@ -69,6 +70,7 @@ def prepare(system: System, cell: Cell) -> Prepared:
     elif cell.state == UNLOCKING:
         assert changer is not None
         system.plant.choose("never-confirms:tool_changer")
+        time.sleep(changer.vented_s + 0.2)  # IL-01: an unlock before that is refused
         goal = give("unlock")
         unlocking = lambda: hands.state["tool_changer"] == ChangerState.UNLOCKING  # noqa: E731
         _reach(system, State.STAND_BY, unlocking, changer.line, True)

@@ -22,8 +22,8 @@ from end_effector_hal.wires import OwnerClient
 
 LAUNCHED = ("HALMain", "Grip", "ToolChange", "Pressure", "Position", "LineOwner")
 START_S = 60.0
-LATCHED = ("Over:", "GRIP_ERROR:", "RELEASE_ERROR:")
-"""Alarms that stay on purpose: of what is over, and of the state that is expected."""
+LATCHED = ("Over:", "GRIP_ERROR:", "RELEASE_ERROR:", "IL-03:")
+"""Alarms that stay on purpose: of what is over, of the state that is expected, of what the line owner has ended."""
 
 
 class Plant(World):
