@@ -147,9 +147,7 @@ class Run:
                 for kind in ("guard", "synchronisation", "assignment")
                 if (content := texts.get(kind, ""))
             )
-            edges += (
-                f'<transition><source ref="s{number}"/><target ref="s{number + 1}"/>{marks}</transition>'
-            )
+            edges += f'<transition><source ref="s{number}"/><target ref="s{number + 1}"/>{marks}</transition>'
         end = f'<location id="s{len(self.steps)}"><name>End</name></location>'
         seen = f"<template><name>Seen</name><declaration>clock z;</declaration>{locations}{end}"
         head = text[: text.index("\t<template>")]

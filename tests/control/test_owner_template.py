@@ -1,4 +1,4 @@
-"""The line owner's code and its template in the UPPAAL file are held together: what the one does is a run of the other."""
+"""The line owner and its template in the UPPAAL file are held together: what the one does is a run of the other."""
 
 from __future__ import annotations
 

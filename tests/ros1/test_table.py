@@ -31,6 +31,7 @@ def test_the_services_and_topics_of_table_i(tool: Description) -> None:
         "SetCylinder",
         "SetTopVacuum",
         "SetToolChanger",
+        "ArmToolChanger",
         "ResetFaults",
     ]
     assert [(channel, topic.name) for channel, topic in pressure_topics(tool)] == [

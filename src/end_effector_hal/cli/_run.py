@@ -26,7 +26,7 @@ READY_S = 10.0
 @click.option("--script", help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.")
 @click.option("--record", type=click.Path(path_type=Path), help="Folder for the recording of the run.")
 def command(description: Path, script: str | None, record: Path | None) -> None:
-    """Give commands to one tool: lock, unlock, grip, drop, cancel, reset, wait SECONDS, quit.
+    """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, quit.
 
     The line owner of the tool (`eehal owner DESCRIPTION`) must run. A command followed by `&` goes on in the
     background, so that it can be cancelled. Quitting releases nothing that is held.
@@ -104,6 +104,9 @@ class _Session:
         for order in orders:
             if order.command is Command.QUIT:
                 break
+            if order.arm:
+                self._tell("ARM", self._tool.arm())
+                continue
             if order.reset:
                 self._tell("RESET", self._tool.reset())
                 continue

@@ -149,6 +149,11 @@ class Controller:
         self._hold.acknowledge()
         return [*statuses, self.status()]
 
+    @property
+    def latched_error(self) -> str:
+        """An error that no reset clears, in words; empty: there is none."""
+        return latched(EndEffectorState(self._values["ee"]), self._reason) if self._latched else ""
+
     def refuse_maintenance(self, *, active: bool) -> str:
         """Why the line of an actuator may not be driven by hand now (IL-12); empty: it may."""
         if refused := not_by_hand(EndEffectorState(self._values["ee"]), held=self._held):
@@ -222,7 +227,7 @@ class Controller:
         if self._adopted and not self._senses.readings.link_up(self._at):
             alarms.append(f"The sensor link {link.port} is down.")
         if self._latched:
-            alarms.append(latched(EndEffectorState(self._values["ee"]), self._reason))
+            alarms.append(self.latched_error)
         if self._program == "tool_change" and self._values["changer"] == ChangerState.FAULT:
             alarms.append(CHANGER_FAULT)
         alarms += self._hold.alarms

@@ -10,8 +10,18 @@ from std_srvs.srv import SetBoolResponse, TriggerResponse
 from end_effector_hal.description import Description
 from end_effector_hal.tool import reset
 
+from ._commander import Commander
 from ._node import Node
-from ._table import GRIP, GRIP_COMMAND, GRIP_STATE, RESET_FAULTS, TOOL_CHANGE_STATE, set_services
+from ._table import (
+    GRIP,
+    GRIP_COMMAND,
+    GRIP_STATE,
+    RESET,
+    RESET_FAULTS,
+    TOOL_CHANGE_COMMAND,
+    TOOL_CHANGE_STATE,
+    set_services,
+)
 from ._unit_node import UnitNode
 
 
@@ -21,6 +31,7 @@ class GripNode:
     def __init__(self, node: Node, description: Description) -> None:
         self._unit = UnitNode(node, description, "grip", GRIP_STATE, GRIP_COMMAND).unit
         self._unlock: bool | None = None
+        self._changer = Commander(TOOL_CHANGE_COMMAND) if description.tool_changer else None
         node.subscribe(TOOL_CHANGE_STATE, self._on_tool_change)
         for name, service in set_services(description).items():
             node.serve(service, self._setter(name))
@@ -29,7 +40,11 @@ class GripNode:
 
     def _reset(self, description: Description) -> Any:
         answer = reset(description, self._unit)
-        return TriggerResponse(answer.accepted, answer.reason)
+        changer = self._changer.ask(RESET) if self._changer else None
+        if changer is None or changer.accepted:
+            return TriggerResponse(answer.accepted, answer.reason)
+        stays = [] if answer.accepted else [answer.reason]
+        return TriggerResponse(False, " ".join((*stays, changer.reason)))
 
     def _on_tool_change(self, message: Any) -> None:
         if message.unlock_output != self._unlock:

@@ -17,10 +17,18 @@ from end_effector_hal.trace import Command, EndEffectorState
 
 from ._goals import GIVE_UP_S, Goals
 from ._node import Node, service_class, stamp
-from ._table import END_EFFECTOR_STATE, RESET_FAULTS, SCRIPT, SUPERVISOR, SUPERVISOR_COMMANDS
+from ._table import (
+    ARM_TOOL_CHANGER,
+    END_EFFECTOR_STATE,
+    RESET_FAULTS,
+    SCRIPT,
+    SUPERVISOR,
+    SUPERVISOR_COMMANDS,
+    Service,
+)
 
 PROMPT = "> "
-HELP = "commands: lock, unlock, grip, drop (or release), cancel, reset, wait <seconds>, quit"
+HELP = "commands: lock, unlock, grip, drop (or release), cancel, arm, reset, wait <seconds>, quit"
 
 
 class Supervisor:
@@ -75,8 +83,8 @@ class Supervisor:
 
     def give(self, order: Order, *, wait: bool = True) -> bool:
         """Give one order; False when it was `quit`."""
-        if order.reset:
-            self.say(self._reset())
+        if order.arm or order.reset:
+            self.say(self._call("arm", ARM_TOOL_CHANGER) if order.arm else self._call("reset", RESET_FAULTS))
             return True
         if order.command is None:
             rospy.rostime.wallsleep(order.wait_s)
@@ -99,14 +107,14 @@ class Supervisor:
             threading.Thread(target=self._goals.wait, args=(goal,), daemon=True).start()
         return True
 
-    def _reset(self) -> str:
+    def _call(self, word: str, service: Service) -> str:
         try:
-            answer = rospy.ServiceProxy(RESET_FAULTS.name, service_class(RESET_FAULTS.type))()
+            answer = rospy.ServiceProxy(service.name, service_class(service.type))()
         except rospy.ServiceException:
             self._reset_failed = True
-            return f"reset: UNREACHABLE. The node {RESET_FAULTS.server} cannot be reached."
+            return f"{word}: UNREACHABLE. The node {service.server} cannot be reached."
         self._reset_failed = self._reset_failed or not answer.success
-        return f"reset: {'SUCCEEDED' if answer.success else 'FAILED'}. {answer.message}"
+        return f"{word}: {'SUCCEEDED' if answer.success else 'FAILED'}. {answer.message}"
 
     def _read(self, terminal: bool) -> str:
         if not terminal:

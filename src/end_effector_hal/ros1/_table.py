@@ -113,6 +113,9 @@ TOOL_CHANGE_COMMAND = Service(
     "tool_change/command", "end_effector_msgs/HalCommand", TOOL_CHANGE, internal=True
 )
 
+ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
+RESET = 100
+"""A command of the internal services besides those of Table II."""
 RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
 
 LOCK_TOOL_CHANGER = Action("LockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.LOCK)
@@ -179,7 +182,7 @@ def topics(description: Description) -> tuple[Topic, ...]:
 def services(description: Description) -> tuple[Service, ...]:
     """Every service of a tool."""
     changer = set_tool_changer(description)
-    own = (*set_services(description).values(), *((changer,) if changer else ()))
+    own = (*set_services(description).values(), *((changer, ARM_TOOL_CHANGER) if changer else ()))
     return (*own, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
 
 

@@ -5,14 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from std_srvs.srv import SetBoolResponse
+from std_srvs.srv import SetBoolResponse, TriggerResponse
 
 from end_effector_hal.control import ChangerState
 from end_effector_hal.description import Description
 from end_effector_hal.trace import Command
 
 from ._node import Node
-from ._table import GRIP_STATE, TOOL_CHANGE, TOOL_CHANGE_COMMAND, TOOL_CHANGE_STATE, set_tool_changer
+from ._table import (
+    ARM_TOOL_CHANGER,
+    GRIP_STATE,
+    TOOL_CHANGE,
+    TOOL_CHANGE_COMMAND,
+    TOOL_CHANGE_STATE,
+    set_tool_changer,
+)
 from ._unit_node import UnitNode
 
 MARGIN_S = 1.0
@@ -30,11 +37,16 @@ class ToolChangeNode:
         service = set_tool_changer(description)
         if service is not None:
             node.serve(service, self._on_set)
+            node.serve(ARM_TOOL_CHANGER, self._on_arm)
 
     def _on_grip(self, message: Any) -> None:
         if message.state != self._ee:
             self._ee = message.state
             self._unit.tell(ee=message.state)
+
+    def _on_arm(self, _request: Any) -> Any:
+        answer = self._unit.command("arm")
+        return TriggerResponse(answer.accepted, answer.reason)
 
     def _on_set(self, request: Any) -> Any:
         wanted = ChangerState.UNLOCKED if request.data else ChangerState.LOCKED

@@ -9,7 +9,7 @@ from typing import Any
 from end_effector_msgs.msg import State
 from end_effector_msgs.srv import HalCommandResponse
 
-from end_effector_hal.control import Status
+from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.tool import open_unit
@@ -20,7 +20,7 @@ from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import frame_from_message
 from ._node import Node, stamp
 from ._statuses import status_to_message
-from ._table import DIRECTORY, SENSOR_FRAME, STATE_HZ, Service, Topic
+from ._table import DIRECTORY, RESET, SENSOR_FRAME, STATE_HZ, Service, Topic
 
 _WORDS = {
     Command.LOCK: "lock",
@@ -89,6 +89,10 @@ class UnitNode:
                 self._publish(self._last)
 
     def _on_command(self, request: Any) -> Any:
+        if request.command == RESET:
+            latched = bool(self.unit.status.changer_fault)
+            answer = self.unit.command("reset") if latched else Answer(True)
+            return HalCommandResponse(answer.accepted, answer.reason, self._count)
         if request.command not in COMMANDS[self._program]:
             known = ", ".join(f"{command.name} ({command.value})" for command in COMMANDS[self._program])
             return HalCommandResponse(False, f"{request.command} is no command here; there are {known}.", 0)

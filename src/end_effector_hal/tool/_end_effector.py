@@ -21,6 +21,8 @@ from ._reset import reset
 from ._unit import Unit
 from ._witness import Witness
 
+RESET_S = 5.0
+"""Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
 _MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
 
 
@@ -145,7 +147,20 @@ class EndEffector:
 
     def reset(self) -> Answer:
         """Clear latched faults and the alarms that are over; never what only a Drop ends."""
-        return reset(self.description, self._grip)
+        answer = reset(self.description, self._grip)
+        if not self._change.status.changer_fault:
+            return answer
+        changer = self._change.command("reset")
+        self._change.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
+        stays = [each.reason for each in (answer, changer) if not each.accepted]
+        stays += (
+            [self._change.status.reason] if changer.accepted and self._change.status.changer_fault else []
+        )
+        return Answer(False, " ".join(stays)) if stays else answer
+
+    def arm(self) -> Answer:
+        """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""
+        return self._change.command("arm")
 
     def lock(self) -> Outcome:
         """Lock the tool changer, and wait for the proof."""

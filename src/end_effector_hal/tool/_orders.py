@@ -20,6 +20,8 @@ VERBS: Mapping[str, Command] = {
     "quit": Command.QUIT,
     "exit": Command.QUIT,
 }
+ARM = "arm"
+"""Arms an unlock (IL-02); Table II has no command for it."""
 RESET = "reset"
 """Clears latched faults; Table II has no command for it."""
 LONGEST_WAIT_S = 86_400.0
@@ -36,6 +38,7 @@ class Order:
     wait_s: float = 0.0
     background: bool = False
     reset: bool = False
+    arm: bool = False
 
 
 def read_script(text: str) -> tuple[Order, ...]:
@@ -58,13 +61,15 @@ def read_order(text: str) -> Order:
         if background:
             raise UsageError(f"{text!r}: a wait cannot go on in the background.")
         return Order(wait_s=_seconds(text, rest))
-    if verb not in (*VERBS, RESET):
-        close = get_close_matches(verb, [*VERBS, RESET, "wait"], n=1)
-        known = f"There are: {', '.join(VERBS)}, {RESET}, wait <seconds>."
+    if verb not in (*VERBS, ARM, RESET):
+        close = get_close_matches(verb, [*VERBS, ARM, RESET, "wait"], n=1)
+        known = f"There are: {', '.join(VERBS)}, {ARM}, {RESET}, wait <seconds>."
         todo = f"Did you mean {close[0]!r}?" if close else known
         raise UsageError(f"{verb or text!r} is no command.", todo=todo)
     if rest:
         raise UsageError(f"{text!r}: nothing may follow {verb!r}.", todo="Separate commands by ';'.")
+    if verb == ARM:
+        return Order(arm=True)
     if verb == RESET:
         return Order(reset=True)
     return Order(VERBS[verb], background=background)
