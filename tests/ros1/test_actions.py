@@ -122,8 +122,8 @@ def test_a_cancel_while_releasing_changes_nothing(system: Any) -> None:
 
 
 def test_unlock_and_lock(system: Any) -> None:
-    status, _ = system.run("UnlockToolChanger")
-    assert status == SUCCEEDED
+    status, why = system.run("UnlockToolChanger")
+    assert status == SUCCEEDED, why.reason
     assert system.state.tool_changer == 2
     assert system.state.unlock_output
     status, result = system.run("TriggerGrip")

@@ -102,6 +102,7 @@ class Controller:
                 statuses += self._receive(event, self._at, expired)
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
+        vented = self._senses.vented
         events = self._senses.frame(frame)
         self._execution.write(self._senses.levels)
         told = self._hold.sample(frame.at, held=self._held) | self._senses.noticed(frame.at, held=self._held)
@@ -109,6 +110,7 @@ class Controller:
             statuses += self._receive(event, self._at, frame.at)
         if not self._adopted and self._senses.settled:
             statuses += self._adopt(self._at)
+        told |= self._senses.vented is not vented
         return statuses if statuses or not (events or told) else [self.status()]
 
     def tell(self, values: Mapping[str, int], at: int) -> list[Status]:
@@ -212,6 +214,7 @@ class Controller:
             changer=values["changer"],
             unlock_output=bool(values["unlock_valve"]),
             changer_fault=values["changer_fault"],
+            vented=self._senses.vented,
             armed=bool(values["armed"]),
             link_up=readings.link_up(self._at),
             stale=readings.stale(self._at),

@@ -49,6 +49,8 @@ class Status:
     unlock_output: bool = False
     changer_fault: int = 0
     """Why the tool changer is FAULT; ``ChangerFault``."""
+    vented: bool = False
+    """Nothing is gripped, as IL-01 asks it."""
     armed: bool = False
     """An unlock was armed (IL-02)."""
     link_up: bool = False

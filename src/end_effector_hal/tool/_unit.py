@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from end_effector_hal.automata import load_network
-from end_effector_hal.control import Answer, Status, model_constants
+from end_effector_hal.control import Answer, Evidence, Status, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, WireError
 from end_effector_hal.trace import EndEffectorState
@@ -26,6 +26,7 @@ _log = logging.getLogger("end_effector_hal.tool")
 Listener = Callable[[Status], None]
 ANSWER_US = 2_000_000
 HUNG_US = 3_000_000  # longer than the longest wait for the line owner
+PROOF_S = 0.1  # a few frames more than it takes
 OVERTAKEN = "The line owner took this program for dead and executed its will: it has begun anew."
 
 
@@ -99,7 +100,13 @@ class Unit:
         self._inbox.put(lambda: self._controller.acknowledge(now_us()) if self._begun else [])
 
     def command(self, name: str) -> Answer:
-        """Give a command and wait for the decision of the automaton."""
+        """Give a command and wait for the decision of the automaton.
+
+        An unlock waits before that for its proof, for no longer than the proof takes (IL-01: half a second).
+        """
+        changer = self._description.tool_changer
+        if name == "unlock" and changer:
+            self.wait(_vented_or_hopeless, changer.vented_s + PROOF_S)
         return self._ask(lambda: self._decide(name))
 
     def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
@@ -306,3 +313,7 @@ class Unit:
             return answers.get(timeout=ANSWER_US / 1_000_000 + 0.5)
         except queue.Empty:
             return Answer(False, f"The {self._program} program does not answer.")
+
+
+def _vented_or_hopeless(status: Status) -> bool:
+    return status.vented or any(level != Evidence.GONE for level in status.evidence)
