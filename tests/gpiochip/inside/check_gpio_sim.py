@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 
@@ -121,6 +122,24 @@ def test_all_lines_change_at_once(chip: SimulatedChip) -> None:
         lines.set(dict.fromkeys(NAMES, level))
         assert {chip.level(name) for name in NAMES} == {level}
     lines.close()
+
+
+def test_lines_are_handed_on_by_their_descriptor(chip: SimulatedChip) -> None:
+    """As the service manager keeps it between two owners: this chip would let the level fall if it were given back."""
+    first = GpiodLines()
+    first.request([A, B])
+    first.set({A: True})
+    kept = {name: os.dup(fd) for name, fd in first.keepsakes().items()}
+    first.close()
+    assert chip.level(A) is True
+    second = GpiodLines()
+    second.inherit(kept)
+    assert second.request([A, B]) == {A: True, B: False}
+    second.set({A: False, B: True})
+    assert second.levels() == {A: False, B: True}
+    assert (chip.level(A), chip.level(B)) == (False, True)
+    second.close()
+    assert chip.level(B) is False
 
 
 def test_a_killed_owner_leaves_its_lines_at_their_pull(chip: SimulatedChip) -> None:
