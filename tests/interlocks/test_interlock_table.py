@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from cells import CELLS, DOORS, INTERLOCKS, Cell
+from doors import CELLS, DOORS, INTERLOCKS, Cell
 from rich.console import Console
 from rich.table import Table
 from rig import Rig
