@@ -9,6 +9,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import OwnerError, UsageError
 
 from ._owner import connect_owner
+from ._sensor_fault import SensorFault
 from ._unit import Listener, Unit
 from .boundary import NOBODY, Recorder, open_recorder
 
@@ -51,7 +52,8 @@ def open_unit(
         patience_s=patience_s,
     )
     recorder = _recorder(traces, description, program) if traces is not None else NOBODY
-    units.append(Unit(description, program, lines, on_status, recorder))
+    fault = SensorFault(lines) if program == "tool_change" else None
+    units.append(Unit(description, program, lines, on_status, recorder, fault))
     return units[0]
 
 

@@ -20,6 +20,7 @@ from ._by_hand import proof
 from ._duties import Duties
 from ._maintenance import Maintenance
 from ._outputs import RETRY_US, LineWriter, Outputs
+from ._sensor_fault import SensorFault
 from .boundary import NOBODY, Recorder
 
 _log = logging.getLogger("end_effector_hal.tool")
@@ -47,10 +48,12 @@ class Unit:
         lines: LineWriter,
         on_status: Listener | None = None,
         recorder: Recorder = NOBODY,
+        fault: SensorFault | None = None,
     ) -> None:
         network = load_network(description.automata_path, model_constants(description))
         self._description, self._program, self._network = description, program, network
         self._recorder, self._lines, self._on_status = recorder, recorder.lines(lines), on_status
+        self._fault = fault or SensorFault()
         self._heard: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
         self._why = ""
@@ -173,12 +176,12 @@ class Unit:
     def _begin(self) -> list[Status]:
         at = now_us()
         try:
-            levels = self._lines.levels()
+            levels, sensor_fault = self._lines.levels(), self._fault.found()
         except WireError as error:
             self._obstacle, self._begin_at = str(error), at + RETRY_US
             return []
         self._begun, self._obstacle, self._begin_at = True, "", None
-        statuses = self._controller.start(levels, at)
+        statuses = self._controller.start(levels, at, sensor_fault=sensor_fault)
         return statuses + (self._controller.tell(self._heard, at) if self._heard else [])
 
     def _begin_anew(self, why: str) -> list[Status]:
@@ -252,6 +255,7 @@ class Unit:
             self._told = extra
             reason = f"{status.reason or self._why} {self._outputs.refused}".strip()
             told = replace(self._duties.seen(status), alarms=(*status.alarms, *extra), reason=reason)
+            self._fault.see(told)
             with self._changed:
                 self._status = told
                 self._changed.notify_all()

@@ -1,0 +1,51 @@
+"""The tool changer's sensor fault outlives its program: the line owner keeps it until a reset (section 6)."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any, Protocol
+
+from end_effector_hal.control import ChangerFault, Status
+from end_effector_hal.errors import WireError
+
+_log = logging.getLogger("end_effector_hal.tool")
+NAME = "sensor_fault"
+
+
+class Keeper(Protocol):
+    """What it needs of the line owner."""
+
+    def status(self) -> dict[str, Any]:
+        """With ``faults``: sentences by name."""
+
+    def latch(self, fault: str, why: str) -> None:
+        """Keep one."""
+
+
+class SensorFault:
+    """Of one program; ``owner`` None: nothing is kept.
+
+    Args:
+        owner: the line owner.
+    """
+
+    def __init__(self, owner: Keeper | None = None) -> None:
+        self._owner = owner
+        self._kept = False
+
+    def found(self) -> bool:
+        """Whether one was latched before; raises WireError."""
+        self._kept = self._owner is not None and NAME in self._owner.status()["faults"]
+        return self._kept
+
+    def see(self, status: Status) -> None:
+        """Have it kept as soon as a status shows it; one that cannot be kept now is tried again."""
+        shown = status.changer_fault == ChangerFault.SENSOR
+        if self._owner is None or shown == self._kept:
+            return
+        try:
+            if shown:
+                self._owner.latch(NAME, status.reason)
+            self._kept = shown
+        except WireError as error:
+            _log.warning("the line owner could not keep the sensor fault: %s", error)
