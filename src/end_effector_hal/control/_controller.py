@@ -152,7 +152,7 @@ class Controller:
         return [*statuses, self.status()]
 
     @property
-    def latched_error(self) -> str:
+    def _latched_error(self) -> str:
         """An error that no reset clears, in words; empty: there is none."""
         return latched(EndEffectorState(self._values["ee"]), self._reason) if self._latched else ""
 
@@ -230,7 +230,7 @@ class Controller:
         if self._adopted and not self._senses.readings.link_up(self._at):
             alarms.append(f"The sensor link {link.port} is down.")
         if self._latched:
-            alarms.append(self.latched_error)
+            alarms.append(self._latched_error)
         if self._program == "tool_change" and self._values["changer"] == ChangerState.FAULT:
             alarms.append(CHANGER_FAULT)
         alarms += self._hold.alarms
