@@ -30,6 +30,8 @@ class Row:
     observed: str
     ok: bool
     seconds: float
+    before: str = ""
+    """What was observed when it was played first and did not hold."""
 
     def as_json(self) -> dict[str, object]:
         """As it is kept."""
@@ -37,6 +39,7 @@ class Row:
         return {
             "process": process, "signal": name, "state": state,
             "expected": self.expected, "observed": self.observed, "ok": self.ok, "seconds": round(self.seconds, 1),
+            **({"first": self.before} if self.before else {}),
         }  # fmt: skip
 
 

@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from tempfile import mkdtemp
 
@@ -52,7 +53,9 @@ def main() -> int:
         json.dumps([row.as_json() for row in rows], indent=1) + "\n", encoding="utf-8"
     )
     hold = sum(row.ok for row in rows)
-    text = f"{hold} of {len(cells)} cells hold, {time.monotonic() - begun:.0f} s; {arguments.output}"
+    twice = sum(row.ok and bool(row.before) for row in rows)
+    text = f"{hold} of {len(cells)} cells hold{f' ({twice} at the second play)' if twice else ''}"
+    text += f", {time.monotonic() - begun:.0f} s; {arguments.output}"
     if hold == len(cells):
         shutil.rmtree(folder, ignore_errors=True)
     else:
@@ -62,7 +65,10 @@ def main() -> int:
 
 
 class Matrix:
-    """Plays cells on some systems at once; a system in which a cell does not hold is not used any more."""
+    """Plays cells on some systems at once; a system in which a cell does not hold is not used any more.
+
+    Such a cell is played once more, for these are processes on a shared machine; the row keeps what came before.
+    """
 
     def __init__(self, cells: list[Cell], folder: Path, systems: int) -> None:
         self._folder, self._total = folder, len(cells)
@@ -86,38 +92,39 @@ class Matrix:
 
     def _work(self, number: int) -> None:
         count = 0
-        cell: Cell | None = None
+        again: tuple[Cell, str] | None = None
         try:
-            while cell or not self._left.empty():
+            while again or not self._left.empty():
                 count += 1
                 with System(self._folder / f"{number}-{count}") as system:
-                    cell = self._play(system, cell)
+                    again = self._play(system, again)
         except Stopped:
             return
         except (EndEffectorError, Late) as error:
             console.print(f"system {number} cannot be started: {error}", style="red")
 
-    def _play(self, system: System, cell: Cell | None) -> Cell | None:
-        """Cells, one after the other; ends when one does not hold. One that could not begin is returned, once."""
-        again = cell is not None
-        while cell := cell or self._next():
+    def _play(self, system: System, again: tuple[Cell, str] | None) -> tuple[Cell, str] | None:
+        """Cells, one after the other; ends when one does not hold. It is returned, once, with what was observed."""
+        cell, before = again or (self._next(), "")
+        while cell:
             begun = time.monotonic()
             play = Play(system, cell)
             try:
                 row = play.run()
             except (Late, EndEffectorError) as error:
-                if not again:
-                    return cell
                 wanted = play.expected.text(play.names)
                 row = Row(cell, wanted, f"could not be played: {error}", False, time.monotonic() - begun)
-            self._rows.append(row)
+            if not row.ok and not before:
+                console.print(f"        again  {cell}: {row.observed}")
+                return cell, row.observed
+            self._rows.append(replace(row, before=before))
             mark = "ok  " if row.ok else "FAIL"
             console.print(
                 f"{len(self._rows):3}/{self._total} {mark} {row.seconds:5.1f} s  {cell}: {row.observed}"
             )
             if not row.ok:
                 return None
-            cell, again = None, False
+            cell, before = self._next(), ""
         return None
 
     def _next(self) -> Cell | None:

@@ -17,6 +17,6 @@ def show(console: Console, rows: Iterable[Row]) -> None:
         "process", "signal", "state", "expected", "observed", "", title="Kill matrix", pad_edge=False
     )
     for row in rows:
-        verdict = "[green]ok[/]" if row.ok else "[red]FAIL[/]"
+        verdict = "[red]FAIL[/]" if not row.ok else "[yellow]ok, 2nd[/]" if row.before else "[green]ok[/]"
         table.add_row(*parts(row.cell), escape(row.expected), escape(row.observed), verdict)
     console.print(table)

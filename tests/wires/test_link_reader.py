@@ -5,6 +5,7 @@ import threading
 import time
 from contextlib import contextmanager
 from itertools import groupby
+from pathlib import Path
 
 import pytest
 
@@ -254,8 +255,9 @@ def test_pty_replaces_a_dead_link_and_no_file(tmp_path):
 
 
 def test_pty_leaves_the_link_of_a_successor(tmp_path):
-    first, second = PtyPair(tmp_path / "uart"), PtyPair(tmp_path / "uart")
+    first = PtyPair(tmp_path / "uart")
     first.close()
+    second = PtyPair(tmp_path / "uart")
     first.close()
     assert os.readlink(tmp_path / "uart") == second.slave_name
     with open_port(str(tmp_path / "uart"), 115_200) as port:
@@ -263,3 +265,13 @@ def test_pty_leaves_the_link_of_a_successor(tmp_path):
         assert second.read() == b"hello\r\n\x00\x11"
         assert second.read() == b""
     second.close()
+
+
+def test_a_second_pair_at_the_same_place_says_who_has_it(tmp_path: Path) -> None:
+    place = tmp_path / "uart"
+    with PtyPair(place) as first:
+        with pytest.raises(LinkBusyError, match=rf"the port is held by pid {os.getpid()} "):
+            PtyPair(place)
+        assert os.readlink(place) == first.slave_name
+    with PtyPair(place):
+        assert place.is_symlink()

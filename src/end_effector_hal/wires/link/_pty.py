@@ -6,7 +6,8 @@ import os
 import tty
 from pathlib import Path
 
-from end_effector_hal.errors import LinkError
+from end_effector_hal.errors import LineBusyError, LinkBusyError, LinkError, WireError
+from end_effector_hal.wires._claim import Claim
 
 
 class PtyPair:
@@ -16,14 +17,16 @@ class PtyPair:
     readers may come and go.
 
     Args:
-        link: a symbolic link to the slave is made here, in the place of an older one.
+        link: a symbolic link to the slave is made here, in the place of one that was left behind.
 
     Raises:
+        LinkBusyError: another pair is there; says whose.
         LinkError: it cannot be made.
     """
 
     def __init__(self, link: str | Path) -> None:
         self.link = Path(link)
+        self._claim = _claim(self.link)
         self.master, self._slave = os.openpty()
         tty.setraw(self._slave)
         os.set_blocking(self.master, False)
@@ -76,3 +79,16 @@ class PtyPair:
         os.close(self.master)
         os.close(self._slave)
         self.master = -1
+        if self._claim:
+            self._claim.release()
+
+
+def _claim(link: Path) -> Claim | None:
+    try:
+        return Claim(f"{link}.lock", "the port")
+    except LineBusyError as error:
+        raise LinkBusyError(
+            error.what, where=str(link), todo="Stop that process, or give another port."
+        ) from error
+    except WireError:
+        return None  # no place for a side file is none for a link either: that one says why
