@@ -79,8 +79,8 @@ class HalMainNode:
                 self._aggregate.grip = status
             else:
                 self._aggregate.tool_change = status
-            # of the unit that changed; two units speak over two connections, and time never runs backwards
-            self._at_us = max(self._at_us, status.at_us)
+            # the exact time of the unit that changed: the other one, over its own connection, may be a little ahead
+            self._at_us = status.at_us
             self._tell(self._at_us)
         self._goals.on_status(name, status)
 
