@@ -53,10 +53,16 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     second.start()
     status = fed(second, lambda status: status.changer != ChangerState.UNKNOWN, unlocked=False)
     assert (status.changer, status.changer_fault) == (ChangerState.FAULT, ChangerFault.SENSOR)
+    fed(second, lambda status: "sensor fault" in " ".join(status.alarms), unlocked=False)
     with OwnerClient(world.socket, "reset") as owner:
         owner.reset()
+        # the program has not been reset: what it shows is kept anew
+        fed(second, lambda _: "sensor_fault" in owner.status()["faults"], unlocked=False)
     assert second.command("reset").accepted
+    with OwnerClient(world.socket, "reset") as owner:
+        owner.reset()
     fed(second, lambda status: status.changer == ChangerState.LOCKED, unlocked=False)
+    assert not faults(world)
     second.close()
 
     third = open_unit(world.description, "tool_change")

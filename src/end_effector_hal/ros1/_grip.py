@@ -39,8 +39,8 @@ class GripNode:
         node.serve(RESET_FAULTS, lambda _: self._reset(description))
 
     def _reset(self, description: Description) -> Any:
+        changer = self._changer.ask(RESET) if self._changer else None  # first: see EndEffector.reset
         answer = reset(description, self._unit)
-        changer = self._changer.ask(RESET) if self._changer else None
         if changer is None or changer.accepted:
             return TriggerResponse(answer.accepted, answer.reason)
         stays = [] if answer.accepted else [answer.reason]

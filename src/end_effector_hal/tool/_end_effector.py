@@ -147,15 +147,15 @@ class EndEffector:
 
     def reset(self) -> Answer:
         """Clear latched faults and the alarms that are over; never what only a Drop ends."""
+        stays: list[str] = []
+        if self._change.status.changer_fault:
+            # first, for what it still shows the line owner keeps anew
+            changer = self._change.command("reset")
+            self._change.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
+            if not changer.accepted or self._change.status.changer_fault:
+                stays.append(changer.reason or self._change.status.reason)
         answer = reset(self.description, self._grip)
-        if not self._change.status.changer_fault:
-            return answer
-        changer = self._change.command("reset")
-        self._change.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
-        stays = [each.reason for each in (answer, changer) if not each.accepted]
-        stays += (
-            [self._change.status.reason] if changer.accepted and self._change.status.changer_fault else []
-        )
+        stays += [] if answer.accepted else [answer.reason]
         return Answer(False, " ".join(stays)) if stays else answer
 
     def arm(self) -> Answer:

@@ -31,21 +31,26 @@ class SensorFault:
 
     def __init__(self, owner: Keeper | None = None) -> None:
         self._owner = owner
-        self._kept = False
+        self._kept = ""  # as the owner has it
 
     def found(self) -> bool:
         """Whether one was latched before; raises WireError."""
-        self._kept = self._owner is not None and NAME in self._owner.status()["faults"]
-        return self._kept
+        self._kept = self._owner.status()["faults"].get(NAME, "") if self._owner is not None else ""
+        return bool(self._kept)
+
+    def heard(self, faults: tuple[str, ...]) -> None:
+        """What the owner has latched now: what a reset took from it, and is still shown, is kept anew."""
+        if self._kept not in faults:
+            self._kept = ""
 
     def see(self, status: Status) -> None:
         """Have it kept as soon as a status shows it; one that cannot be kept now is tried again."""
         shown = status.changer_fault == ChangerFault.SENSOR
-        if self._owner is None or shown == self._kept:
+        if self._owner is None or shown == bool(self._kept):
             return
         try:
             if shown:
                 self._owner.latch(NAME, status.reason)
-            self._kept = shown
+            self._kept = status.reason if shown else ""
         except WireError as error:
             _log.warning("the line owner could not keep the sensor fault: %s", error)

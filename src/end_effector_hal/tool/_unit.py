@@ -95,8 +95,7 @@ class Unit:
 
     def latched(self, faults: tuple[str, ...]) -> None:
         """What the line owner has latched, in words; returns at once."""
-        self._faults = faults
-        self._inbox.put(list)  # nothing to do but to tell it
+        self._inbox.put(lambda: self._know(faults))
 
     def acknowledge(self) -> None:
         """Alarms about what is held that are over were seen: they are forgotten; returns at once."""
@@ -223,6 +222,11 @@ class Unit:
     def _hear(self, values: dict[str, int]) -> list[Status]:
         self._heard |= values
         return self._controller.tell(values, now_us()) if self._begun else []
+
+    def _know(self, faults: tuple[str, ...]) -> list[Status]:
+        self._faults = faults
+        self._fault.heard(faults)
+        return []  # nothing to do but to tell it
 
     def _patience(self) -> float | None:
         times = (
