@@ -6,7 +6,7 @@ import logging
 from pathlib import Path
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import OwnerError, UsageError
+from end_effector_hal.errors import UsageError
 
 from ._owner import connect_owner
 from ._sensor_fault import SensorFault
@@ -33,28 +33,12 @@ def open_unit(
         OwnerError: there is no line owner.
         LineBusyError: another process runs this program; says who.
     """
-    units: list[Unit] = []
-
-    def lost(error: OwnerError) -> None:
-        for unit in units:
-            unit.lost(error)
-
-    def latched(faults: tuple[str, ...]) -> None:
-        for unit in units:
-            unit.latched(faults)
-
-    lines = connect_owner(
-        description,
-        program,
-        alive=lambda: all(unit.alive for unit in units),
-        on_lost=lost,
-        on_faults=latched,
-        patience_s=patience_s,
-    )
+    lines = connect_owner(description, program, patience_s=patience_s)
     recorder = _recorder(traces, description, program) if traces is not None else NOBODY
     fault = SensorFault(lines) if program == "tool_change" else None
-    units.append(Unit(description, program, lines, on_status, recorder, fault))
-    return units[0]
+    unit = Unit(description, program, lines, on_status, recorder, fault)
+    lines.attend(alive=lambda: unit.alive, on_lost=unit.lost, on_faults=unit.latched)
+    return unit
 
 
 def _recorder(folder: str | Path, description: Description, program: str) -> Recorder:

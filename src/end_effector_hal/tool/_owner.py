@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 from end_effector_hal.description import Description, socket_path
-from end_effector_hal.errors import OwnerError, UsageError
+from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import (
     GpiodLines,
     HandsOn,
@@ -22,31 +21,10 @@ from ._lines import owner_policy, program_lines
 from ._service_manager import ServiceManager
 
 
-def connect_owner(
-    description: Description,
-    program: str,
-    *,
-    alive: Callable[[], bool] = lambda: True,
-    on_lost: Callable[[OwnerError], None] | None = None,
-    on_faults: Callable[[tuple[str, ...]], None] | None = None,
-    patience_s: float = 5.0,
-) -> OwnerClient:
-    """The connection of one program to the line owner; raises OwnerError, LineBusyError.
-
-    ``alive`` is asked before each renewal of the lease: a program that hangs loses it, and its will is done.
-    ``on_lost`` is called when a renewal finds that the connection was lost, ``on_faults`` when it finds that the
-    owner has latched others than before.
-    """
+def connect_owner(description: Description, program: str, *, patience_s: float = 5.0) -> OwnerClient:
+    """The connection of one program to the line owner; raises OwnerError, LineBusyError."""
     lines = program_lines(description, program)
-    return OwnerClient(
-        socket_path(description),
-        program,
-        lines,
-        alive=alive,
-        on_lost=on_lost,
-        on_faults=on_faults,
-        patience_s=patience_s,
-    )
+    return OwnerClient(socket_path(description), program, lines, patience_s=patience_s)
 
 
 def run_owner(

@@ -37,7 +37,7 @@ class _WillRunsError(LineBusyError):
 
 
 class OwnerClient:
-    """Writes some lines through the owner; thread-safe. A thread renews the lease while ``alive`` holds.
+    """Writes some lines through the owner; thread-safe. A thread renews the lease, every 0.25 s.
 
     When the connection is lost, one call fails with OwnerError, at the latest the next one: levels may have
     changed, for the owner may have executed the will. The calls after it work again, once the owner does.
@@ -47,9 +47,6 @@ class OwnerClient:
         client: own name, as others are told it.
         lines: that it writes; none: it reads only.
         will: until the first `set` leaves another.
-        alive: asked before each renewal, every 0.25 s.
-        on_lost: called in the thread of the renewals when that is where the loss is seen.
-        on_faults: called there when the owner has latched others than before, sentences.
         timeout_s: longest wait for a reply.
         patience_s: how long to wait for an owner to appear, now.
 
@@ -65,17 +62,16 @@ class OwnerClient:
         lines: Iterable[str] = (),
         *,
         will: Iterable[WillStep | Mapping[str, object]] = (),
-        alive: Callable[[], bool] = lambda: True,
-        on_lost: Callable[[OwnerError], None] | None = None,
-        on_faults: Callable[[tuple[str, ...]], None] | None = None,
         timeout_s: float = 1.0,
         patience_s: float = 5.0,
     ) -> None:
         self._path, self._client, self._lines = str(socket_path), client, list(lines)
         self._will: Will = read_will(will)
-        self._alive, self._on_lost, self._timeout_s = alive, on_lost, timeout_s
-        self._on_faults = on_faults
-        self._faults: tuple[str, ...] = ()
+        self._timeout_s = timeout_s
+        self._alive: Callable[[], bool] = lambda: True
+        self._on_lost: Callable[[OwnerError], None] = _nobody
+        self._on_faults: Callable[[tuple[str, ...]], None] = _nobody
+        self._faults: tuple[str, ...] = ()  # as on_faults knows them
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._socket: socket.socket | None = None
@@ -86,6 +82,24 @@ class OwnerClient:
         self._thread = threading.Thread(target=self._renew_for_ever, name=f"lease of {client}", daemon=True)
         if self._lines:
             self._thread.start()
+
+    def attend(
+        self,
+        *,
+        alive: Callable[[], bool] = lambda: True,
+        on_lost: Callable[[OwnerError], None] | None = None,
+        on_faults: Callable[[tuple[str, ...]], None] | None = None,
+    ) -> None:
+        """Whom the thread of the renewals asks and tells, from now on.
+
+        Args:
+            alive: asked before each renewal; a program that hangs loses its lease, and its will is done.
+            on_lost: called when that is where the loss of the connection is seen.
+            on_faults: called when the owner has latched others than it knows of, sentences; at first it knows none.
+        """
+        with self._lock:
+            self._alive, self._faults = alive, ()
+            self._on_lost, self._on_faults = on_lost or _nobody, on_faults or _nobody
 
     def levels(self) -> dict[str, bool]:
         """Of all lines of the owner, read back: they prove the claim, not the actuator."""
@@ -180,26 +194,26 @@ class OwnerClient:
     def _renew_for_ever(self) -> None:
         while not self._ended.wait(RENEW_S):
             try:
-                if self._alive() and (lost := self._renew()) and self._on_lost:
+                if self._alive() and (lost := self._renew()):
                     self._on_lost(lost)
-            except Exception:  # noqa: BLE001 the application's alive or on_lost
+            except Exception:  # noqa: BLE001 the application's
                 _log.exception("a callback of the client %s failed", self._client)
 
     def _renew(self) -> OwnerError | None:
         """The error if the connection was lost just now; later failures to come back are no news."""
         with self._lock:
-            connected, faults = self._socket is not None, self._faults
+            connected, known = self._socket is not None, self._faults
             try:
                 if not self._ended.is_set():
-                    faults = tuple(map(str, self._request("renew").get("faults", ())))
+                    self._faults = tuple(map(str, self._request("renew").get("faults", ())))
             except EndEffectorError as error:
                 if connected:
                     self._lost = error if isinstance(error, OwnerError) else OwnerError(str(error))
                     return self._lost
                 return None
-        if faults != self._faults and self._on_faults:
-            self._on_faults(faults)
-        self._faults = faults
+            faults, tell = self._faults, self._on_faults
+        if faults != known:
+            tell(faults)
         return None
 
     def _call(self, op: str, **fields: object) -> dict[str, Any]:
@@ -291,3 +305,7 @@ class OwnerClient:
             error.retry_s = retry_us / 1e6
             return error
         return _ERRORS.get(str(reply.get("code")), OwnerError)(text)
+
+
+def _nobody(_: object) -> None:
+    """Is told nothing."""
