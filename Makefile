@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
+.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -36,10 +36,11 @@ test-gpiochip: setup ## by hand: on a real GPIO chip and serial driver, in a ker
 	@tests/gpiochip/build-kernel.sh >/dev/null
 	@$(ROS_ENV) && EEHAL_GPIOCHIP=1 pytest -q --durations=0 --durations-min=1 tests/gpiochip
 
-test-board: setup ## by hand: on an emulated Verdin with its own device tree; QEMU and its root are fetched once
-	@deploy/debian.sh tests/board/host-packages.txt
-	@tests/board/build-board.sh >/dev/null
-	@$(ROS_ENV) && EEHAL_BOARD=1 pytest -q tests/board
+test-board: setup ## by hand: on an emulated Verdin with its own device tree, which is built once
+	@$(ROS_ENV) && eehal board --build-only && time EEHAL_BOARD=1 pytest -q --durations=0 --durations-min=1 tests/board
+
+board: setup ## a grip on an emulated Verdin, through all nodes (WITH='--only fails-once --no-ros' or other options)
+	@$(ROS_ENV) && eehal board $(WITH)
 
 check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .

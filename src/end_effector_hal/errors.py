@@ -98,3 +98,10 @@ class RosError(EndEffectorError, OSError):
 
     code = "EE-500"
     exit_code = 3
+
+
+class BoardError(EndEffectorError, OSError):
+    """The emulated board cannot be built, or did not do its job."""
+
+    code = "EE-600"
+    exit_code = 3

@@ -1,26 +1,25 @@
-"""Runs only where it was asked for (`make test-board`): it needs QEMU 10 and takes minutes."""
+"""What needs the board runs only where it was asked for (`make test-board`): it is emulated, and takes minutes."""
 
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
-import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from end_effector_hal.board import board_parts
+
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "gpiochip")]
+sys.path.insert(0, str(HERE.parent / "gpiochip"))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     asked = "EEHAL_BOARD" in os.environ
     for item in items:
-        if item.path.parent == HERE:
+        if item.path.parent == HERE and "parts" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.wall)
-            item.add_marker(pytest.mark.timeout(900))
+            item.add_marker(pytest.mark.timeout(3600))
             if not asked:
                 item.add_marker(pytest.mark.skip(reason="make test-board: it emulates a whole board"))
 
@@ -28,14 +27,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session")
 def parts() -> Path:
     """QEMU, kernel, device tree, root; built when they are not there."""
-    built = subprocess.run([HERE / "build-board.sh"], capture_output=True, text=True, check=False)
-    if built.returncode:
-        pytest.skip(built.stderr.strip().splitlines()[-1])
-    return Path(built.stdout.strip())
+    return board_parts()
 
 
-@pytest.fixture
-def place() -> Iterator[Path]:
-    """For sockets: their paths may be 108 bytes long only."""
-    with tempfile.TemporaryDirectory(prefix="eehal-board-") as name:
-        yield Path(name)
+@pytest.fixture(scope="session")
+def runs() -> Path:
+    """Where the recordings of all tests stay."""
+    return HERE.parents[1] / "runs"

@@ -89,6 +89,8 @@ class TestVirtioGpio(LineInputsConformance):
 
 
 class TestQemu(LineInputsConformance):
+    at_is_now = False
+
     @pytest.fixture
     def wires(self, tmp_path: Path) -> Iterator[Wires]:
         machine = Emulator(tmp_path / "qtest")
@@ -108,6 +110,20 @@ def test_an_emulated_machine_that_ends_drives_nothing(tmp_path: Path) -> None:
     machine.off()
     assert [seen.get(timeout=20), seen.get(timeout=20)] == [(B, True), (B, False)]
     inputs.close()
+
+
+def test_the_edges_of_an_emulated_machine_are_in_its_own_time(tmp_path: Path) -> None:
+    machine, seen = Emulator(tmp_path / "qtest"), Queue[tuple[str, bool, int]]()
+    machine.ticks = 2**32 - 32768
+    inputs = QemuInputs(str(tmp_path / "qtest"), {A: 0})
+    inputs.start(lambda *edge: seen.put(edge))
+    assert inputs.clock.now_us() == 0
+    for seconds, level in [(1, True), (1.5, False)]:
+        machine.ticks = 2**32 - 32768 + int(seconds * 32768)  # past its end, to begin anew
+        machine.drive(0, level)
+        assert seen.get(timeout=20) == (A, level, seconds * 1_000_000)
+    inputs.close()
+    machine.off()
 
 
 def test_an_emulated_machine_without_the_controller(tmp_path: Path) -> None:

@@ -11,26 +11,25 @@ import pytest
 from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError, LinkError, UsageError
 from end_effector_hal.testbench import Testbench, Watcher
-from end_effector_hal.testbench import _testbench as module
-from end_effector_hal.wires import Frame, Value, get_codec
+from end_effector_hal.wires import Frame, Value, get_codec, now_us
 
 START = 1_000_000_000
 
 
 class Clock:
-    """Stands for the monotonic clock and for the event that the frames wait on; each wait is late."""
+    """Each wait is late, and there are not more of them than frames."""
 
     def __init__(self, frames: int, late_us: Callable[[int], int]) -> None:
         self.now, self._left, self._late = START, frames, late_us
         self.waits = 0
 
-    def wait(self, seconds: float) -> bool:
-        self.now += round(seconds * 1e6) + self._late(self.waits)
+    def now_us(self) -> int:
+        return self.now
+
+    def wait(self, stop: threading.Event, until: int) -> bool:
+        self.now = max(self.now, until) + self._late(self.waits)
         self.waits += 1
         return self.waits > self._left
-
-    def set(self) -> None:
-        pass
 
 
 class Inputs:
@@ -90,7 +89,6 @@ class Log(Watcher):
 
 def run(
     description: Description,
-    monkeypatch: pytest.MonkeyPatch,
     *,
     frames: int = 50,
     late_us: Callable[[int], int] = lambda wait: 0,
@@ -99,9 +97,7 @@ def run(
     **options: Any,
 ) -> tuple[Port, Log]:
     clock, port, log = Clock(frames, late_us), port or Port(), Log()
-    monkeypatch.setattr(module, "now_us", lambda: clock.now)
-    bench = Testbench(description, inputs or Inputs(), port, watcher=log, **options)
-    bench._stop = clock  # type: ignore[assignment]
+    bench = Testbench(description, inputs or Inputs(), port, watcher=log, clock=clock, **options)
     bench.start()
     bench._thread.join(30)
     bench.close()
@@ -109,14 +105,14 @@ def run(
     return port, log
 
 
-def test_lateness_does_not_add_up(verdin: Description, monkeypatch: pytest.MonkeyPatch) -> None:
-    port, log = run(verdin, monkeypatch, late_us=lambda wait: 3_000)
+def test_lateness_does_not_add_up(verdin: Description) -> None:
+    port, log = run(verdin, late_us=lambda wait: 3_000)
     assert [at - START for at, _, _ in log.frames] == [number * 20_000 + 3_000 for number in range(50)]
     assert [(frame.seq, frame.device_ms) for frame in port.frames()] == [(n, 20 * n) for n in range(50)]
 
 
-def test_what_was_slept_through_is_left_out(verdin: Description, monkeypatch: pytest.MonkeyPatch) -> None:
-    port, log = run(verdin, monkeypatch, frames=5, late_us=lambda wait: 70_000 if wait == 2 else 0)
+def test_what_was_slept_through_is_left_out(verdin: Description) -> None:
+    port, log = run(verdin, frames=5, late_us=lambda wait: 70_000 if wait == 2 else 0)
     assert [at - START for at, _, _ in log.frames] == [0, 20_000, 110_000, 120_000, 140_000]
     assert [(frame.seq, frame.device_ms) for frame in port.frames()] == [
         (0, 0),
@@ -127,41 +123,39 @@ def test_what_was_slept_through_is_left_out(verdin: Description, monkeypatch: py
     ]
 
 
-def test_the_last_byte_is_later_on_a_slow_wire(verdin: Description, monkeypatch: pytest.MonkeyPatch) -> None:
-    _, log = run(verdin, monkeypatch, frames=2, port=Port(takes_us=5_000))
+def test_the_last_byte_is_later_on_a_slow_wire(verdin: Description) -> None:
+    _, log = run(verdin, frames=2, port=Port(takes_us=5_000))
     assert [at - START for at, _, _ in log.frames] == [5_000, 25_000]
 
 
-def test_silence_is_on_the_wire_only(verdin: Description, monkeypatch: pytest.MonkeyPatch) -> None:
-    port, log = run(verdin, monkeypatch, scenario="silent-after:0.2")
+def test_silence_is_on_the_wire_only(verdin: Description) -> None:
+    port, log = run(verdin, scenario="silent-after:0.2")
     assert [frame.seq for frame in port.frames()] == list(range(10))
     assert [sent for _, _, sent in log.frames] == [True] * 10 + [False] * 40
 
 
-def test_noise_is_on_the_wire_only(verdin: Description, monkeypatch: pytest.MonkeyPatch) -> None:
-    port, log = run(verdin, monkeypatch, scenario="noise:0.01", frames=200)
+def test_noise_is_on_the_wire_only(verdin: Description) -> None:
+    port, log = run(verdin, scenario="noise:0.01", frames=200)
     assert len(port.sent) == len(log.frames) == 200
     assert 20 < len(port.frames()) < 180
 
 
-def test_what_is_held_at_the_start_is_held(verdin: Description, monkeypatch: pytest.MonkeyPatch) -> None:
-    port, _ = run(verdin, monkeypatch, inputs=Inputs(SODIMM_208=True), frames=1)
+def test_what_is_held_at_the_start_is_held(verdin: Description) -> None:
+    port, _ = run(verdin, inputs=Inputs(SODIMM_208=True), frames=1)
     (frame,) = port.frames()
     assert frame.values["bottom"] == pytest.approx(-85_000, abs=500)
 
 
-def test_a_port_that_goes_ends_the_frames_and_is_told(
-    verdin: Description, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _, log = run(verdin, monkeypatch, port=Port(lasts=3))
+def test_a_port_that_goes_ends_the_frames_and_is_told(verdin: Description) -> None:
+    _, log = run(verdin, port=Port(lasts=3))
     assert len(log.frames) == 3
     assert isinstance(log.error, LinkError)
 
 
-def test_the_prototypes_format(verdin: Description, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_prototypes_format(verdin: Description) -> None:
     link = verdin.link.model_copy(update={"codec": "legacy-nibble", "baudrate": 9600})
     old = verdin.model_copy(update={"link": link})
-    port, log = run(old, monkeypatch, frames=3, inputs=Inputs(SODIMM_208=True, SODIMM_206=True))
+    port, log = run(old, frames=3, inputs=Inputs(SODIMM_208=True, SODIMM_206=True))
     assert port.sent == [b"\x0c"] * 3
     assert [at - START for at, _, _ in log.frames] == [0, 1_000_000, 2_000_000]
 
@@ -178,7 +172,7 @@ def test_edges_reach_the_bench_and_a_scenario_can_be_chosen(verdin: Description)
 
     inputs, port = Inputs(), Port()
     with Testbench(verdin, inputs, port, watcher=Waits()) as bench:
-        inputs.on_edge("SODIMM_208", True, module.now_us())
+        inputs.on_edge("SODIMM_208", True, now_us())
         assert confirmed.wait(20)
         with pytest.raises(UsageError):
             bench.choose("nonsense")

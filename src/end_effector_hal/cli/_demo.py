@@ -67,16 +67,16 @@ def command(
     signal.signal(signal.SIGTERM, _end)
     signal.signal(signal.SIGHUP, _end)
     loaded = load(description or profile_path())
-    chosen = _chosen(scenarios(loaded, everything=everything or bool(only)), only)
-    if own_wires and len({scenario.bench for scenario in chosen}) > 1:
+    picked = chosen(scenarios(loaded, everything=everything or bool(only)), only)
+    if own_wires and len({scenario.bench for scenario in picked}) > 1:
         raise UsageError(
             "on its own wires one scenario of the testbench is played at a time.", todo="Give --only NAME."
         )
-    progress = _console(stderr=True)
+    progress = console(stderr=True)
     reports = list(
         run_demo(
             loaded,
-            chosen,
+            picked,
             output,
             ros=not no_ros,
             progress=progress,
@@ -87,12 +87,13 @@ def command(
     if as_json:
         click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
     else:
-        print_table(_console(), reports)
+        print_table(console(), reports)
     if not all(report.ok for report in reports):
         raise click.exceptions.Exit(1)
 
 
-def _chosen(known: Sequence[Scenario], names: Sequence[str]) -> list[Scenario]:
+def chosen(known: Sequence[Scenario], names: Sequence[str]) -> list[Scenario]:
+    """Those of these names, all without a name; raises UsageError."""
     by_name = {scenario.name: scenario for scenario in known}
     if unknown := [name for name in names if name not in by_name]:
         raise UsageError(
@@ -101,11 +102,11 @@ def _chosen(known: Sequence[Scenario], names: Sequence[str]) -> list[Scenario]:
     return [by_name[name] for name in names] if names else list(known)
 
 
-def _console(*, stderr: bool = False) -> Console:
+def console(*, stderr: bool = False) -> Console:
+    """Wide where it is no terminal: a file has no width of its own."""
     from rich.console import Console
 
     console = Console(stderr=stderr)
-    # a file has no width of its own
     return console if console.is_terminal else Console(stderr=stderr, width=WIDTH)
 
 

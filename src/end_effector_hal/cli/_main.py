@@ -10,6 +10,7 @@ import click
 from end_effector_hal.errors import EndEffectorError
 
 _COMMANDS = {
+    "board": "a scenario on an emulated Verdin, without hardware",
     "check": "say everything that is wrong with a description",
     "demo": "the three scenarios of the paper, with their figures",
     "doctor": "what this machine lacks to run a tool, and what to do",

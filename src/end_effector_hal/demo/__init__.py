@@ -1,16 +1,24 @@
 """The demo: the paper's scenarios played, recorded, judged and drawn, on real ROS or without it."""
 
-from ._demo import run_demo
+from ._child import Child
+from ._children import Children
+from ._demo import fresh_folder, run_demo
 from ._finding import LATEST_S, Finding, Measure
 from ._judge import judge
+from ._pictures import draw
+from ._replayed import replayed
 from ._report import Report
 from ._ros import need_ros
 from ._scenario import Expected, Order, Scenario
 from ._scenarios import culprit_of, scenarios
 from ._table import print_table
+from ._world import EEHAL
 
 __all__ = [
+    "EEHAL",
     "LATEST_S",
+    "Child",
+    "Children",
     "Expected",
     "Finding",
     "Measure",
@@ -18,9 +26,12 @@ __all__ = [
     "Report",
     "Scenario",
     "culprit_of",
+    "draw",
+    "fresh_folder",
     "judge",
     "need_ros",
     "print_table",
+    "replayed",
     "run_demo",
     "scenarios",
 ]

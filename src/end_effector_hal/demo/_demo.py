@@ -55,7 +55,7 @@ def run_demo(
     if ros:
         need_ros()
     for number, scenario in enumerate(scenarios, start=1):
-        folder = _fresh(output / scenario.name)
+        folder = fresh_folder(output / scenario.name)
         begun = time.monotonic()
         info = run_info(description, scenario=scenario.bench, ros=ros)
         title = f"[{number}/{len(scenarios)}] {scenario.name}"
@@ -74,8 +74,12 @@ def run_demo(
         yield replace(report, findings=findings, folder=folder, seconds=time.monotonic() - begun)
 
 
-def _fresh(folder: Path) -> Path:
-    """An empty folder; what an earlier demo left in it goes."""
+def fresh_folder(folder: Path) -> Path:
+    """An empty folder; what an earlier demo left in it goes.
+
+    Raises:
+        UsageError: it holds something else, or cannot be made.
+    """
     try:
         if folder.exists() and any(folder.iterdir()) and not (folder / DESCRIPTION).exists():
             raise UsageError(

@@ -2,6 +2,7 @@
 
 from ._bench import Bench
 from ._carried import carried
+from ._clock import Clock, Monotonic, clock_of
 from ._cylinder import Cylinder
 from ._device import Device
 from ._faults import FAULTS, Fault
@@ -14,7 +15,7 @@ from ._places import open_inputs, open_port
 from ._plant import Plant
 from ._ports import Port, PtyPort, SerialPort
 from ._qemu_inputs import QemuInputs
-from ._records import Events, Record
+from ._records import Events, Record, edges_of
 from ._run import run_testbench
 from ._scenario import Effect, Scenario
 from ._sensor import Sensor
@@ -31,6 +32,7 @@ __all__ = [
     "FAULTS",
     "STEP_US",
     "Bench",
+    "Clock",
     "Cylinder",
     "Device",
     "Effect",
@@ -40,6 +42,7 @@ __all__ = [
     "GpioSimInputs",
     "LineInputs",
     "Model",
+    "Monotonic",
     "Noise",
     "Plant",
     "Port",
@@ -60,6 +63,8 @@ __all__ = [
     "VirtualInputs",
     "Watcher",
     "carried",
+    "clock_of",
+    "edges_of",
     "open_inputs",
     "open_port",
     "parse_scenario",

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires import Value
+from end_effector_hal.wires import Edge, Value
 
 
 class TextFile:
@@ -63,6 +63,15 @@ class Events(TextFile):
 
     def _entry(self, **fields: object) -> None:
         self.write(json.dumps(fields, separators=(",", ":")))
+
+
+def edges_of(path: str | Path) -> list[Edge]:
+    """The edges in a file of `Events`."""
+    with Path(path).open(encoding="utf-8") as file:
+        entries = [json.loads(line) for line in file if line.endswith("\n")]
+    return [
+        Edge(each["at"], each["line"], "out", bool(each["level"]), 0) for each in entries if "line" in each
+    ]
 
 
 class Record(TextFile):

@@ -12,6 +12,7 @@ from types import FrameType
 
 from end_effector_hal.description import Description
 
+from ._clock import clock_of
 from ._commands import Commands
 from ._inputs import LineInputs
 from ._mail import Mail
@@ -60,7 +61,9 @@ def run_testbench(
         recorded = stack.enter_context(closing(Record(record))) if record else None
         mail = stack.enter_context(closing(Mail(voice if verbose else None, written, recorded)))
         stack.enter_context(_signals(mail.end))
-        bench = Testbench(description, inputs, port, scenario=scenario, seed=seed, watcher=mail)
+        bench = Testbench(
+            description, inputs, port, scenario=scenario, seed=seed, watcher=mail, clock=clock_of(inputs)
+        )
         with bench:
             hertz = 1e6 / bench.codec.period_us
             voice.say(

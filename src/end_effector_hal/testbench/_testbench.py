@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Mapping
 
 from end_effector_hal.description import Description
@@ -12,6 +11,7 @@ from end_effector_hal.wires import Codec, Value
 from end_effector_hal.wires.codecs import codec_of, is_polled
 
 from ._bench import Bench
+from ._clock import Clock, Monotonic
 from ._inputs import LineInputs
 from ._parse import parse_scenario
 from ._ports import Port
@@ -33,11 +33,6 @@ class Watcher:
         """The frames have ended."""
 
 
-def now_us() -> int:
-    """The monotonic clock, µs."""
-    return time.monotonic_ns() // 1000
-
-
 class Testbench:
     """Lines in, frames out, until it is closed.
 
@@ -48,6 +43,7 @@ class Testbench:
         scenario: what goes wrong.
         seed: of the chance in it.
         watcher: is told what happens.
+        clock: of the machine at the other end; default: this machine's.
 
     Raises:
         UsageError: scenario or codec cannot be used.
@@ -64,8 +60,10 @@ class Testbench:
         scenario: str = "nominal",
         seed: int = 0,
         watcher: Watcher | None = None,
+        clock: Clock | None = None,
     ) -> None:
         self._description, self._inputs, self._port = description, inputs, port
+        self._clock = clock or Monotonic()
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
         self.codec: Codec = codec_of(description)
@@ -79,7 +77,7 @@ class Testbench:
         try:
             with self._lock:  # an edge waits until there is a bench
                 levels = self._inputs.start(self._edge)
-                self._start = now_us()
+                self._start = self._clock.now_us()
                 self._bench = Bench(
                     self._description, self._scenario, self._seed, start=self._start, levels=levels
                 )
@@ -94,7 +92,7 @@ class Testbench:
         """Another scenario from now on; raises UsageError if it cannot be used, and goes on as before."""
         parsed = parse_scenario(scenario, self._description)
         with self._lock:
-            self._bench.choose(parsed, now_us())
+            self._bench.choose(parsed, self._clock.now_us())
 
     def close(self) -> None:
         """End; nothing is sent or told after it."""
@@ -111,7 +109,7 @@ class Testbench:
         self.close()
 
     def _edge(self, name: str, level: bool, at: int) -> None:
-        seen = now_us()
+        seen = self._clock.now_us()
         with self._lock:
             self._bench.line(name, level, at)
         self._watcher.line(name, level, at, seen)
@@ -128,9 +126,9 @@ class Testbench:
     def _send(self) -> None:
         """Each frame has its own deadline from the start, so that no lateness adds up."""
         period_us, due = self.codec.period_us, self._start
-        while not self._stop.wait(max(0.0, (due - now_us()) / 1e6)):
+        while not self._clock.wait(self._stop, due):
             # Frames that the machine slept through are left out, and not counted: the wire lost nothing.
-            due += max(0, (now_us() - due) // period_us) * period_us
+            due += max(0, (self._clock.now_us() - due) // period_us) * period_us
             with self._lock:
                 sent = self._board.frame(due)
             self._put(sent)
@@ -140,12 +138,12 @@ class Testbench:
         while not self._stop.is_set():
             request = self._port.receive(RECEIVE_S)
             with self._lock:
-                sent = self._board.answer(request, now_us()) if request else None
+                sent = self._board.answer(request, self._clock.now_us()) if request else None
             if sent is not None:
                 self._put(sent)
 
     def _put(self, sent: Sent) -> None:
-        at = now_us()  # before the write: a reader may have it before the write returns
+        at = self._clock.now_us()  # before the write: a reader may have it before the write returns
         if sent.data:
             at += self._port.send(sent.data)
         self._watcher.frame(at, sent.seq, sent.values, bool(sent.data))

@@ -11,11 +11,16 @@ mount -t tmpfs shm /dev/shm
 busybox ifconfig lo 127.0.0.1 up
 busybox hostname localhost
 echo '127.0.0.1 localhost' >/etc/hosts
+busybox date -s "@$(cat /date)" >/dev/null
 # as the board's udev rules name it
 ln -s ttymxc0 /dev/verdin-uart1
+# Nothing here is random, and the first program that asks for chance would wait for eight seconds: RNDADDENTROPY
+PYTHONHASHSEED=0 python3 -S -c "import fcntl, struct
+seed = open('/seed', 'rb').read()
+fcntl.ioctl(open('/dev/random', 'wb'), 0x40085203, struct.pack('ii', 8 * len(seed), len(seed)) + seed)"
 export HOME=/root PYTHONPATH=/opt/end-effector/site PYTHONUNBUFFERED=1 ROS_PACKAGE_PATH=/opt/end-effector/ros:/usr/share
 /bin/bash /job >/run/results/output 2>&1
 echo $? >/run/results/code
 stty -F /dev/ttymxc1 raw -echo
-tar -C /run -cf - results | cat >/dev/ttymxc1
+busybox tar -C /run -cf - results | busybox gzip >/dev/ttymxc1
 exec busybox poweroff -f

@@ -1,29 +1,24 @@
 #!/bin/bash
-# Builds the emulated Verdin board: QEMU 10 of Debian's backports, Debian's arm64 kernel with the Verdin's device tree, and
-# an arm64 root with Debian's ROS and the project's Python packages. Once; nothing is installed, no root is needed, no arm64
-# code is run. Prints where it stands: `qemu`, `kernel`, `board.dtb`, `root.cpio`.
+# Builds what the emulated Verdin is made of: QEMU 10 of Debian's backports, Debian's arm64 kernel with the Verdin's device
+# tree, and an arm64 root with Debian's ROS and Python packages. Nothing is installed, no root is needed, no arm64 code runs.
+# build.sh PLACE REQUIREMENTS: PLACE gets qemu/, kernel, board.dtb, root.cpio; the last is there only when all is.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-top=$(cd "$here/../.." && pwd)
-uv=$top/build/uv/bin/uv
+place=$1
+requirements=$2
 say() { echo "$*" >&2; }
 
-for program in apt-get dpkg-deb busybox /usr/bin/python3.11; do
-    command -v "$program" >/dev/null || { say "$program is missing; on Debian 12: apt install apt dpkg busybox-static python3.11"; exit 3; }
-done
-[ -x "$uv" ] || { say "The Python environment is missing: make setup"; exit 3; }
-key=$(cat "$0" "$here/debian-packages.txt" "$top/uv.lock" | sha256sum | cut -c1-12)
-place=$top/build/board/$key
-if [ -e "$place/root.cpio" ]; then
-    echo "$place"
-    exit 0
-fi
-say "Building the emulated board: 250 MB of Debian packages; once, about two minutes"
-rm -rf "$top/build/board"
-mkdir -p "$place"
-log=$top/build/board/build.log
+need() { # PROGRAM PACKAGE
+    command -v "$1" >/dev/null || { say "$1 is missing: apt install $2"; exit 3; }
+}
+need apt-get apt
+need dpkg-deb dpkg
+need /usr/bin/python3.11 python3.11
+/usr/bin/python3.11 -c 'import ensurepip' 2>/dev/null || { say "Python's venv is missing: apt install python3-venv"; exit 3; }
+[ -r /usr/share/keyrings/debian-archive-keyring.gpg ] ||
+    { say "The keys of Debian's archive are missing: apt install debian-archive-keyring"; exit 3; }
+log=$place/build.log
 work=$place/work
-trap 'rm -rf "$work"' EXIT
 
 # An apt of its own: NAME, ARCHITECTURE, dpkg's list of what is installed there
 apt_of() {
@@ -71,22 +66,22 @@ build() {
     cp "$work"/kernel/usr/lib/linux-image-*/freescale/imx8mp-verdin-wifi-dahlia.dtb "$place/board.dtb"
 
     # shellcheck disable=SC2046
-    apt-get -qq -y --download-only install $(cat "$here/debian-packages.txt")
+    apt-get -qq -y --download-only install $(cat "$here/packages.txt")
     unpack "$work/board/cache/archives" "$work/root"
     root=$work/root
     rm -rf "$root"/usr/share/{doc,man,locale,info,lintian,bug} "$root"/usr/include "$root"/boot \
         "$root"/usr/lib/aarch64-linux-gnu/{gconv,perl,perl-base}
     site=$root/opt/end-effector/site
     mkdir -p "$site"
-    # what the HAL needs without figures
-    (cd "$top" && "$uv" export -q --frozen --no-dev --no-emit-project --no-hashes) |
-        grep -vE '^( |#|matplotlib|pillow|numpy|contourpy|fonttools|kiwisolver|cycler)' >"$work/requirements.txt"
-    "$uv" pip install -q --no-config --target "$site" --python-platform aarch64-manylinux_2_28 --python-version 3.11 \
-        --only-binary :all: --no-deps -r "$work/requirements.txt"
-    (cd "$root" && nice /usr/bin/python3.11 -m compileall -q -j2 -s "$root" usr/lib/python3 usr/lib/python3.11 opt || true)
-    (cd "$root" && find . | busybox cpio -o -H newc) >"$place/root.cpio.new"
+    /usr/bin/python3.11 -m venv "$work/venv"
+    "$work/venv/bin/pip" install -q --disable-pip-version-check --no-compile --no-deps --only-binary :all: --target "$site" \
+        --implementation cp --python-version 3.11 --platform manylinux_2_28_aarch64 --platform manylinux_2_17_aarch64 \
+        --platform manylinux2014_aarch64 -r "$requirements"
+    (cd "$root" && /usr/bin/python3.11 -m compileall -q -j2 -s "$root" usr/lib/python3 usr/lib/python3.11 opt || true)
+    /usr/bin/python3.11 "$here/_cpio.py" "$root" "$place/root.cpio.new"
+    rm -rf "$work"
     mv "$place/root.cpio.new" "$place/root.cpio"
 }
 
-build >"$log" 2>&1 || { tail -n 15 "$log" >&2; say "The board was not built; all of it: $log"; exit 1; }
-echo "$place"
+mkdir -p "$work"
+build >"$log" 2>&1 || { grep -v '^$' "$log" | tail -n 1 >&2; exit 1; }

@@ -1,0 +1,8 @@
+"""The emulated Verdin: the HAL on the board's own device tree, GPIO controller and UART, without a board."""
+
+from ._machine import Ended, run_board
+from ._parts import board_parts
+from ._play import Played, play_on_board
+from ._progress import BoardProgress
+
+__all__ = ["BoardProgress", "Ended", "Played", "board_parts", "play_on_board", "run_board"]

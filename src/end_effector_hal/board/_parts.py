@@ -1,0 +1,107 @@
+"""What an emulated board is made of; built once for all checkouts."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+from end_effector_hal.errors import BoardError
+
+HERE = Path(__file__).parent
+DISTRIBUTION = "end-effector-hal"
+FOR_FIGURES = {"matplotlib"}
+"""They are drawn here, not on the board."""
+
+
+def cache() -> Path:
+    """Where built parts stay; may be deleted at any time."""
+    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(home) / DISTRIBUTION / "board"
+
+
+def board_parts(say: Callable[[str], None] = lambda text: None) -> Path:
+    """The folder with ``qemu/``, ``kernel``, ``board.dtb`` and ``root.cpio``; built when it is not there.
+
+    It is found by what it is made of, so that checkouts share it; who comes second waits for the first.
+
+    Raises:
+        BoardError: something that is needed is missing, with its Debian package, or the build failed.
+    """
+    requirements = "".join(f"{each}\n" for each in sorted(_requirements(DISTRIBUTION)))
+    made_of = [
+        *(HERE.joinpath(name).read_text() for name in ("build.sh", "_cpio.py", "packages.txt")),
+        requirements,
+    ]
+    place = cache() / hashlib.sha256("\n".join(made_of).encode()).hexdigest()[:12]
+    if (place / "root.cpio").exists():
+        return place
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with _alone(place.parent / "lock"):
+            if not (place / "root.cpio").exists():
+                say(f"building the emulated board once: some 250 MB of Debian packages, into {place}")
+                begun = time.monotonic()
+                _build(place, requirements)
+                say(f"built in {time.monotonic() - begun:.0f} s")
+    except OSError as error:
+        if isinstance(error, BoardError):
+            raise
+        raise BoardError(
+            f"The board cannot be built: {error.strerror}.",
+            where=str(place.parent),
+            todo="Set XDG_CACHE_HOME to a folder with 1.5 GB of room.",
+        ) from error
+    return place
+
+
+def _build(place: Path, requirements: str) -> None:
+    """Made beside its place and moved there when it is whole."""
+    new = place.with_name(f"{place.name}.new")
+    for old in (new, place):
+        shutil.rmtree(old, ignore_errors=True)
+    new.mkdir()
+    (new / "requirements.txt").write_text(requirements)
+    command = ["nice", "bash", str(HERE / "build.sh"), str(new), str(new / "requirements.txt")]
+    built = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    if built.returncode:
+        lines = built.stderr.strip().splitlines() or [f"exit code {built.returncode}"]
+        missing = built.returncode == 3
+        raise BoardError(
+            f"The emulated board cannot be built: {lines[-1]}",
+            todo="" if missing else f"All of it: {new / 'build.log'}",
+        )
+    new.rename(place)
+
+
+@contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    with path.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _requirements(name: str, known: set[str] | None = None) -> set[str]:
+    """``name==version`` of all that it needs, as it is installed here; without what draws."""
+    known = set() if known is None else known
+    found: set[str] = set()
+    for text in distribution(name).requires or ():
+        needed = re.split(r"[^A-Za-z0-9._-]", text, maxsplit=1)[0]
+        key = re.sub(r"[-_.]+", "-", needed).lower()
+        if "extra ==" in text or key in known | FOR_FIGURES:
+            continue
+        known.add(key)
+        try:
+            version = distribution(needed).version
+        except PackageNotFoundError:  # for another system or an older Python
+            continue
+        found |= {f"{key}=={version}"} | _requirements(needed, known)
+    return found

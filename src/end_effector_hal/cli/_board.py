@@ -1,0 +1,85 @@
+"""``eehal board``: a scenario on the emulated Verdin."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from ._demo import chosen, console
+
+
+@click.command("board")
+@click.argument("description", required=False, type=click.Path(path_type=Path))
+@click.option("--no-ros", is_flag=True, help="Without ROS: quicker, and the ROS messages are not needed.")
+@click.option(
+    "--only",
+    multiple=True,
+    default=["nominal"],
+    show_default=True,
+    metavar="NAME",
+    help="The scenario; may be given again.",
+)
+@click.option("--no-figures", is_flag=True, help="Record only; `eehal plot` draws.")
+@click.option(
+    "-o",
+    "--output",
+    default="runs",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Gets a folder board-NAME for each.",
+)
+@click.option(
+    "--build-only", is_flag=True, help="Fetch and build what the board is made of; print where it is."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON.")
+def command(
+    description: Path | None,
+    no_ros: bool,
+    only: tuple[str, ...],
+    no_figures: bool,
+    output: Path,
+    build_only: bool,
+    as_json: bool,
+) -> None:
+    """Play a scenario on an emulated Verdin iMX8M Plus on Dahlia, and judge what was recorded.
+
+    QEMU boots Debian's arm64 kernel with the board's own device tree; the HAL runs inside, on its GPIO lines and
+    its UART, and the testbench outside. The board is built once, from Debian's packages, into
+    ${XDG_CACHE_HOME:-~/.cache}/end-effector-hal/board; nothing is installed and no root is needed. Its clock counts
+    what it executes: a busy machine makes it slower, and changes nothing in its recordings.
+
+    DESCRIPTION: default is the shipped tool. Exit code 1: a scenario did not tell its story; 3: something is missing.
+    """
+    from end_effector_hal.board import BoardProgress, board_parts, play_on_board
+    from end_effector_hal.demo import print_table, scenarios
+    from end_effector_hal.description import load, profile_path
+
+    loaded = load(description or profile_path())
+    picked = chosen(scenarios(loaded, everything=True), only)
+    progress = console(stderr=True)
+    parts = board_parts(lambda text: progress.print(text, highlight=False, soft_wrap=True))
+    if build_only:
+        click.echo(parts)
+        return
+    reports = []
+    for scenario in picked:
+        folder = output / f"board-{scenario.name}"
+        with BoardProgress(progress, scenario.name, folder / "events") as shown:
+            played = play_on_board(
+                scenario,
+                loaded,
+                parts,
+                folder,
+                ros=not no_ros,
+                figures=not no_figures,
+                while_running=shown.update,
+            )
+        reports.append(played.report)
+    if as_json:
+        click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
+    else:
+        print_table(console(), reports)
+    if not all(report.ok for report in reports):
+        raise click.exceptions.Exit(1)

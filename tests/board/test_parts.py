@@ -1,0 +1,180 @@
+"""What the board is made of is built once, and said in one line where it cannot be; without the board."""
+
+from __future__ import annotations
+
+import io
+import os
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.board import _parts as module
+from end_effector_hal.board import board_parts
+from end_effector_hal.board._cpio import write_archive
+from end_effector_hal.board._root import write_root
+from end_effector_hal.errors import BoardError, RosError
+from end_effector_hal.testbench import Events, edges_of
+
+EEHAL = (sys.executable, "-c", "from end_effector_hal.cli import main; main()")
+
+
+@pytest.fixture
+def recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A build that is quick: its script is what the test writes."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    folder = tmp_path / "recipe"
+    folder.mkdir()
+    (folder / "packages.txt").write_text("python3\n")
+    (folder / "_cpio.py").write_text("")
+    (folder / "build.sh").write_text('echo once >>"$(dirname "$0")/count"; touch "$1/root.cpio"\n')
+    monkeypatch.setattr(module, "HERE", folder)
+    return folder
+
+
+def test_built_once(recipe: Path, tmp_path: Path) -> None:
+    said: list[str] = []
+    place = board_parts(said.append)
+    assert place == board_parts(said.append)
+    assert (recipe / "count").read_text() == "once\n"
+    assert place.is_relative_to(tmp_path / "cache" / "end-effector-hal" / "board")
+    assert [text.split()[0] for text in said] == ["building", "built"]
+
+
+def test_built_anew_when_it_is_made_of_something_else(recipe: Path) -> None:
+    place = board_parts()
+    (recipe / "packages.txt").write_text("python3\nbash\n")
+    assert board_parts() != place
+    assert (place / "root.cpio").exists()
+
+
+def test_a_build_that_was_cut_off_is_begun_anew(recipe: Path) -> None:
+    place = board_parts()
+    (place / "root.cpio").unlink()
+    place.rename(place.with_name(f"{place.name}.new"))
+    assert (board_parts() / "root.cpio").exists()
+
+
+def test_what_is_missing_is_one_sentence(recipe: Path) -> None:
+    (recipe / "build.sh").write_text("echo 'apt-get is missing: apt install apt' >&2; exit 3\n")
+    with pytest.raises(BoardError) as caught:
+        board_parts()
+    assert str(caught.value) == "The emulated board cannot be built: apt-get is missing: apt install apt"
+    (recipe / "build.sh").write_text("echo 'E: no route to host' >&2; exit 1\n")
+    with pytest.raises(BoardError, match=r"no route to host All of it: .*/build.log"):
+        board_parts()
+
+
+def test_a_cache_that_cannot_be_written(
+    recipe: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    with pytest.raises(BoardError, match="Set XDG_CACHE_HOME"):
+        board_parts()
+
+
+def test_the_board_has_the_same_versions_and_nothing_that_draws() -> None:
+    requirements = module._requirements("end-effector-hal")
+    names = {each.partition("==")[0] for each in requirements}
+    assert f"pydantic=={version('pydantic')}" in requirements
+    assert {"pydantic-core", "gpiod", "lark", "ruamel-yaml", "click"} <= names
+    assert not {"matplotlib", "numpy", "pillow", "pytest"} & names
+
+
+def test_on_a_machine_without_apt(tmp_path: Path) -> None:
+    for name in ("bash", "nice", "dirname", "mkdir"):
+        (tmp_path / name).symlink_to(
+            next(Path(place) / name for place in ("/usr/bin", "/bin") if (Path(place) / name).exists())
+        )
+    env = {**os.environ, "PATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    ended = subprocess.run([*EEHAL, "board"], env=env, capture_output=True, text=True, check=False)
+    assert ended.returncode == 3
+    assert (
+        ended.stderr.splitlines()[-1]
+        == "The emulated board cannot be built: apt-get is missing: apt install apt"
+    )
+
+
+def test_a_scenario_that_is_not_there() -> None:
+    ended = subprocess.run(
+        [*EEHAL, "board", "--only", "nonsense"], capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert "there is no scenario nonsense." in ended.stderr
+
+
+def test_the_root_is_what_was_built_and_the_project_and_the_job(tmp_path: Path) -> None:
+    parts = tmp_path / "parts"
+    parts.mkdir()
+    (parts / "root.cpio").write_bytes(b"12345")
+    root = write_root(parts, tmp_path, "echo done", {"opt/more": "text"}, ros=False).read_bytes()
+    assert root.startswith(b"12345\0\0\0" + b"070701")
+    for part in (
+        b"job\0",
+        b"echo done",
+        b"opt/more\0",
+        b"site/end_effector_hal/cli/_board.py\0",
+        b"RNDADDENTROPY",
+    ):
+        assert part in root
+    assert b"/ros/" not in root
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["parts", "root.cpio"]
+
+
+def test_nodes_are_not_put_on_the_board_where_they_are_not_built(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if "catkin" not in place])
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    monkeypatch.delitem(sys.modules, "end_effector_msgs", raising=False)
+    with pytest.raises(RosError, match=r"make board.*--no-ros"):
+        write_root(tmp_path, tmp_path, "true", {}, ros=True)
+
+
+def test_an_archive(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    (folder / "deep").mkdir(parents=True)
+    (folder / "deep" / "program").write_text("content")
+    (folder / "deep" / "program").chmod(0o750)
+    (folder / "link").symlink_to("deep/program")
+    archive = io.BytesIO()
+    write_archive(folder, archive)
+    entries = list(unpacked(archive.getvalue()))
+    assert entries == [
+        ("deep", 0o40755, b""),
+        ("deep/program", 0o100750, b"content"),
+        ("link", 0o120777, b"deep/program"),
+        ("TRAILER!!!", 0, b""),
+    ]
+
+
+def unpacked(data: bytes) -> list[tuple[str, int, bytes]]:
+    """By the format as the kernel documents it (Documentation/driver-api/early-userspace/buffer-format.rst)."""
+    entries, at = [], 0
+    while at < len(data):
+        assert data[at : at + 6] == b"070701"
+        fields = [int(data[at + 6 + 8 * n : at + 14 + 8 * n], 16) for n in range(13)]
+        mode, size, name_size = fields[1], fields[6], fields[11]
+        assert fields[2:4] == [0, 0], "owned by root"
+        name = data[at + 110 : at + 110 + name_size - 1].decode()
+        begin = -(-(at + 110 + name_size) // 4) * 4
+        entries.append((name, mode, data[begin : begin + size]))
+        at = -(-(begin + size) // 4) * 4
+    return entries
+
+
+def test_what_a_testbench_saw_of_the_lines(tmp_path: Path) -> None:
+    events = Events(tmp_path / "events")
+    events.line("A", True, 100, 120)
+    events.frame(200, 1, {"bottom": 0.0}, True)
+    events.line("A", False, 300, 310)
+    events.close()
+    with (tmp_path / "events").open("a") as file:
+        file.write('{"at":400,"li')  # cut off
+    assert [(edge.at, edge.line, edge.level) for edge in edges_of(tmp_path / "events")] == [
+        (100, "A", True),
+        (300, "A", False),
+    ]
