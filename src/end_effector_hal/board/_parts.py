@@ -70,7 +70,7 @@ def _build(place: Path, requirements: str) -> None:
         shutil.rmtree(old, ignore_errors=True)
     new.mkdir()
     (new / "requirements.txt").write_text(requirements)
-    command = ["nice", "bash", str(HERE / "build.sh"), str(new), str(new / "requirements.txt")]
+    command = ["bash", str(HERE / "build.sh"), str(new), str(new / "requirements.txt")]
     built = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
     if built.returncode:
         lines = built.stderr.strip().splitlines() or [f"exit code {built.returncode}"]
