@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
+.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board image test-image check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -41,6 +41,18 @@ test-board: setup ## by hand: on an emulated Verdin with its own device tree, wh
 
 board: setup ## a grip on an emulated Verdin, through all nodes (WITH='--only fails-once --no-ros' or other options)
 	@$(ROS_ENV) && eehal board $(WITH)
+
+# Another architecture than this machine's is emulated: it takes qemu-user and many minutes, once
+NATIVE := $(shell dpkg --print-architecture 2>/dev/null)
+ARCH ?= $(NATIVE)
+IMAGE_LISTS := host-packages.txt $(if $(filter-out $(NATIVE),$(ARCH)),host-packages-emulated.txt)
+
+image: ## the container image, from Debian's archive, without a registry; ARCH=arm64: for the board
+	@for list in $(IMAGE_LISTS); do deploy/debian.sh deploy/container/$$list || exit; done
+	@deploy/container/image.sh $(ARCH)
+
+test-image: setup image ## by hand: in that image, as its user: import, check, doctor, health, a grip; ARCH=arm64 too
+	@$(ROS_ENV) && EEHAL_IMAGE=localhost/end-effector-hal:$(ARCH) pytest -q --durations=0 --durations-min=1 tests/image
 
 check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .

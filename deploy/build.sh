@@ -3,10 +3,19 @@
 # dependencies, the messages and launch files as a ROS install space in PREFIX/ros, and PREFIX/bin/eehal-hal.
 # Usage: deploy/build.sh [PREFIX]     default: /opt/eehal-<version>; what stands there is replaced.
 # Needs the packages of debian-packages.txt (deploy/debian.sh). ROS is left out where catkin is not installed.
+# TARGETARCH=arm64 (Docker's variable): for that architecture, made on any.
 set -eu
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/pyproject.toml" | head -n 1)
 prefix=${1:-/opt/eehal-$version}
+native=$(dpkg --print-architecture 2>/dev/null || true)
+target=${TARGETARCH:-$native}
+case $target in
+"$native") platform= ;;
+amd64) platform='--python-platform x86_64-manylinux_2_28' ;;
+arm64) platform='--python-platform aarch64-manylinux_2_28' ;;
+*) echo "There are no Python wheels for $target: TARGETARCH is amd64 or arm64" >&2; exit 2 ;;
+esac
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 [ ! -e "$prefix" ] || [ -f "$prefix/pyvenv.cfg" ] || { echo "$prefix exists and was not made by this script" >&2; exit 2; }
@@ -17,8 +26,11 @@ rm -rf "$prefix"
 "$work/uv/bin/pip" install -q --disable-pip-version-check 'uv>=0.5,<1'
 "$work/uv/bin/uv" venv -q --system-site-packages -p /usr/bin/python3 "$prefix"
 cd "$root"
+# Compiled here: its users may not write there. An interpreter of another architecture reads the same.
+# shellcheck disable=SC2086
 VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
-    "$work/uv/bin/uv" sync -q --frozen --no-dev --no-editable --reinstall-package end-effector-hal -p /usr/bin/python3
+    "$work/uv/bin/uv" sync -q --frozen --no-dev --no-editable --compile-bytecode --reinstall-package end-effector-hal \
+    $platform -p /usr/bin/python3
 mkdir -p "$prefix/share/doc"
 cp docs/deployment.md docs/wiring.md SAFETY.md "$prefix/share/doc/"
 
@@ -33,4 +45,5 @@ if command -v catkin_make >/dev/null 2>&1; then
 else
     echo "catkin is not installed: without the ROS nodes" >&2
 fi
-echo "$prefix: $("$prefix/bin/eehal" --version)"
+if [ -z "$platform" ]; then "$prefix/bin/eehal" --version; fi
+echo "$prefix: for $target"
