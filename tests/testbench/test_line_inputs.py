@@ -19,6 +19,8 @@ from end_effector_hal.testbench import _gpio_inputs as gpio_module
 from end_effector_hal.testbench.conformance import A, B, LineInputsConformance, Wires
 from end_effector_hal.wires import VirtualLines, now_us
 
+pytestmark = pytest.mark.wall
+
 
 class TestVirtual(LineInputsConformance):
     @pytest.fixture

@@ -13,6 +13,8 @@ from end_effector_hal.errors import EndEffectorError, LinkError, UsageError
 from end_effector_hal.testbench import Testbench, Watcher
 from end_effector_hal.wires import Frame, Value, get_codec, now_us
 
+pytestmark = pytest.mark.wall
+
 START = 1_000_000_000
 
 

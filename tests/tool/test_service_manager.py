@@ -112,8 +112,8 @@ def test_without_a_manager_it_runs_all_the_same(environ: dict[str, str]) -> None
         program.ready("", lambda: None)
 
 
-@pytest.mark.parametrize("pid", [str(os.getpid()), ""])
-def test_signs_of_life_stop_when_it_does_not_answer(manager: Manager, tmp_path: Path, pid: str) -> None:
+@pytest.mark.parametrize("own", [True, False])
+def test_signs_of_life_stop_when_it_does_not_answer(manager: Manager, tmp_path: Path, *, own: bool) -> None:
     asked: list[int] = []
 
     def alive() -> None:
@@ -121,6 +121,7 @@ def test_signs_of_life_stop_when_it_does_not_answer(manager: Manager, tmp_path: 
         if len(asked) > 2:
             raise OwnerError("it does not answer.")
 
+    pid = str(os.getpid()) if own else ""
     environ = {"NOTIFY_SOCKET": str(tmp_path / "notify"), "WATCHDOG_USEC": "30000", "WATCHDOG_PID": pid}
     with ServiceManager(environ) as program:
         program.ready("", alive)

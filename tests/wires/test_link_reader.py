@@ -13,6 +13,8 @@ from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.wires import Frame, LinkReader, LinkState, PtyPair, get_codec, now_us, open_port
 from end_effector_hal.wires.link import _port, _reader
 
+pytestmark = pytest.mark.wall
+
 CODEC = get_codec("ees1-ascii")
 
 

@@ -17,6 +17,8 @@ from end_effector_hal.wires.lines import (
     read_chip,
 )
 
+pytestmark = pytest.mark.wall
+
 NAMES = ("SODIMM_206", "SODIMM_208", "SODIMM_210")
 
 

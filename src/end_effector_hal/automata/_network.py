@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
@@ -102,6 +102,17 @@ class Process:
     locations: tuple[Location, ...]
     edges: tuple[Edge, ...]
     scope: Scope = field(repr=False)
+
+
+def effects_of(processes: Iterable[Process]) -> Effects:
+    """What these processes touch, all together."""
+    total = Effects()
+    for process in processes:
+        for location in process.locations:
+            total.add(location.effects)
+        for edge in process.edges:
+            total.add(edge.effects)
+    return total
 
 
 @dataclass(frozen=True, slots=True, eq=False)

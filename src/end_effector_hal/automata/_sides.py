@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from end_effector_hal.automata._faults import did_you_mean, fault, refused
-from end_effector_hal.automata._network import Network, Process
+from end_effector_hal.automata._network import Network, Process, effects_of
 from end_effector_hal.automata._scope import Effects
 from end_effector_hal.errors import ModelError, UsageError
 
@@ -36,7 +36,7 @@ class Sides:
         theirs = [process for process in network.processes if process.index not in self.executed]
         for process in ours:
             _refuse_what_cannot_run(process)
-        self._refuse_shared(_effects(ours), _effects(theirs))
+        self._refuse_shared(effects_of(ours), effects_of(theirs))
         self._refuse_channels(ours, theirs)
         sent = _channels(ours, "!")
         numbered = list(enumerate(network.channels))
@@ -105,16 +105,6 @@ def _chosen(network: Network, executed: Iterable[str]) -> frozenset[int]:
             raise UsageError(what, todo=did_you_mean(name, known))
         chosen.update(found)
     return frozenset(chosen)
-
-
-def _effects(processes: Sequence[Process]) -> Effects:
-    total = Effects()
-    for process in processes:
-        for location in process.locations:
-            total.add(location.effects)
-        for edge in process.edges:
-            total.add(edge.effects)
-    return total
 
 
 def _channels(processes: Sequence[Process], direction: str) -> set[int]:

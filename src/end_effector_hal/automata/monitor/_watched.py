@@ -6,8 +6,8 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
-from end_effector_hal.automata._network import Network, Process, State
-from end_effector_hal.automata._scope import Clock, Effects, Function, Scope, Storage
+from end_effector_hal.automata._network import Network, Process, State, effects_of
+from end_effector_hal.automata._scope import Clock, Function, Scope, Storage
 from end_effector_hal.automata.explore._formula import Case, Formula, compile_formula
 from end_effector_hal.automata.explore._query import parse_query
 
@@ -57,23 +57,15 @@ def _speaks_of(network: Network, executed: Collection[int], content: str) -> boo
     theirs = {_plain(process) for process in network.processes} - {_plain(process) for process in ours}
     if "deadlock" in words or words & theirs:
         return False
-    touched = _touched(ours)
+    effects = effects_of(ours)
     names = set(_variables(network.scope, words))
-    return names <= touched and bool(names or words & {_plain(process) for process in ours})
+    return names <= effects.reads | effects.writes and bool(
+        names or words & {_plain(process) for process in ours}
+    )
 
 
 def _plain(process: Process) -> str:
     return process.name.partition("(")[0]
-
-
-def _touched(processes: Collection[Process]) -> set[str]:
-    total = Effects()
-    for process in processes:
-        for location in process.locations:
-            total.add(location.effects)
-        for edge in process.edges:
-            total.add(edge.effects)
-    return total.reads | total.writes
 
 
 def _variables(scope: Scope, words: set[str]) -> Iterator[str]:

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import re
 from binascii import crc_hqx
-from collections import Counter
 from collections.abc import Mapping
 
 from end_effector_hal.wires.codecs import _ees1 as ees1
 from end_effector_hal.wires.codecs._codec import Decoder
-from end_effector_hal.wires.codecs._sequence import Sequence
+from end_effector_hal.wires.codecs._ees1_decoder import Ees1Decoder
 from end_effector_hal.wires.frame import Frame, Kind, Value
 
 LONGEST = 96
@@ -49,25 +48,8 @@ class Ees1Ascii:
         return "" if value is None else str(ees1.check_pressure(self.name, name, value))
 
 
-class Ees1AsciiDecoder:
+class Ees1AsciiDecoder(Ees1Decoder):
     """Keeps at most one unfinished line (96 bytes); every ``$`` begins anew, so that noise costs no frame."""
-
-    def __init__(self) -> None:
-        self.bytes = 0
-        self.frames = 0
-        self.errors: Counter[str] = Counter()
-        self._sequence = Sequence(seq_bits=ees1.SEQ_BITS, clock_bits=ees1.CLOCK_BITS)
-        self._rest = b""
-
-    @property
-    def lost(self) -> int:
-        """Frames missing by their sequence numbers."""
-        return self._sequence.lost
-
-    @property
-    def reboots(self) -> int:
-        """Jumps back of the device."""
-        return self._sequence.reboots
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """The frames that end in ``data``."""
@@ -104,20 +86,11 @@ class Ees1AsciiDecoder:
         if int(seq) >= 1 << 16 or int(clock) >= 1 << 32:
             self.errors["range"] += 1
             return None
-        if not self._sequence.is_new(int(seq), int(clock)):
-            self.errors["duplicate"] += 1
+        if not self._is_new(int(seq), int(clock)):
             return None
         invalid = int(status, 16)
         values: dict[str, Value] = {
-            name: None if invalid >> i & 1 else self._pressure(text)
+            name: self._possible(int(text)) if text and not invalid >> i & 1 else None
             for i, (name, text) in enumerate(zip(ees1.PRESSURES, texts, strict=True))
         }
         return Frame(at, int(seq), int(clock), values | ees1.bits_of(int(din, 16)))
-
-    def _pressure(self, text: bytes | None) -> int | None:
-        if not text:
-            return None
-        if ees1.LOWEST_PA <= int(text) <= ees1.HIGHEST_PA:
-            return int(text)
-        self.errors["range"] += 1
-        return None

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import struct
 from binascii import crc_hqx
-from collections import Counter
 from collections.abc import Mapping
 
 from end_effector_hal.wires.codecs import _ees1 as ees1
 from end_effector_hal.wires.codecs._cobs import stuff, unstuff
 from end_effector_hal.wires.codecs._codec import Decoder
-from end_effector_hal.wires.codecs._sequence import Sequence
+from end_effector_hal.wires.codecs._ees1_decoder import Ees1Decoder
 from end_effector_hal.wires.frame import Frame, Kind, Value
 
 VERSION, TYPE = 1, 1
@@ -54,25 +53,8 @@ class Ees1Cobs:
         return round(ees1.check_pressure(self.name, name, value, HIGHEST_PA) / STEP_PA)
 
 
-class Ees1CobsDecoder:
+class Ees1CobsDecoder(Ees1Decoder):
     """Keeps at most one unfinished frame (22 bytes); a zero ends whatever came before it."""
-
-    def __init__(self) -> None:
-        self.bytes = 0
-        self.frames = 0
-        self.errors: Counter[str] = Counter()
-        self._sequence = Sequence(seq_bits=ees1.SEQ_BITS, clock_bits=ees1.CLOCK_BITS)
-        self._rest = b""
-
-    @property
-    def lost(self) -> int:
-        """Frames missing by their sequence numbers."""
-        return self._sequence.lost
-
-    @property
-    def reboots(self) -> int:
-        """Jumps back of the device."""
-        return self._sequence.reboots
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """The frames that end in ``data``."""
@@ -95,19 +77,10 @@ class Ees1CobsDecoder:
             self.errors["crc"] += 1
             return None
         _, _, seq, clock, *counts, din, status = _BODY.unpack(body)
-        if not self._sequence.is_new(seq, clock):
-            self.errors["duplicate"] += 1
+        if not self._is_new(seq, clock):
             return None
         values: dict[str, Value] = {
-            name: None if status >> bit & 1 else self._pressure(count)
+            name: None if status >> bit & 1 or count == INVALID else self._possible(count * STEP_PA)
             for bit, (name, count) in enumerate(zip(ees1.PRESSURES, counts, strict=True))
         }
         return Frame(at, seq, clock, values | ees1.bits_of(din))
-
-    def _pressure(self, count: int) -> int | None:
-        if count == INVALID:
-            return None
-        if count * STEP_PA >= ees1.LOWEST_PA:
-            return count * STEP_PA
-        self.errors["range"] += 1
-        return None
