@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import socket
-import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.demo._children import Children
+from end_effector_hal.demo._master import Master
 from end_effector_hal.description import Description
 from end_effector_hal.errors import RosError
 
@@ -30,7 +28,9 @@ def measure_ros(description: Description, folder: Path, plan: Plan, say: Callabl
     """Measure the five nodes with a line owner and a testbench; logs go to ``folder``."""
     notes = folder / "states.jsonl"
     with Hardware(description, folder) as hardware:
-        env = _environment(hardware.children, folder)
+        ros = Master(folder / "ros")
+        ros.start(hardware.children, folder / "roscore.log", patience_s=START_S)
+        env = ros.env
         floor = Floor(hardware.children, hardware.place, folder, env)
         hardware.children.start(
             "launch file",
@@ -45,35 +45,6 @@ def measure_ros(description: Description, folder: Path, plan: Plan, say: Callabl
         pids = _pids(hardware.children) | {"line owner": hardware.owner.pid}
         result.usage = hold(client, pids, plan.hold_s, say)
         return result
-
-
-def _environment(children: Children, folder: Path) -> dict[str, str]:
-    """Of a master that is started for this."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    logs = folder / "ros"
-    logs.mkdir(exist_ok=True)
-    env = {
-        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-        "ROS_IP": "127.0.0.1",
-        "ROS_LOG_DIR": str(logs.absolute()),
-        "PYTHONUNBUFFERED": "1",
-        # the nodes ask `env` for python3: it is to be this one
-        "PATH": f"{Path(sys.executable).parent}:{os.environ.get('PATH', os.defpath)}",
-    }
-    master = children.start(
-        "roscore", ["roscore", "-p", str(port)], log=folder / "roscore.log", failed=RosError, env=env,
-        end_by=signal.SIGINT,
-    )  # fmt: skip
-
-    def answers() -> bool:
-        with suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=0.5):
-            return True
-        return False
-
-    master.wait_until(answers, timeout_s=START_S, what="it answered")
-    return env
 
 
 def _pids(children: Children) -> dict[str, int]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
-import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -15,6 +13,7 @@ from observer import Observer
 from waiting import Late, until
 
 from end_effector_hal.demo._child import Child
+from end_effector_hal.demo._master import Master
 from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import EndEffectorError, RosError
@@ -56,21 +55,13 @@ class System:
         self.folder = folder.absolute()
         self.plant = Plant(description or load(profile_path()), "nominal", self.folder)
         self.description = self.plant.description
-        self._port = _free_port()
-        self._env = {
-            "ROS_MASTER_URI": f"http://127.0.0.1:{self._port}",
-            "ROS_IP": "127.0.0.1",
-            "ROS_LOG_DIR": str(self.folder / "ros"),
-            "PYTHONUNBUFFERED": "1",
-            "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
-        }
+        self._ros = Master(self.folder / "ros")
 
     def __enter__(self) -> System:
         try:
             self.plant.__enter__()
             self.plant.wait_ready()
             self.start_master()
-            until("the master", lambda: _answers(self._port), START_S)
             self._launch = self._start(
                 "roslaunch", "roslaunch", "--wait", "end_effector_hal", "end_effector.launch",
                 f"description:={self.plant.description_path}", end_by=signal.SIGINT, patience_s=15.0,
@@ -92,16 +83,15 @@ class System:
 
     def start_master(self) -> None:
         """A roscore on the port of this system."""
-        self.master = self._start(
-            f"roscore-{time.monotonic_ns()}", "roscore", "-p", str(self._port), end_by=signal.SIGINT
-        )
+        log = self.folder / f"roscore-{time.monotonic_ns()}.log"
+        self.master = self._ros.start(self.plant.children, log, patience_s=START_S)
 
     def connect(self) -> None:
         """A new client."""
         self.hands = Hands(
             self.plant.children,
             self.folder / f"client-{time.monotonic_ns()}.log",
-            {**os.environ, **self._env},
+            {**os.environ, **self._ros.env},
         )
 
     def supervisor(self, *arguments: str) -> Child:
@@ -155,7 +145,7 @@ class System:
 
     def _start(self, name: str, *command: str, **options: object) -> Child:
         return self.plant.children.start(
-            name, command, log=self.folder / f"{name}.log", failed=RosError, env=self._env, **options
+            name, command, log=self.folder / f"{name}.log", failed=RosError, env=self._ros.env, **options
         )
 
 
@@ -164,20 +154,6 @@ def _command_line(pid: int) -> list[bytes]:
         return Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
     except OSError:
         return []
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def _answers(port: int) -> bool:
-    try:
-        with socket.create_connection(("127.0.0.1", port), timeout=0.5):
-            return True
-    except OSError:
-        return False
 
 
 __all__ = ["LAUNCHED", "Late", "Plant", "System"]

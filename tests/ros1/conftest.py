@@ -7,9 +7,7 @@ import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -18,6 +16,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.demo._child import Child
+from end_effector_hal.demo._master import Master, free_port
 from end_effector_hal.demo._world import World
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import RosError
@@ -41,12 +40,6 @@ def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
         item.add_marker(pytest.mark.filterwarnings("ignore:unclosed <socket:ResourceWarning"))
         if not ROS:
             item.add_marker(pytest.mark.skip(reason="no ROS here, or its workspace is not sourced"))
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def wait_until(what: str, ready: Callable[[], Any], timeout_s: float = 20.0) -> Any:
@@ -81,14 +74,8 @@ class System:
 
     def __init__(self, world: World, folder: Path) -> None:
         self.world, self.folder = world, folder
-        self.port = free_port()
-        self.env = {
-            "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}",
-            "ROS_IP": "127.0.0.1",
-            "ROS_LOG_DIR": str(folder / "ros"),
-            "PYTHONUNBUFFERED": "1",
-            "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
-        }
+        self.ros = Master(folder / "ros")
+        self.env = dict(self.ros.env)
         self.states: list[Any] = []
         self._clients: dict[str, Any] = {}
 
@@ -198,10 +185,7 @@ def session_system(tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]
     folder = tmp_path_factory.mktemp("ros")
     with World(load(profile_path()), "nominal", folder) as world:
         system = System(world, folder)
-        master = system.start("roscore", "roscore", "-p", str(system.port), end_by=signal.SIGINT)
-        master.wait_until(
-            lambda: "started core service" in master.text(), timeout_s=START_S, what="it served"
-        )
+        system.ros.start(world.children, folder / "roscore.log", patience_s=START_S)
         # given up after 30 s; meanwhile the other tests run
         system.lonely = system.start(  # type: ignore[attr-defined]
             "lonely", "rosrun", "end_effector_hal", "supervisor", "__ns:=nowhere", "_script:=grip"

@@ -6,17 +6,15 @@ Only processes are started here and the recording is read; nothing of ROS is imp
 from __future__ import annotations
 
 import importlib.util
-import os
 import shutil
 import signal
-import socket
-import sys
 from pathlib import Path
 
 from end_effector_hal.errors import RosError
 from end_effector_hal.trace import EndEffectorState
 
 from ._last_state import last_state
+from ._master import Master
 from ._scenario import Scenario
 from ._world import World
 
@@ -54,24 +52,11 @@ def play_ros(scenario: Scenario, world: World, folder: Path) -> None:
     Raises:
         RosError: a program of ROS does not start or does not end; with the last lines of its log.
     """
-    port = _free_port()
-    logs = folder / "ros"
-    logs.mkdir(exist_ok=True)
-    env = {
-        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-        "ROS_IP": "127.0.0.1",
-        "ROS_LOG_DIR": str(logs.absolute()),
-        "PYTHONUNBUFFERED": "1",
-        # the nodes ask `env` for python3: it is to be this one
-        "PATH": f"{Path(sys.executable).parent}:{os.environ.get('PATH', os.defpath)}",
-    }
+    ros = Master(folder / "ros")
+    env = ros.env
     start, states = world.children.start, folder / "states.csv"
     description = str(world.description_path.absolute())
-    master = start(
-        "roscore", ["roscore", "-p", str(port)], log=folder / "roscore.log", failed=RosError, env=env,
-        end_by=signal.SIGINT,
-    )  # fmt: skip
-    master.wait_until(lambda: _answers(port), timeout_s=START_S, what="it answered")
+    master = ros.start(world.children, folder / "roscore.log", patience_s=START_S)
     launch = start(
         "launch file",
         [
@@ -98,17 +83,3 @@ def play_ros(scenario: Scenario, world: World, folder: Path) -> None:
     supervisor.wait_for_end(timeout_s=scenario.longest_s(world.description) + START_S)
     world.children.end_since(logger)
     world.children.end_since(master)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def _answers(port: int) -> bool:
-    try:
-        with socket.create_connection(("127.0.0.1", port), timeout=0.5):
-            return True
-    except OSError:
-        return False
