@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.demo._children import Children
 from end_effector_hal.errors import OwnerError
@@ -31,14 +32,14 @@ def alive(pid: int) -> bool:
 def test_what_ignores_sigterm_is_killed(tmp_path: Path) -> None:
     with Children() as children:
         child = children.start("mule", [sys.executable, "-c", STUBBORN], log=tmp_path / "log", patience_s=0.2)
-        child.wait_until(lambda: "up" in child.text(), timeout_s=10, what="a word")
+        child.wait_until(lambda: "up" in child.text(), timeout_s=PATIENCE_S, what="a word")
     assert child.code == -9
 
 
 def test_what_moved_to_a_session_of_its_own_is_killed_too(tmp_path: Path) -> None:
     with Children() as children:
         child = children.start("parent", [sys.executable, "-c", PARENT], log=tmp_path / "log")
-        child.wait_until(lambda: "up" in child.text(), timeout_s=10, what="a word of the grandchild")
+        child.wait_until(lambda: "up" in child.text(), timeout_s=PATIENCE_S, what="a word of the grandchild")
         family = children.left()
         assert len(family) == 2
         assert child.pid in family
@@ -82,7 +83,7 @@ def test_one_that_ends_before_it_is_ready_is_told_with_its_last_lines(tmp_path: 
     with Children() as children:
         child = children.start("line owner", command, log=tmp_path / "owner.log", failed=OwnerError)
         with pytest.raises(OwnerError) as raised:
-            child.wait_until(lambda: False, timeout_s=10, what="its socket")
+            child.wait_until(lambda: False, timeout_s=PATIENCE_S, what="its socket")
     text = str(raised.value)
     assert text.startswith("The line owner ended (exit code 1) before its socket.")
     assert str(tmp_path / "owner.log") in text

@@ -8,12 +8,12 @@ import os
 import shutil
 import signal
 import subprocess
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE_S, wait_until
 
 from end_effector_hal.demo._child import Child
 from end_effector_hal.demo._master import Master, free_port
@@ -25,7 +25,7 @@ from end_effector_hal.trace import EndEffectorState
 ROS = all(importlib.util.find_spec(name) for name in ("rospy", "end_effector_msgs")) and all(
     shutil.which(name) for name in ("roscore", "roslaunch", "rosrun")
 )
-START_S = 40.0
+START_S = 90.0
 
 
 OF_ROSPY = r"ignore:.*(notifyAll|setDaemon|getName|setName|isSet|currentThread)\(\) is deprecated"
@@ -42,15 +42,6 @@ def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
             item.add_marker(pytest.mark.skip(reason="no ROS here, or its workspace is not sourced"))
 
 
-def wait_until(what: str, ready: Callable[[], Any], timeout_s: float = 20.0) -> Any:
-    """What ``ready`` returns, once it is true."""
-    end = time.monotonic() + timeout_s
-    while not (found := ready()):
-        assert time.monotonic() < end, f"not within {timeout_s:g} s: {what}"
-        time.sleep(0.02)
-    return found
-
-
 class Goal:
     """A goal of an action client, with everything that came of it."""
 
@@ -63,7 +54,7 @@ class Goal:
 
         return bool(self.handle.get_comm_state() == actionlib.CommState.DONE)
 
-    def result(self, timeout_s: float = 30.0) -> tuple[int, Any]:
+    def result(self, timeout_s: float = PATIENCE_S) -> tuple[int, Any]:
         """Status of actionlib, and the result."""
         wait_until("a result", self.ended, timeout_s)
         return self.handle.get_goal_status(), self.handle.get_result()
@@ -104,7 +95,7 @@ class System:
         )  # fmt: skip
 
     def cli(
-        self, *command: str, timeout_s: float = 20.0, typed: str = ""
+        self, *command: str, timeout_s: float = PATIENCE_S, typed: str = ""
     ) -> subprocess.CompletedProcess[str]:
         """A command of ROS, to its end."""
         return subprocess.run(
@@ -138,7 +129,7 @@ class System:
         """The newest EndEffectorState."""
         return self.states[-1]
 
-    def wait_for(self, *states: EndEffectorState, timeout_s: float = 20.0) -> Any:
+    def wait_for(self, *states: EndEffectorState, timeout_s: float = PATIENCE_S) -> Any:
         """The newest message, once it has one of these states."""
         wait_until(
             " or ".join(state.name for state in states),

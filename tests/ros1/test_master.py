@@ -44,7 +44,7 @@ def test_everything_moves_into_a_namespace(system: Any, tmp_path: Path) -> None:
             client.send_goal_and_wait(EndEffectorGoal())
             return bool(client.get_state() == 3)
 
-        system.until("a grip", gripped, 20.0)
+        system.until("a grip", gripped)
         assert system.state.state == 6, "the other tool has not moved"
         names = {name for name, _ in rosgraph.Master("/tests").getTopicTypes()}
         assert {"/cell_1/EndEffectorState", "/cell_1/PressureVacuumBottom", "/cell_1/grip/state"} <= names

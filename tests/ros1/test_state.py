@@ -7,6 +7,7 @@ import time
 from typing import Any
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.trace import Command, CylinderState, EndEffectorState, VacuumState
 
@@ -56,9 +57,9 @@ def test_pressures_are_absolute_pascal(system: Any) -> None:
     import rospy
     from sensor_msgs.msg import FluidPressure
 
-    message = rospy.wait_for_message("PressureSupply", FluidPressure, timeout=5)
+    message = rospy.wait_for_message("PressureSupply", FluidPressure, timeout=PATIENCE_S)
     assert message.fluid_pressure == pytest.approx(101_325 + 600_000, abs=3_000)
-    message = rospy.wait_for_message("PressureVacuumBottom", FluidPressure, timeout=5)
+    message = rospy.wait_for_message("PressureVacuumBottom", FluidPressure, timeout=PATIENCE_S)
     assert message.fluid_pressure == pytest.approx(101_325, abs=1_000)
 
 

@@ -104,7 +104,7 @@ class Terminal:
 @pytest.fixture
 def terminal(system: Any) -> Any:
     terminal = Terminal(system)
-    system.until("the prompt", lambda: terminal.reads("> "), 20.0)
+    system.until("the prompt", lambda: terminal.reads("> "))
     yield terminal
     with suppress(ProcessLookupError, ChildProcessError):
         os.kill(terminal.pid, signal.SIGKILL)
@@ -151,7 +151,7 @@ def test_rosnode_kill_ends_a_supervisor_that_waits_for_input(system: Any, termin
 
 def test_without_its_actions_it_waits_with_a_message_and_gives_up(system: Any) -> None:
     lonely = system.lonely
-    system.until("its end", lambda: lonely.code is not None, 40.0)
+    system.until("its end", lambda: lonely.code is not None)
     assert lonely.code == 3
     lines = lonely.text().strip().splitlines()
     assert lines[0].startswith(

@@ -7,6 +7,8 @@ import threading
 from contextlib import suppress
 from pathlib import Path
 
+from patience import PATIENCE_S
+
 
 class Emulator:
     """Has one GPIO controller; tells of its pins once that was asked for. ``ticks``: of its counter."""
@@ -24,7 +26,7 @@ class Emulator:
 
     def drive(self, pin: int, level: bool) -> None:
         """The machine drives a pin."""
-        assert self._asked.wait(20)
+        assert self._asked.wait(PATIENCE_S)
         assert self.connection is not None
         self.connection.sendall(b"IRQ %s %d\n" % (b"raise" if level else b"lower", pin))
 

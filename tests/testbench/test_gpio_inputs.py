@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from gpio_kernel import Kernel, Kind, Request
+from patience import PATIENCE_S
 
 from end_effector_hal.errors import LineNotFoundError, WireError
 from end_effector_hal.testbench import GpioInputs
@@ -38,9 +39,9 @@ def test_levels_and_edges_of_lines_on_two_chips(kernel: Kernel) -> None:
     levels = lines.start(lambda *edge: seen.put(edge))
     assert levels == {"changer": False, "bottom": True, "cylinder": False}
     kernel.requests["/dev/zero"].happen(0, Kind.RISING_EDGE, 5_000_123)
-    assert seen.get(timeout=10) == ("cylinder", True, 5_000_123)
+    assert seen.get(timeout=PATIENCE_S) == ("cylinder", True, 5_000_123)
     kernel.requests["/dev/null"].happen(2, Kind.FALLING_EDGE, 6_000_000)
-    assert seen.get(timeout=10) == ("bottom", False, 6_000_000)
+    assert seen.get(timeout=PATIENCE_S) == ("bottom", False, 6_000_000)
     lines.close()
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from queue import Queue
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
 from end_effector_hal.testbench import VirtualInputs
@@ -24,7 +25,7 @@ def test_makes_the_chip_that_is_missing_and_tells_edges(tmp_path: Path) -> None:
     lines = VirtualLines(path)
     lines.request(NAMES)
     lines.set({"B": True})
-    while (edge := seen.get(timeout=10)) != ("B", True):
+    while (edge := seen.get(timeout=PATIENCE_S)) != ("B", True):
         assert edge[1] is False  # from inputs to outputs
     inputs.close()
     lines.close()
@@ -53,7 +54,7 @@ def test_a_pulled_up_input_is_seen_as_a_pin_is(tmp_path: Path) -> None:
     inputs = VirtualInputs(tmp_path / "chip", NAMES)
     assert inputs.start(lambda line, level, at: seen.put((line, level))) == {"A": False, "B": True}
     VirtualChip.create(tmp_path / "chip", NAMES, {"A": "up"})  # a power-up
-    assert {seen.get(timeout=10), seen.get(timeout=10)} == {("A", True), ("B", False)}
+    assert {seen.get(timeout=PATIENCE_S), seen.get(timeout=PATIENCE_S)} == {("A", True), ("B", False)}
     inputs.close()
 
 
@@ -73,7 +74,7 @@ def test_lines_that_belong_to_nobody_are_not_told(tmp_path: Path) -> None:
     lines.request(["C", "B"])
     lines.set({"C": True})
     lines.set({"B": True})
-    while (line := seen.get(timeout=10)) != "B":
+    while (line := seen.get(timeout=PATIENCE_S)) != "B":
         assert line != "C"
     inputs.close()
     lines.close()

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 from emulator import Emulator
 from gpio_kernel import Kernel, Kind
+from patience import PATIENCE_S
 from virtual_machine import VirtualMachine
 
 from end_effector_hal.errors import LineNotFoundError, WireError
@@ -110,7 +111,7 @@ def test_an_emulated_machine_that_ends_drives_nothing(tmp_path: Path) -> None:
     machine.drive(7, True)
     machine.drive(5, True)
     machine.off()
-    assert [seen.get(timeout=20), seen.get(timeout=20)] == [(B, True), (B, False)]
+    assert [seen.get(timeout=PATIENCE_S), seen.get(timeout=PATIENCE_S)] == [(B, True), (B, False)]
     inputs.close()
 
 
@@ -140,7 +141,7 @@ def test_the_emulated_machine_may_come_later(tmp_path: Path) -> None:
     waiting = threading.Thread(target=lambda: started.put(inputs.start(lambda *_: None)))
     waiting.start()
     machine = Emulator(tmp_path / "qtest")
-    assert started.get(timeout=20) == {A: False}
+    assert started.get(timeout=PATIENCE_S) == {A: False}
     waiting.join()
     inputs.close()
     machine.off()

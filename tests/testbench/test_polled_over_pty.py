@@ -6,6 +6,7 @@ from pathlib import Path
 from queue import Queue
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.description import Description
 from end_effector_hal.testbench import PtyPort, Testbench, VirtualInputs
@@ -23,16 +24,16 @@ def test_pressures_are_read_and_a_silent_device_is_asked_again(tmp_path: Path, v
         Testbench(tool, inputs, PtyPort(port)) as bench,
         LinkReader(port, codec, on_frame=frames.put) as link,
     ):
-        assert frames.get(timeout=20).values["supply"] == pytest.approx(600_000, abs=2_000)
+        assert frames.get(timeout=PATIENCE_S).values["supply"] == pytest.approx(600_000, abs=2_000)
         lines = VirtualLines(chip)
         lines.request(["SODIMM_208"])
         lines.set({"SODIMM_208": True})
-        while (frames.get(timeout=20).values["bottom"] or 0) > -55_000:
+        while (frames.get(timeout=PATIENCE_S).values["bottom"] or 0) > -55_000:
             pass
         bench.choose("silent-after:0")
         while not link.health.errors.get("timeout"):
             pass
         bench.choose("invalid:top_vacuum")
-        while frames.get(timeout=20).values["top"] is not None:
+        while frames.get(timeout=PATIENCE_S).values["top"] is not None:
             pass
         lines.close()

@@ -15,6 +15,7 @@ from queue import Queue
 from subprocess import DEVNULL, PIPE
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.wires import Frame
 from end_effector_hal.wires.lines import VirtualLines
@@ -57,13 +58,13 @@ def end(process: subprocess.Popen[str], number: int = signal.SIGTERM) -> tuple[i
     """Exit code and what stood on standard error."""
     process.send_signal(number)
     assert process.stderr
-    return process.wait(20), process.stderr.read()
+    return process.wait(PATIENCE_S), process.stderr.read()
 
 
 def wait_for(frames: Queue[Frame], condition: Callable[[Frame], bool]) -> Frame:
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
-        frame = frames.get(timeout=20)
+        frame = frames.get(timeout=PATIENCE_S)
         if condition(frame):
             return frame
     raise AssertionError("no such frame came")
@@ -137,7 +138,7 @@ def test_signals_end_it_cleanly(start: Start, number: int) -> None:
 def test_quit_ends_it(start: Start) -> None:
     process = start()
     line(process)
-    assert process.communicate("scenario leak:cylinder\nquit\n", timeout=20) == (
+    assert process.communicate("scenario leak:cylinder\nquit\n", timeout=PATIENCE_S) == (
         "",
         "refused: 'leak:cylinder': a cylinder cannot have this fault.\n",
     )
@@ -150,7 +151,7 @@ def test_a_serial_port_that_goes_is_said(start: Start) -> None:
     os.close(slave)
     assert line(process).startswith("ready:")
     os.close(master)
-    _, said = process.communicate(timeout=20)
+    _, said = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, "the port has gone" in said, "Traceback" in said) == (3, True, False), said
 
 
@@ -184,5 +185,5 @@ def test_what_cannot_be_used_is_said_in_a_sentence(
     start: Start, options: list[str], code: int, message: str
 ) -> None:
     process = start(*options, stdin=DEVNULL)
-    _, said = process.communicate(timeout=20)
+    _, said = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, message in said, "Traceback" in said) == (code, True, False), said

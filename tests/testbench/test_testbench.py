@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError, LinkError, UsageError
@@ -175,11 +176,11 @@ def test_edges_reach_the_bench_and_a_scenario_can_be_chosen(verdin: Description)
     inputs, port = Inputs(), Port()
     with Testbench(verdin, inputs, port, watcher=Waits()) as bench:
         inputs.on_edge("SODIMM_208", True, now_us())
-        assert confirmed.wait(20)
+        assert confirmed.wait(PATIENCE_S)
         with pytest.raises(UsageError):
             bench.choose("nonsense")
         bench.choose("supply:300")
-        assert enough.wait(20)
+        assert enough.wait(PATIENCE_S)
     assert inputs.closed
     assert port.closed
 

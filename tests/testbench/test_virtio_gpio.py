@@ -8,6 +8,7 @@ from pathlib import Path
 from queue import Queue
 
 import pytest
+from patience import PATIENCE_S
 from virtual_machine import GUEST, VirtualMachine
 
 from end_effector_hal.errors import WireError
@@ -81,7 +82,7 @@ def test_a_machine_that_goes_drives_nothing_and_another_may_come(
         machine = VirtualMachine(path).boot()
         machine.drive(2, True)
         machine.off()
-        assert [seen.get(timeout=20), seen.get(timeout=20)] == [("C", True), ("C", False)]
+        assert [seen.get(timeout=PATIENCE_S), seen.get(timeout=PATIENCE_S)] == [("C", True), ("C", False)]
 
 
 def test_more_requests_than_the_ring_has_places(

@@ -6,6 +6,8 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 
+from patience import PATIENCE_S
+
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.tool import Unit
@@ -49,7 +51,7 @@ class Tool:
         self.confirmed = dict.fromkeys(LINES, OFF)
         self._seq = 0
 
-    def until(self, what: Callable[[Status], bool], timeout_s: float = 10.0) -> Status:
+    def until(self, what: Callable[[Status], bool], timeout_s: float = PATIENCE_S) -> Status:
         """Frames, until a status is as wanted."""
         end = time.monotonic() + timeout_s
         while not what(self.unit.status):

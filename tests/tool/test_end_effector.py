@@ -7,11 +7,12 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_S, wait_until
 
 from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import load, profile_path
@@ -50,13 +51,6 @@ def levels(world: World) -> dict[str, bool]:
     return {line: bool(state.lines[line].level) for line in GRIPPING_LINES}
 
 
-def until(condition: Callable[[], bool], timeout_s: float = 20.0) -> None:
-    end = time.monotonic() + timeout_s
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.02)
-
-
 def holder(world: World, *arguments: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-c", HOLDER, str(world.description_path), *arguments]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -75,10 +69,10 @@ def kill(process: subprocess.Popen[str]) -> None:
 def test_grip_and_drop_by_hand_and_in_order(world: World) -> None:
     with EndEffector.open(world.description) as tool:
         assert tool.wait_ready()
-        until(lambda: tool.set_actuator("cylinder", True).accepted)
+        wait_until("it", lambda: tool.set_actuator("cylinder", True).accepted)
         assert "IL-12" in tool.grip().reason
         assert tool.set_actuator("cylinder", False).accepted
-        until(lambda: tool.lock().succeeded)
+        wait_until("it", lambda: tool.lock().succeeded)
         result = tool.grip()
         assert (result.succeeded, result.state) == (True, EndEffectorState.GRIPPED)
         assert [step.attempts for step in result.steps] == [1, 1, 1]
@@ -90,15 +84,15 @@ def test_grip_and_drop_by_hand_and_in_order(world: World) -> None:
 
 def test_the_death_of_the_program_ends_what_was_driven_by_hand(world: World) -> None:
     process = holder(world, "by hand")
-    until(lambda: levels(world)["SODIMM_210"])
+    wait_until("it", lambda: levels(world)["SODIMM_210"])
     kill(process)
-    until(lambda: levels(world) == NONE_ACTIVE)
+    wait_until("it", lambda: levels(world) == NONE_ACTIVE)
 
 
 def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp_path: Path) -> None:
     with EndEffector.open(world.description) as tool:
         assert tool.wait_ready()
-        until(lambda: tool.grip().succeeded)
+        wait_until("it", lambda: tool.grip().succeeded)
         with OwnerClient(world.socket, "test") as observer:
             os.kill(observer.status()["pid"], signal.SIGKILL)
         time.sleep(0.5)
@@ -106,10 +100,10 @@ def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp
         again = world.children.start(
             "line owner again", [*EEHAL, "owner", str(world.description_path)], log=tmp_path / "again.log"
         )
-        again.wait_until(lambda: "ready:" in again.text(), timeout_s=15.0, what="it was ready")
+        again.wait_until("it", lambda: "ready:" in again.text(), timeout_s=PATIENCE_S, what="it was ready")
         assert levels(world) == ALL_ACTIVE
         assert tool.status.ee == EndEffectorState.GRIPPED
-        until(lambda: tool.drop().succeeded)
+        wait_until("it", lambda: tool.drop().succeeded)
         assert levels(world) == NONE_ACTIVE
 
 
@@ -129,7 +123,7 @@ def test_the_death_of_the_program_while_gripped_holds_and_is_adopted(world: Worl
 def test_the_death_of_the_program_while_gripping_unwinds_in_reverse(world: World) -> None:
     world.choose("never-confirms:top_vacuum")
     process = holder(world, "grip")
-    until(lambda: levels(world) == ALL_ACTIVE)
+    wait_until("it", lambda: levels(world) == ALL_ACTIVE)
     kill(process)
     seen = [levels(world)]
 
@@ -138,6 +132,6 @@ def test_the_death_of_the_program_while_gripping_unwinds_in_reverse(world: World
             seen.append(levels(world))
         return seen[-1] == NONE_ACTIVE
 
-    until(all_inactive)
+    wait_until("it", all_inactive)
     released = [line for a, b in pairwise(seen) for line in GRIPPING_LINES if a[line] and not b[line]]
     assert released == list(reversed(GRIPPING_LINES))

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import load, profile_path
@@ -34,7 +35,7 @@ def running(world: World) -> Iterator[subprocess.Popen[str]]:
                 assert line, "it ended"
             yield process
             process.stdin.close()
-            assert process.wait(20) == 0
+            assert process.wait(PATIENCE_S) == 0
         finally:
             process.kill()
 
@@ -93,7 +94,7 @@ def test_a_second_reader_of_the_same_port_is_told_who_reads_it(
             assert f"the port is used by pid {running.pid} (" in said or f"and pid {running.pid} (" in said
             assert time.monotonic() - begun < 30
             owner.terminate()
-            owner.wait(20)
+            owner.wait(PATIENCE_S)
         finally:
             owner.kill()
     assert owner.returncode == 0

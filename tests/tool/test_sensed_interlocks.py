@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
+from patience import wait_until
 
 from end_effector_hal.demo._world import World
 from end_effector_hal.description import Description, EStop, load, profile_path
@@ -34,13 +35,6 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         yield running
 
 
-def until(condition: Callable[[], bool], timeout_s: float = 20.0) -> None:
-    end = time.monotonic() + timeout_s
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.02)
-
-
 def active(world: World, line: str) -> bool:
     return bool(read_chip(world.chip).lines[line].level)
 
@@ -57,24 +51,24 @@ def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
         assert "nobody who reads the sensors has said yet whether the tool is locked" in refusal(hand, BOTTOM)
     with EndEffector.open(world.description) as tool:
         assert tool.wait_ready()
-        until(lambda: tool.lock().succeeded)
+        wait_until("it", lambda: tool.lock().succeeded)
         assert tool.grip().succeeded
         os.kill(world.testbench.pid, signal.SIGSTOP)
         try:
             with OwnerClient(world.socket, "look") as look:
-                until(lambda: look.status()["told"]["locked"]["age_us"] > 150_000)
+                wait_until("it", lambda: look.status()["told"]["locked"]["age_us"] > 150_000)
             assert active(world, BOTTOM), "a predicate that expires deactivates nothing"
             assert tool.status.ee == EndEffectorState.GRIPPED
         finally:
             os.kill(world.testbench.pid, signal.SIGCONT)
-        until(lambda: tool.drop().succeeded)
+        wait_until("it", lambda: tool.drop().succeeded)
 
 
 def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) -> None:
     """The owner knows of a frame before the program that decides by it."""
     with EndEffector.open(world.description) as tool:
         assert tool.wait_ready()
-        until(lambda: tool.lock().succeeded)
+        wait_until("it", lambda: tool.lock().succeeded)
         for _ in range(2):
             assert tool.grip().reason == ""
             assert tool.drop().reason == ""
@@ -85,13 +79,13 @@ def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) 
 def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     with EndEffector.open(world.description) as tool:
         assert tool.wait_ready()
-        until(lambda: tool.lock().succeeded)
+        wait_until("it", lambda: tool.lock().succeeded)
         monkeypatch.setattr(Witness, "frame", lambda *_: None)
         time.sleep(0.7)  # the claims expire, and IL-01 has its half second
         outcome = tool.unlock()
         assert not outcome.succeeded
         assert f"IL-01: {UNLOCK} (unlock) is not activated: for " in outcome.reason
-        until(lambda: tool.lock().succeeded)
+        wait_until("it", lambda: tool.lock().succeeded)
         outcome = tool.grip()
         assert (outcome.succeeded, outcome.state) == (False, EndEffectorState.STAND_BY)
         assert outcome.reason.startswith("The line owner refused to activate Bottom vacuum.")
@@ -100,7 +94,7 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
         assert not by_hand.accepted
         assert by_hand.reason.startswith("IL-05: SODIMM_210 (cylinder) is not activated: for ")
         monkeypatch.undo()
-        until(lambda: tool.grip().succeeded)
+        wait_until("it", lambda: tool.grip().succeeded)
         assert tool.status.reason == ""
         assert tool.drop().succeeded
 
@@ -108,11 +102,11 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
 def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> None:
     with EndEffector.open(world.description) as tool, OwnerClient(world.socket, "look") as look:
         assert tool.wait_ready()
-        until(lambda: tool.lock().succeeded)
+        wait_until("it", lambda: tool.lock().succeeded)
         assert tool.grip().succeeded
         world.choose("estop-open")
-        until(lambda: "e_stop_closed" in look.status()["faults"])
-        until(lambda: "IL-13: the emergency stop was opened." in tool.status.alarms)
+        wait_until("it", lambda: "e_stop_closed" in look.status()["faults"])
+        wait_until("it", lambda: "IL-13: the emergency stop was opened." in tool.status.alarms)
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert tool.drop().succeeded, "a deactivation is never refused"
         outcome = tool.grip()
@@ -121,8 +115,8 @@ def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> No
             look.reset()
         assert "stop is open: this fault stays" in tool.reset().reason
         world.choose("nominal")
-        until(lambda: look.status()["told"]["e_stop_closed"]["holds"])
+        wait_until("it", lambda: look.status()["told"]["e_stop_closed"]["holds"])
         assert "the emergency stop was opened; reset the faults first." in tool.grip().reason
         assert tool.reset().accepted
-        until(lambda: not tool.status.alarms)
+        wait_until("it", lambda: not tool.status.alarms)
         assert tool.grip().succeeded

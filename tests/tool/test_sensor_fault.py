@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.control import ChangerFault, ChangerState, Status
 from end_effector_hal.demo._world import World
@@ -25,7 +26,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 def fed(unit: Unit, until: Callable[[Status], bool], *, unlocked: bool) -> Status:
     """Frames of a locked tool, whose other bit is as given, until a status is as wanted."""
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + PATIENCE_S
     while not until(unit.status):
         assert time.monotonic() < end, unit.status
         bits = {"locked": True, "unlocked": unlocked}

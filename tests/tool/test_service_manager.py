@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_S
 
 from end_effector_hal.demo._world import EEHAL
 from end_effector_hal.description import load, profile_path
@@ -57,7 +58,7 @@ class Manager:
         process = subprocess.Popen(words, env=environ, stdout=subprocess.DEVNULL, pass_fds=given)
         try:
             yield process
-            process.wait(20)
+            process.wait(PATIENCE_S)
         finally:
             process.kill()
             process.wait()
@@ -220,7 +221,7 @@ def test_a_stopped_owner_gives_no_sign_of_life(manager: Manager, tmp_path: Path)
         owner.send_signal(signal.SIGCONT)
         assert manager.told() == "WATCHDOG=1"
         owner.terminate()
-        assert owner.wait(10) == 0
+        assert owner.wait(PATIENCE_S) == 0
 
 
 def test_an_owner_whose_loop_hangs_does_not_live(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from patience import PATIENCE_S, wait_until
 
 from end_effector_hal.errors import (
     LineBusyError,
@@ -37,6 +38,7 @@ from end_effector_hal.wires import (
     read_chip,
 )
 
+pytestmark = pytest.mark.wall
 UNLOCK, BOTTOM, TOP = LINES = ("SODIMM_206", "SODIMM_208", "SODIMM_212")
 POLICY = Policy(LINES, [(UNLOCK, BOTTOM), (UNLOCK, TOP)], {UNLOCK: 300_000}, min_switch_us=0)
 
@@ -90,13 +92,6 @@ class Raw:
     def close(self):
         self.file.close()
         self.socket.close()
-
-
-def wait_until(condition):
-    until = time.monotonic() + 10
-    while not condition():
-        assert time.monotonic() < until
-        threading.Event().wait(0.005)
 
 
 def test_set_and_levels(bench):
@@ -188,7 +183,6 @@ except OSError as error:
 """
 
 
-@pytest.mark.wall
 @pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to be somebody else")
 def test_only_members_of_the_group_can_open_the_socket():
     with tempfile.TemporaryDirectory(prefix="eehal-") as folder:
@@ -235,13 +229,13 @@ def test_a_delayed_write_says_so(bench):
     with bench.owner(Policy(LINES, min_switch_us=200_000)), bench.client() as grip:
         delay = grip.set({BOTTOM: True}).delay_us
         assert 0 < delay <= 200_000
-        wait_until(lambda: bench.levels()[1])
+        wait_until("it", lambda: bench.levels()[1])
 
 
 def test_il_03_is_ended_by_the_owner_and_told_in_its_status(bench):
     with bench.owner(), bench.client("changer", [UNLOCK]) as changer, bench.client("look", []) as look:
         changer.set({UNLOCK: True})
-        wait_until(lambda: not bench.levels()[0])
+        wait_until("it", lambda: not bench.levels()[0])
         status = look.status()
         assert [(trip["line"], trip["interlock"]) for trip in status["trips"]] == [(UNLOCK, "IL-03")]
         assert [(client["client"], client["lines"]) for client in status["clients"]] == [
@@ -261,7 +255,7 @@ def test_close_holds_or_executes_what_it_is_given(bench):
         assert bench.levels() == [False, True, False]
         with pytest.raises(ZeroDivisionError), bench.client(will=[WillStep(BOTTOM)]):
             raise ZeroDivisionError
-        wait_until(lambda: bench.levels() == [False, False, False])
+        wait_until("it", lambda: bench.levels() == [False, False, False])
 
 
 def test_a_lease_that_is_not_renewed_ends(bench):
@@ -274,9 +268,9 @@ def test_a_lease_that_is_not_renewed_ends(bench):
         threading.Event().wait(2.0)
         assert bench.levels()[1]
         alive.clear()
-        wait_until(lambda: not bench.levels()[1])
+        wait_until("it", lambda: not bench.levels()[1])
         alive.set()
-        wait_until(lambda: lost)
+        wait_until("it", lambda: lost)
         assert "the lease ended" in str(lost[0])
         with pytest.raises(OwnerError, match="the lease ended"):
             grip.set({TOP: True})
@@ -306,9 +300,9 @@ def test_the_renewals_find_the_owner_again(bench):
     with bench.owner():
         grip = bench.client()
         grip.attend(on_lost=lost.append)
-    wait_until(lambda: lost)
+    wait_until("it", lambda: lost)
     with bench.owner(), bench.client("look", []) as look:
-        wait_until(lambda: look.status()["clients"])
+        wait_until("it", lambda: look.status()["clients"])
         with pytest.raises(OwnerError, match="was lost"):
             grip.levels()
         grip.levels()
@@ -321,7 +315,7 @@ def test_a_loss_that_was_not_told_yet_does_not_make_a_close_a_death(bench):
         grip = bench.client()
         grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
     with bench.owner(), bench.client("look", []) as look:
-        wait_until(lambda: look.status()["clients"])
+        wait_until("it", lambda: look.status()["clients"])
         grip.close()
         assert look.status()["clients"] == []
         assert look.levels()[BOTTOM]
@@ -464,10 +458,10 @@ def test_a_client_that_reads_no_replies_is_dead(bench):
         will = [{"line": BOTTOM, "level": False, "after_us": 0}]
         raw.say({"op": "hello", "client": "x", "lines": [BOTTOM]})
         raw.say({"op": "set", "levels": {BOTTOM: True}, "will": will})
-        wait_until(lambda: bench.levels()[1])
+        wait_until("it", lambda: bench.levels()[1])
         with pytest.raises(OSError):
             raw.say(b'{"op": "levels"}\n' * 100_000)
-        wait_until(lambda: not bench.levels()[1])
+        wait_until("it", lambda: not bench.levels()[1])
         raw.close()
 
 
@@ -545,14 +539,13 @@ def process(program, *arguments):
         child.communicate()
 
 
-@pytest.mark.wall
 def test_a_killed_owner_leaves_the_lines_and_the_next_adopts_them(bench):
     with process(OWNER, bench.chip, bench.socket, *LINES) as first:
         with bench.client() as grip:
             with pytest.raises(LineBusyError, match=f"pid {first.pid} "):
                 LineOwner(VirtualLines(bench.chip), bench.socket, POLICY)
             grip.set({BOTTOM: True}, [])
-            wait_until(lambda: bench.levels()[1])
+            wait_until("it", lambda: bench.levels()[1])
             first.kill()
             first.wait()
             with pytest.raises(OwnerError):
@@ -564,29 +557,27 @@ def test_a_killed_owner_leaves_the_lines_and_the_next_adopts_them(bench):
         assert bench.chip.read_bytes() == records
 
 
-@pytest.mark.wall
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_an_owner_that_is_asked_to_end_leaves_the_lines_as_they_are(bench, number):
     with process(OWNER, bench.chip, bench.socket, *LINES) as owner:
         grip = bench.client()
         grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
-        wait_until(lambda: bench.levels()[1])
+        wait_until("it", lambda: bench.levels()[1])
         owner.send_signal(number)
         assert owner.stdout.read() == b"end\n"
-        assert owner.wait(10) == 0
+        assert owner.wait(PATIENCE_S) == 0
     assert bench.levels() == [False, True, False]
     assert not bench.socket.exists()
     grip.close()
 
 
-@pytest.mark.wall
 def test_the_will_of_a_killed_client_is_executed_in_order_and_in_time(bench):
     edges = []
     with (
         process(OWNER, bench.chip, bench.socket, *LINES),
         process(CLIENT, bench.socket, BOTTOM, TOP) as client,
     ):
-        wait_until(lambda: bench.levels() == [False, True, True])
+        wait_until("it", lambda: bench.levels() == [False, True, True])
         with ChipWatcher(bench.chip, edges.append):
             killed = now_us()
             client.kill()
@@ -594,53 +585,49 @@ def test_the_will_of_a_killed_client_is_executed_in_order_and_in_time(bench):
             grip = bench.client()
             # The will ran to its end before the next client was let in.
             assert grip.levels() == dict.fromkeys(LINES, False)
-            wait_until(lambda: len(edges) == 2)
+            wait_until("it", lambda: len(edges) == 2)
             grip.close()
     assert [(edge.line, edge.level) for edge in edges] == [(TOP, False), (BOTTOM, False)]
     assert killed <= edges[0].at < killed + 200_000
     assert killed + 300_000 <= edges[1].at < killed + 600_000
 
 
-@pytest.mark.wall
 def test_an_owner_that_ends_with_its_clients_still_executes_their_wills(bench):
     # as roslaunch does it at Ctrl-C: everybody is told to end, the owner first
     with (
         process(OWNER, bench.chip, bench.socket, *LINES) as owner,
         process(CLIENT, bench.socket, BOTTOM, TOP) as client,
     ):
-        wait_until(lambda: bench.levels() == [False, True, True])
+        wait_until("it", lambda: bench.levels() == [False, True, True])
         owner.send_signal(signal.SIGINT)
         time.sleep(0.2)
         client.kill()
-        assert owner.wait(10) == 0
+        assert owner.wait(PATIENCE_S) == 0
     assert bench.levels() == [False, False, False]
 
 
-@pytest.mark.wall
 def test_a_second_signal_ends_an_owner_at_once(bench):
     with (
         process(OWNER, bench.chip, bench.socket, *LINES) as owner,
         process(CLIENT, bench.socket, BOTTOM, TOP),
     ):
-        wait_until(lambda: bench.levels() == [False, True, True])
+        wait_until("it", lambda: bench.levels() == [False, True, True])
         owner.send_signal(signal.SIGINT)
         time.sleep(0.1)
         owner.send_signal(signal.SIGINT)
-        assert owner.wait(10) == 0
+        assert owner.wait(PATIENCE_S) == 0
     assert bench.levels() == [False, True, True]
 
 
-@pytest.mark.wall
 def test_a_stopped_client_is_dead_after_its_lease(bench):
     with bench.owner(), process(CLIENT, bench.socket, BOTTOM) as client:
-        wait_until(lambda: bench.levels()[1])
+        wait_until("it", lambda: bench.levels()[1])
         client.send_signal(signal.SIGSTOP)
         before = time.monotonic()
-        wait_until(lambda: not bench.levels()[1])
+        wait_until("it", lambda: not bench.levels()[1])
         assert 0.7 < time.monotonic() - before < 5
 
 
-@pytest.mark.wall
 def test_an_owner_that_was_stopped_kills_nobody(bench):
     with process(OWNER, bench.chip, bench.socket, *LINES) as owner, bench.client(timeout_s=10) as grip:
         grip.set({BOTTOM: True}, [WillStep(BOTTOM)])

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, POLICY, SENSING, TOP, UNLOCK, Lines, S
+from patience import PATIENCE_S
 
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.wires.owner import Keeper, WillStep
@@ -337,12 +338,13 @@ def test_when_both_are_killed_the_next_owner_does_what_the_client_has_left(tmp_p
                 assert process.stdout
                 assert process.stdout.readline() == b"ready\n"
                 yield process
-                process.wait(20)
+                process.wait(PATIENCE_S)
             finally:
                 process.kill()
 
     with owner() as first:
-        client = OwnerClient(tmp_path / "sock", "grip", [BOTTOM, TOP], alive=lambda: False)
+        client = OwnerClient(tmp_path / "sock", "grip", [BOTTOM, TOP])
+        client.attend(alive=lambda: False)
         client.set({BOTTOM: True, TOP: True}, [WillStep(TOP), WillStep(BOTTOM, after_us=100_000)])
         while not client.levels()[BOTTOM]:  # IL-10 lets it wait after the start
             time.sleep(0.01)
