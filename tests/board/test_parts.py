@@ -12,10 +12,12 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.board import _parts as module
-from end_effector_hal.board import board_parts
+from end_effector_hal.board import board_parts, need_its_wires
 from end_effector_hal.board._cpio import write_archive
 from end_effector_hal.board._root import write_root
-from end_effector_hal.errors import BoardError, RosError
+from end_effector_hal.cli._board import command
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import BoardError, RosError, UsageError
 from end_effector_hal.testbench import Events, edges_of
 
 EEHAL = (sys.executable, "-c", "from end_effector_hal.cli import main; main()")
@@ -98,12 +100,26 @@ def test_on_a_machine_without_apt(tmp_path: Path) -> None:
     )
 
 
-def test_a_scenario_that_is_not_there() -> None:
-    ended = subprocess.run(
-        [*EEHAL, "board", "--only", "nonsense"], capture_output=True, text=True, check=False
-    )
-    assert (ended.returncode, ended.stdout) == (2, "")
-    assert "there is no scenario nonsense." in ended.stderr
+def test_a_scenario_that_is_not_there(recipe: Path) -> None:
+    with pytest.raises(UsageError, match=r"there is no scenario nonsense\. There are: nominal"):
+        command.main(["--only", "nonsense"], standalone_mode=False)
+    assert not (recipe / "count").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("SODIMM_208", "GPIO_9", r"has no line GPIO_9. It has SODIMM_206"),
+        ("/dev/verdin-uart1", "/dev/ttyUSB0", r"no port /dev/ttyUSB0. Its sensor link is /dev/verdin-uart1"),
+        ("backend: gpiod", "backend: virtual\n  path: /tmp/chip", r"lines of this tool are virtual"),
+    ],
+)
+def test_a_tool_on_other_wires(tmp_path: Path, old: str, new: str, said: str) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(profile_path().read_text().replace(old, new))
+    with pytest.raises(UsageError, match=said):
+        need_its_wires(load(path))
+    need_its_wires(load(profile_path()))
 
 
 def test_the_root_is_what_was_built_and_the_project_and_the_job(tmp_path: Path) -> None:

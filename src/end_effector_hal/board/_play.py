@@ -9,8 +9,8 @@ from pathlib import Path
 
 from end_effector_hal.demo import Report, Scenario, draw, fresh_folder, judge, replayed
 from end_effector_hal.description import Description
-from end_effector_hal.errors import BoardError
-from end_effector_hal.testbench import edges_of
+from end_effector_hal.errors import BoardError, UsageError
+from end_effector_hal.testbench import edges_of, open_inputs
 from end_effector_hal.trace import read_run, read_states
 
 from ._machine import run_board
@@ -25,6 +25,23 @@ class Played:
 
     report: Report
     said: str
+
+
+def need_its_wires(description: Description) -> None:
+    """Raise UsageError when a tool hangs on lines or a port that the board does not have."""
+    if description.lines.backend != "gpiod":
+        raise UsageError(
+            "the lines of this tool are virtual.",
+            where=str(description.source),
+            todo="The board has backend: gpiod.",
+        )
+    open_inputs("qemu:its pins", description)
+    if description.link.port not in PORTS:
+        raise UsageError(
+            f"the board has no port {description.link.port}.",
+            where=str(description.source),
+            todo=f"Its sensor link is {PORTS[0]}.",
+        )
 
 
 def play_on_board(
@@ -49,15 +66,11 @@ def play_on_board(
         while_running: called a few times a second.
 
     Raises:
+        UsageError: what `need_its_wires` raises.
         BoardError: the job left no recording.
         EndEffectorError: what `run_board` raises.
     """
-    if description.link.port not in PORTS:
-        raise BoardError(
-            f"The board has no port {description.link.port}.",
-            where=description.where("link"),
-            todo=f"Its sensor link is {PORTS[0]}.",
-        )
+    need_its_wires(description)
     fresh_folder(folder)
     shutil.copyfile(description.source, folder / "end_effector.yaml")
     automata = description.automata_path.read_text(encoding="utf-8")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ._demo import chosen, console
+from ._demo import chosen, console, end_in_order
 
 
 @click.command("board")
@@ -52,11 +52,13 @@ def command(
 
     DESCRIPTION: default is the shipped tool. Exit code 1: a scenario did not tell its story; 3: something is missing.
     """
-    from end_effector_hal.board import BoardProgress, board_parts, play_on_board
+    from end_effector_hal.board import BoardProgress, board_parts, need_its_wires, play_on_board
     from end_effector_hal.demo import print_table, scenarios
     from end_effector_hal.description import load, profile_path
 
+    end_in_order()
     loaded = load(description or profile_path())
+    need_its_wires(loaded)
     picked = chosen(scenarios(loaded, everything=True), only)
     progress = console(stderr=True)
     parts = board_parts(lambda text: progress.print(text, highlight=False, soft_wrap=True))

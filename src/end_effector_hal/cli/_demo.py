@@ -64,8 +64,7 @@ def command(
     from end_effector_hal.demo import print_table, run_demo, scenarios
     from end_effector_hal.description import load, profile_path
 
-    signal.signal(signal.SIGTERM, _end)
-    signal.signal(signal.SIGHUP, _end)
+    end_in_order()
     loaded = load(description or profile_path())
     picked = chosen(scenarios(loaded, everything=everything or bool(only)), only)
     if own_wires and len({scenario.bench for scenario in picked}) > 1:
@@ -110,6 +109,11 @@ def console(*, stderr: bool = False) -> Console:
     return console if console.is_terminal else Console(stderr=stderr, width=WIDTH)
 
 
-def _end(number: int, _frame: FrameType | None) -> None:
-    # what was started is ended on the way out
-    sys.exit(128 + number)
+def end_in_order() -> None:
+    """On SIGTERM and SIGHUP: what was started is ended on the way out."""
+
+    def end(number: int, _frame: FrameType | None) -> None:
+        sys.exit(128 + number)
+
+    signal.signal(signal.SIGTERM, end)
+    signal.signal(signal.SIGHUP, end)
