@@ -93,11 +93,18 @@ def play_on_board(
     if ended.code not in (0, 1) or not (recorded / "states.csv").exists():
         last = "".join(f"\n    {line}" for line in ended.output.strip().splitlines()[-8:])
         raise BoardError(f"The board left no recording in {folder}; it said:{last}")
-    shutil.copytree(recorded, folder, dirs_exist_ok=True)
+    # links among its logs name places on the board
+    shutil.copytree(recorded, folder, symlinks=True, dirs_exist_ok=True)
     shutil.rmtree(recorded)
+    return Played(
+        replace(judged(scenario, description, folder, figures=figures), seconds=ended.seconds), ended.output
+    )
+
+
+def judged(scenario: Scenario, description: Description, folder: Path, *, figures: bool) -> Report:
+    """The report on a recording that was brought home, by the pins that the testbench saw."""
     log, info = read_states(folder / "states.csv"), read_run(folder)
     if log.rows and figures:
         draw(folder, log, info)
     report = judge(scenario, description, log, info, edges_of(folder / "events"))
-    findings = (*report.findings, replayed(folder))
-    return Played(replace(report, findings=findings, folder=folder, seconds=ended.seconds), ended.output)
+    return replace(report, findings=(*report.findings, replayed(folder)), folder=folder)
