@@ -1,55 +1,56 @@
 #!/bin/sh
-# Builds the User-Mode-Linux kernel of the gpiochip tests from Debian's kernel source; prints where it stands.
-# Once: the result is kept under the version of the source and the text of what is built.
+# build-kernel.sh [find]: prints where the User-Mode-Linux kernel of the gpiochip tests stands; builds it when there is
+# none (not with `find`).
+# It is kept outside of the checkout, under the version of the source and what is made of it: a fresh clone finds it.
+# Exit code 3: something is missing here; one line says what.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-place=${1:-$here/../../build/uml}
-archive=/usr/src/linux-source-6.1.tar.xz
+cache=${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/end-effector-hal/uml
 say() { echo "$*" >&2; }
+lacks() {
+    say "$1 is missing, so there is no kernel to test on: apt install $(paste -sd' ' "$here/kernel-packages.txt")"
+    exit 3
+}
+key=$(cat "$here/kernel.fragment" "$here/compile-kernel.sh" | sha256sum | cut -c1-12)
+version() { dpkg-query -W -f '${Version}' linux-source-6.1 2>/dev/null; }
+found() {
+    # without the source any version will do
+    for kernel in "$cache"/linux-$(version || echo '*')-"$key"; do
+        [ -x "$kernel" ] && echo "$kernel" && return
+    done
+    return 1
+}
 
 if [ "$(uname -m)" != x86_64 ]; then
     say "User-Mode-Linux runs on x86_64 only, this machine is $(uname -m)."
     exit 3
 fi
-version=$(dpkg-query -W -f '${Version}' linux-source-6.1 2>/dev/null) || version=
-if [ -z "$version" ] || [ ! -r "$archive" ]; then
-    say "Debian's kernel source is missing: apt install $(paste -sd' ' "$here/debian-packages.txt")"
+found && exit 0
+[ "${1:-}" != find ] || exit 1
+"$here/../../deploy/debian.sh" "$here/kernel-packages.txt" >&2 || true
+version >/dev/null && [ -r /usr/src/linux-source-6.1.tar.xz ] || lacks linux-source-6.1
+for program in bc bison flex gcc make xz; do
+    command -v "$program" >/dev/null || lacks "$program"
+done
+if ! mkdir -p "$cache" 2>/dev/null || [ ! -w "$cache" ]; then
+    say "The kernel cannot be kept: $cache cannot be written. Set XDG_CACHE_HOME to a folder that can."
     exit 3
 fi
-for program in flex bison bc gcc make xz; do
-    if ! command -v "$program" >/dev/null; then
-        say "$program is missing: apt install $(paste -sd' ' "$here/debian-packages.txt")"
-        exit 3
-    fi
-done
-key=$(cat "$here/kernel.fragment" "$0" | sha256sum | cut -c1-12)
-kernel=$place/linux-$version-$key
-if [ -x "$kernel" ]; then
-    echo "$kernel"
-    exit 0
-fi
-say "Building a User-Mode-Linux kernel from linux-source-6.1 $version; once, about five minutes"
-mkdir -p "$place"
-work=$(mktemp -d "$place/work.XXXXXX")
-trap 'rm -rf "$work"' EXIT
+exec 9>"$cache/lock"
+flock -n 9 || { say "Waiting: another program builds the kernel in $cache"; flock 9; }
+found && exit 0 # by the one who had the lock
+kernel=$cache/linux-$(version)-$key
+say "Building a User-Mode-Linux kernel from linux-source-6.1 $(version) into $cache; once, two to five minutes"
+# in memory where there is room: half a gigabyte of small files
+in_memory=$(awk '/^MemAvailable:/ { print ($2 > 6000000) }' /proc/meminfo)
+[ "$in_memory" = 1 ] && [ "$(df --output=avail /dev/shm 2>/dev/null | tail -n 1)" -gt 3000000 ] && place=/dev/shm || place=$cache
+work=$(mktemp -d "$place/end-effector-uml.XXXXXX")
+trap 'rm -rf "$work" "$cache/new"' EXIT
 trap 'exit 1' INT TERM
-source=$work/linux-source-6.1
-log=$place/build.log
-{
-    tar -C "$work" -xf "$archive"
-    # A line that was throttled once is never read again (after 4094 unread bytes): it is not to be throttled.
-    sed -i '/\.throttle[[:space:]]*= line_throttle,/d; /\.unthrottle[[:space:]]*= line_unthrottle,/d' \
-        "$source/arch/um/drivers/ssl.c"
-    # All interrupt numbers are taken; the lines of simulated chips need some.
-    sed -i 's/^#define NR_IRQS[[:space:]]*UM_LAST_SIGNAL_IRQ$/#define NR_IRQS (UM_LAST_SIGNAL_IRQ + 64)/' \
-        "$source/arch/um/include/asm/irq.h"
-    grep -q 'define NR_IRQS (UM' "$source/arch/um/include/asm/irq.h"
-    make -C "$source" ARCH=um O="$work/out" KCONFIG_ALLCONFIG="$here/kernel.fragment" allnoconfig
-    nice -n 10 make -C "$work/out" ARCH=um -j"$(nproc)" linux
-    strip -o "$work/linux" "$work/out/linux"
-} >"$log" 2>&1 || { tail -n 15 "$log" >&2; say "The kernel was not built; all of it: $log"; exit 1; }
-for option in $(sed -n 's/^\(CONFIG_[A-Z0-9_]*=y\)$/\1/p' "$here/kernel.fragment"); do
-    grep -qx "$option" "$work/out/.config" || { say "This source has no $option."; exit 1; }
-done
-mv "$work/linux" "$kernel"
+if ! "$here/compile-kernel.sh" "$work" "$cache/new" >"$cache/build.log" 2>&1; then
+    tail -n 15 "$cache/build.log" >&2
+    say "The kernel was not built; all of it: $cache/build.log"
+    exit 1
+fi
+mv "$cache/new" "$kernel" # at once: what stands there is whole
 echo "$kernel"

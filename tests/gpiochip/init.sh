@@ -6,7 +6,6 @@ mount -t proc proc /proc
 for word in $(cat /proc/cmdline); do
     case $word in
         run=*) run=${word#run=} ;;
-        share=*) share=${word#share=} ;;
     esac
 done
 mount -t tmpfs memory /mnt
@@ -21,7 +20,4 @@ mkdir -p dev/pts dev/shm
 mount -t devpts devpts dev/pts
 mount -t tmpfs shm dev/shm
 mount -t tmpfs run run
-# what is written there stays: it is a folder of the host, at the same place
-mkdir -p "$PWD$share"
-mount -t hostfs share "$PWD$share" -o "$share"
 exec chroot . /bin/sh "$run"

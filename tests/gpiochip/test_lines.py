@@ -6,16 +6,18 @@ from pathlib import Path
 from queue import Queue
 
 from guest import HERE, run_guest
+from machines import Machine
 
 from end_effector_hal.description import Description
 from end_effector_hal.testbench import VirtioGpioInputs
 from end_effector_hal.tool import output_lines
 
 PYTEST = "pytest -q -p no:cacheprovider --timeout 240"
+LONGEST_S = 240.0
 
 
-def test_the_kernels_simulated_chip(kernel: Path, tmp_path: Path) -> None:
-    ended = run_guest(kernel, tmp_path, f"{PYTEST} {HERE}/inside/check_gpio_sim.py")
+def test_the_kernels_simulated_chip(machine: Machine, tmp_path: Path, place: Path) -> None:
+    ended = machine.run(place, tmp_path, f"{PYTEST} {HERE}/inside/check_gpio_sim.py", LONGEST_S)
     assert ended.code == 0, ended.console + ended.output
     assert "skipped" not in ended.output
 

@@ -152,6 +152,17 @@ def test_a_killed_owner_leaves_its_lines_at_their_pull(chip: SimulatedChip) -> N
         assert owner.levels() == {A: False, B: False}
 
 
+def test_a_killed_owner_lets_a_pulled_up_line_rise(chip: SimulatedChip) -> None:
+    """And the next one adopts it as an active output: to this kernel it still is one."""
+    chip.pull(B, True)
+    with Owner([A, B]) as owner:
+        assert owner.levels() == {A: False, B: False}
+        owner.kill()
+        assert (chip.level(A), chip.level(B)) == (False, True)
+    with Owner([A, B]) as owner:
+        assert owner.levels() == {A: False, B: True}
+
+
 def test_the_kernel_says_what_a_line_is(chip: SimulatedChip) -> None:
     lines = GpiodLines()
     lines.request([A])
