@@ -170,7 +170,7 @@ def test_each_template_is_drawn_with_the_constants_of_the_description() -> None:
     )
     svg = Path("drawings/Gripper.svg").read_text(encoding="utf-8")
     assert "T_CONFIRM = {7500, 5000, 5000}" in svg
-    assert "CANCEL_HOLDS = false" in svg
+    assert "CANCEL_KEEPS = {false, false, false}" in svg
     assert "STAND_BY =" not in svg  # Table II is no matter of the description
 
 

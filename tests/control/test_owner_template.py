@@ -82,7 +82,7 @@ def test_a_line_owner_with_fewer_rules_is_found_out(
     ("old", "new"),
     [
         ("RELEASE_ORDER[m &lt; N ? m : N - 1]", "RELEASE_ORDER[m &lt; N ? N - 1 - m : 0]"),
-        ("held() ? DEATH_KEEPS : DEATH_HOLDS", "DEATH_HOLDS"),
+        ("return HELD_DEATH_KEEPS[j]", "return DEATH_KEEPS[j]"),
         ("v &gt;= T_UNLOCK", "v &gt;= T_UNLOCK + 1000"),
     ],
 )

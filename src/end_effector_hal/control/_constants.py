@@ -31,9 +31,6 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
         "GRIP_BOUND": _ms(bounds.grip_s),
         "RELEASE_BOUND": _ms(bounds.release_s),
         "CANCEL_BOUND": _ms(bounds.cancel_s),
-        "CANCEL_HOLDS": description.endings.gripping.cancel == "hold",
-        "DEATH_HOLDS": description.endings.gripping.process_death == "hold",
-        "DEATH_KEEPS": description.endings.held.process_death == "hold",
         "LEASE": Policy(lines=()).lease_us // 1000,
         "MESSAGE": bounds.message_ms,
         "CHANGER": changer is not None,
@@ -42,9 +39,11 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
         "IL_05": locks.il_05 and fitted,
         "IL_06": locks.il_06 and description.supply.channel in carried,
         "IL_07": locks.il_07,
+        **_endings(description),
     }
     if changer is not None:
         constants |= {
+            "UNLOCK_KEEPS": changer.endings.process_death != "release",
             "LATCHING": changer.latching,
             "T_PROVE": _ms(changer.prove_s),
             "T_UNLOCK": _ms(changer.unlock_max_s),
@@ -52,6 +51,22 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
             "STAND": changer.stand_bit in carried,
         }
     return constants
+
+
+def _endings(description: Description) -> Constants:
+    """Which outputs stay active, for each ending that the automata know."""
+    each = [description.endings_of(name) for name in description.sequence]
+    keeps = {
+        "CANCEL_KEEPS": [its.gripping.cancel != "release" for its in each],
+        "TIMEOUT_KEEPS": [its.gripping.timeout != "release" for its in each],
+        "ABORT_KEEPS": [its.gripping.abort != "release" for its in each],
+        "LOSS_KEEPS": [its.held.lost != "release" for its in each],
+        "START_KEEPS": [its.power_up != "release" for its in each],
+        "DEATH_KEEPS": [its.gripping.process_death != "release" for its in each],
+        "HELD_DEATH_KEEPS": [its.held.process_death != "release" for its in each],
+    }
+    constants: Constants = dict(keeps)
+    return constants | {"MIXED": any(len(set(some)) > 1 for some in keeps.values())}
 
 
 def channels_of(actuator: Actuator) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from ._changer_reasons import explain_changer
 from ._hold_monitor import HoldMonitor
 from ._levels import Cause, ChangerState, Evidence, ToolEvidence
 from ._predicates import LOCKED, predicates_fitted
-from ._reasons import explain, latched, not_by_hand, refusal
+from ._reasons import explain, latched, left_active, not_by_hand, refusal
 from ._senses import Senses
 from ._status import Answer, Status
 from ._steps import StepLog
@@ -59,7 +59,7 @@ class Controller:
         self._execution = Execution(network, processes, interface, observe=observe)
         self._steps = StepLog(description.sequence)
         self._values = {name: self._execution.value(name) for name in _watched(len(description.sequence))}
-        self._cause, self._cause_at, self._reason = int(Cause.NONE), -1, ""
+        self._cause, self._cause_at, self._reason, self._left = int(Cause.NONE), -1, "", ""
         self._levels: Mapping[str, bool] = {}
         self._sensor_fault = False
         self._adopt_by: int | None = None
@@ -154,7 +154,11 @@ class Controller:
     @property
     def _latched_error(self) -> str:
         """An error that no reset clears, in words; empty: there is none."""
-        return latched(EndEffectorState(self._values["ee"]), self._reason) if self._latched else ""
+        return latched(EndEffectorState(self._values["ee"]), self._why) if self._latched else ""
+
+    @property
+    def _why(self) -> str:
+        return " ".join(filter(None, (self._reason, self._left)))
 
     def refuse_maintenance(self, *, active: bool) -> str:
         """Why the line of an actuator may not be driven by hand now (IL-12); empty: it may."""
@@ -207,9 +211,10 @@ class Controller:
             deadline=self._execution.deadline,
             cause=self._cause,
             cause_at=self._cause_at,
-            reason=self._reason or explain_changer(self._description, values["changer_fault"]),
+            reason=self._why or explain_changer(self._description, values["changer_fault"]),
             lift_allowed=proven and self._hold.allows_lift,
             held=self._held,
+            kept=tuple(i for i in range(len(outputs)) if values[f"kept[{i}]"]),
             secure=proven and self._hold.secure,
             changer=values["changer"],
             unlock_output=bool(values["unlock_valve"]),
@@ -275,15 +280,18 @@ class Controller:
             self._values.update((change.name, change.new) for change in step.changes)
             if self._values["cause"]:
                 self._take_cause(self._values["cause"], self._values["cause_at"])
-            self._steps.take(self._values["ee"], self._outputs, self._actuators, step.at)
+            again = step.sent is not None and step.sent.startswith("again[")
+            self._steps.take(self._values["ee"], self._outputs, self._actuators, step.at, again=again)
             statuses.append(self.status())
         return statuses
 
     def _take_cause(self, cause: int, at: int) -> None:
-        if (cause, at) != (self._cause, self._cause_at):
+        if cause == Cause.KEPT:  # what it ended for is told already
+            self._left = self._left or left_active(self._description, self._outputs)
+        elif (cause, at) != (self._cause, self._cause_at):
             # in the words of this moment: the reading that decided it is soon another one
             self._reason = explain(self._description, cause, at, self._senses, self._at)
-            self._cause, self._cause_at = cause, at
+            self._cause, self._cause_at, self._left = cause, at, ""
 
     @property
     def _latched(self) -> bool:
@@ -315,4 +323,4 @@ class Controller:
 
 
 def _watched(size: int) -> list[str]:
-    return [*_SCALARS, *(f"{name}[{i}]" for name in ("valve", "actuator") for i in range(size))]
+    return [*_SCALARS, *(f"{name}[{i}]" for name in ("valve", "actuator", "kept") for i in range(size))]

@@ -49,6 +49,10 @@ class Cause(IntEnum):
     UNPROVEN_AT_START = 6
     REFUSED = 7
     """The line owner refused to activate an output."""
+    RELEASED_AT_START = 8
+    """Outputs were found active and are deactivated, as declared."""
+    KEPT = 9
+    """An unwinding has left outputs active, as declared; why it began was told before."""
 
 
 class ChangerFault(IntEnum):

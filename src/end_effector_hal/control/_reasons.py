@@ -28,7 +28,14 @@ def explain(description: Description, cause: int, cause_at: int, senses: Senses,
         Cause.STILL_PRESENT: "Everything is deactivated, but a sensor still shows feedback.",
         Cause.NOT_PROVEN: "Everything is deactivated, but a reading is not valid: it is not proven that all is gone.",
         Cause.UNPROVEN_AT_START: "Outputs were active at the start and the sensors do not confirm a grip.",
+        Cause.RELEASED_AT_START: "Outputs were active at the start; they are deactivated, as declared.",
     }.get(Cause(cause), "")
+
+
+def left_active(description: Description, outputs: tuple[bool, ...]) -> str:
+    """What an unwinding has left active, in words."""
+    names = [display_name(name) for name, active in zip(description.sequence, outputs, strict=True) if active]
+    return f"{', '.join(names)} stay{'s' if len(names) == 1 else ''} active, as declared."
 
 
 def latched(state: EndEffectorState, reason: str) -> str:

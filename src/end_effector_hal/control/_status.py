@@ -43,6 +43,8 @@ class Status:
     reason: str = ""
     lift_allowed: bool = False
     held: bool = False
+    kept: tuple[int, ...] = ()
+    """Actuators, by their place in the sequence, that the unwinding which runs leaves active, as declared."""
     secure: bool = False
     maintenance: bool = False
     changer: int = 0

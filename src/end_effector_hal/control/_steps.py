@@ -24,22 +24,28 @@ class StepLog:
         self.steps: tuple[StepReport, ...] = ()
         self.step = -1
 
-    def take(self, ee: int, outputs: tuple[bool, ...], actuators: tuple[int, ...], at: int) -> None:
-        """One more step of the automata, at a time in µs."""
+    def take(
+        self, ee: int, outputs: tuple[bool, ...], actuators: tuple[int, ...], at: int, *, again: bool = False
+    ) -> None:
+        """One more step of the automata, at a time in µs; ``again``: another attempt of what stays active."""
         gripping = ee == EndEffectorState.GRIPPING
         if gripping and self._ee != EndEffectorState.GRIPPING:
             self.steps = tuple(StepReport(name) for name in self._names)
             self._begun = [None] * len(self._names)
         if gripping or self._ee == EndEffectorState.GRIPPING:
             self.steps = tuple(
-                self._next(report, index, outputs[index], actuators[index], at)
+                self._next(report, index, outputs[index], actuators[index], at, again=again)
                 for index, report in enumerate(self.steps)
             )
         if not gripping:
             self.step = -1
         self._ee, self._outputs = ee, outputs
 
-    def _next(self, report: StepReport, index: int, active: bool, state: int, at: int) -> StepReport:
+    def _next(
+        self, report: StepReport, index: int, active: bool, state: int, at: int, *, again: bool
+    ) -> StepReport:
+        if again and index == self.step:
+            report = replace(report, attempts=report.attempts + 1)
         if active and not self._outputs[index]:
             self.step = index
             if self._begun[index] is None:

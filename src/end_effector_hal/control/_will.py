@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.description import Description, Ending
+from end_effector_hal.description import Description
 from end_effector_hal.trace import EndEffectorState
 from end_effector_hal.wires.will import WillStep
 
@@ -11,26 +11,30 @@ from ._time import to_us
 
 
 def will_of(description: Description, status: Status, *, on: str = "process_death") -> tuple[WillStep, ...]:
-    """Deactivations in release order of what is engaged now; empty: hold.
+    """Deactivations in release order of what is engaged now and is declared to be released; empty: hold.
 
-    Held: nothing, unless the description says otherwise (IL-09). Before GRIPPED, and while releasing: unwind;
-    the owner sees no sensors, so it gives each step the whole time that the release allows it.
+    Held, or left active by an unwinding: it stays, unless the description says otherwise (IL-09). Before GRIPPED:
+    as it says; while releasing: the release is carried out. The owner sees no sensors, so it gives each step the whole
+    time that the release allows it.
 
     Args:
         description: the tool.
         status: its state when the will is written.
         on: ``process_death`` or ``sigterm``, the ending that it is for.
     """
-    ending: Ending = getattr(description.endings.held if status.held else description.endings.gripping, on)
-    if status.ee == EndEffectorState.RELEASING:
-        ending = "release"
-    if ending == "hold":
-        return ()
     steps: list[WillStep] = []
     after_us = 0
     for name in description.releasing:
-        if status.outputs[description.sequence.index(name)]:
+        index = description.sequence.index(name)
+        if status.outputs[index] and not _stays(description, status, name, on, left=index in status.kept):
             actuator = description.actuators[name]
             steps.append(WillStep(actuator.line, after_us=after_us))
             after_us += to_us(actuator.release_s)
     return tuple(steps)
+
+
+def _stays(description: Description, status: Status, name: str, on: str, *, left: bool) -> bool:
+    endings = description.endings_of(name)
+    if status.held or left:
+        return bool(getattr(endings.held, on) != "release")
+    return status.ee != EndEffectorState.RELEASING and bool(getattr(endings.gripping, on) != "release")

@@ -3,15 +3,25 @@
 from ._actuators import Actuator, ActuatorPart, BlowOff, CylinderActuator, VacuumActuator
 from ._carried import Carried
 from ._devices import EStop, Lines, Link, Supply, ToolChanger
+from ._endings import (
+    ChangerEndings,
+    Endings,
+    GrippingEndings,
+    HeldEndings,
+    OwnEndings,
+    OwnGrippingEndings,
+    OwnHeldEndings,
+    ProgramEnding,
+)
 from ._examine import Examination, examine, examine_text
 from ._fault import CODES, Fault, did_you_mean
 from ._fitting import not_fitted, unproven
 from ._load import load
 from ._markdown import markdown
 from ._model import Description, camel_case
-from ._part import Ending, Part
+from ._part import Part
 from ._paths import profile_path, run_directory, socket_path
-from ._policy import Automata, Bounds, Endings, GrippingEndings, Handwork, HeldEndings, Hold, Interlocks
+from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
 from ._schema import schema, schema_path, schema_text
 
 __all__ = [
@@ -22,10 +32,10 @@ __all__ = [
     "BlowOff",
     "Bounds",
     "Carried",
+    "ChangerEndings",
     "CylinderActuator",
     "Description",
     "EStop",
-    "Ending",
     "Endings",
     "Examination",
     "Fault",
@@ -36,7 +46,11 @@ __all__ = [
     "Interlocks",
     "Lines",
     "Link",
+    "OwnEndings",
+    "OwnGrippingEndings",
+    "OwnHeldEndings",
     "Part",
+    "ProgramEnding",
     "Supply",
     "ToolChanger",
     "VacuumActuator",

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from ._endings import OwnEndings
 from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum
 
 
@@ -25,6 +26,9 @@ class ActuatorPart(Part):
     frozen_s: MaybeSeconds = Field(
         default=None,
         description="a pressure that does not move by a count for so long is invalid; null: never",
+    )
+    endings: OwnEndings = Field(
+        default=OwnEndings(), description="what each ending does to this one; default: as for the whole tool"
     )
     service: RosName | None = Field(default=None, description="ROS service; default: Set + name in CamelCase")
     topic: RosName | None = Field(

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from ._endings import ChangerEndings
 from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum
 
 
@@ -33,6 +34,9 @@ class ToolChanger(Part):
     present_bit: Name = Field(default="tool_present", description="IL-02: bit of the link: there is a tool")
     arm_s: Seconds = Field(
         default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"
+    )
+    endings: ChangerEndings = Field(
+        default=ChangerEndings(), description="what each ending does to the unlock output"
     )
     service: RosName = Field(default="SetToolChanger", description="ROS service")
 

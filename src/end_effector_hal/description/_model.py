@@ -10,10 +10,11 @@ from pydantic import Field, PrivateAttr
 
 from ._actuators import Actuator, VacuumActuator
 from ._devices import EStop, Lines, Link, Supply, ToolChanger
+from ._endings import Endings
 from ._part import Name, Names, Part
 from ._paths import profile_path
 from ._places import Place, Places
-from ._policy import Automata, Bounds, Endings, Handwork, Hold, Interlocks
+from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
 
 
 class Description(Part):
@@ -60,6 +61,10 @@ class Description(Part):
     def releasing(self) -> tuple[str, ...]:
         """Names of the actuators in the order of a release."""
         return self.release_order if self.release_order is not None else self.sequence[::-1]
+
+    def endings_of(self, name: str) -> Endings:
+        """What each ending does to one actuator; raises KeyError for an unknown one."""
+        return self.actuators[name].endings.over(self.endings)
 
     @property
     def blow_off_lines(self) -> dict[str, str]:

@@ -6,7 +6,7 @@ the key says otherwise.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -18,7 +18,6 @@ Samples = Annotated[int, Field(ge=1, le=1000)]
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
 RosName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*$", max_length=80)]
 LineName = Annotated[str, Field(min_length=1, max_length=64)]
-Ending = Literal["hold", "release"]
 
 # A YAML sequence is a list; frozen objects hold tuples.
 Names = Annotated[tuple[Name, ...], Field(strict=False)]

@@ -1,4 +1,4 @@
-"""What the tool does when something ends, what it refuses, and what is proved about it."""
+"""What the tool watches and refuses, and what is proved about it."""
 
 from __future__ import annotations
 
@@ -6,33 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from ._part import Ending, Part, Seconds, Texts
+from ._part import Part, Seconds, Texts
 
 Milliseconds = Annotated[int, Field(ge=1, le=10_000)]
-
-
-class GrippingEndings(Part):
-    """What an ending does before GRIPPED, when nothing is held yet (release: unwind in reverse order)."""
-
-    cancel: Ending = Field(default="release", description="a grip is cancelled; hold: latched GRIP_ERROR")
-    sigterm: Ending = Field(default="release", description="the program is told to end")
-    process_death: Ending = Field(default="release", description="the program dies; the line owner does this")
-
-
-class HeldEndings(Part):
-    """What an ending does while a part is held; `release` needs IL-09 switched off."""
-
-    sigterm: Ending = Field(default="hold", description="the program is told to end")
-    process_death: Ending = Field(default="hold", description="the program dies; the line owner does this")
-
-
-class Endings(Part):
-    """What endings do: safe is not 'all off'; while a part is held, safe is to hold."""
-
-    gripping: GrippingEndings = Field(
-        default=GrippingEndings(), description="before GRIPPED: nothing is held yet"
-    )
-    held: HeldEndings = Field(default=HeldEndings(), description="while a part is held")
 
 
 class Hold(Part):
@@ -122,6 +98,7 @@ class Automata(Part):
             "armed",
             "command",
             "actuator",
+            "kept",
         ),
         description="variables that the executed processes share with the rest",
     )

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ._facts import Facts
 from ._fault import Fault, closest, did_you_mean
+from ._places import Keys
 
 # Columns of states.csv, and the tool changer's place among the devices.
 RESERVED = ("time_s", "end_effector", "command", "tool_changer")
@@ -73,13 +74,20 @@ def _reserved(facts: Facts) -> Iterator[Fault]:
 
 
 def _endings(facts: Facts) -> Iterator[Fault]:
+    """Of the whole tool and of each actuator: nothing but a Drop releases what is held (IL-09)."""
     if facts.get("interlocks", "IL-09") is not True:
         return
     why = "IL-09 lets only a Drop release a held part; interlocks: {IL-09: false} switches it off"
-    for key in ("sigterm", "process_death"):
-        if facts.get("endings", "held", key) == "release":
-            place = facts.places.value("endings", "held", key)
-            yield Fault.at(place, "EE-223", f"{key!r} would drop a held part", expected="hold", hint=why)
+    stanzas: list[Keys] = [("endings",)]
+    stanzas += [("actuators", name, "endings") for name, _ in facts.actuators()]
+    for stanza in stanzas:
+        for path in (
+            *((*stanza, "held", key) for key in ("lost", "sigterm", "process_death")),
+            (*stanza, "power_up"),
+        ):
+            if facts.get(*path) == "release":
+                what = f"{path[-1]!r} would drop a held part"
+                yield Fault.at(facts.places.value(*path), "EE-223", what, expected="hold", hint=why)
 
 
 def _files(facts: Facts) -> Iterator[Fault]:

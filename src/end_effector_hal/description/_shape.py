@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Collection
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
@@ -11,6 +13,7 @@ from ._model import Description
 from ._part import Part
 
 KINDS: dict[str, type[ActuatorPart]] = {"vacuum": VacuumActuator, "cylinder": CylinderActuator}
+_KIND = re.compile(r"<\w+>")
 
 
 def fields_of(model: type[Part]) -> dict[str, FieldInfo]:
@@ -41,12 +44,19 @@ def part_in(annotation: Any) -> type[Part] | None:
 def homes_of(key: str) -> list[str]:
     """Stanzas that have this key, as ``link`` or ``actuators.<name>`` (with the kind, if only one has it)."""
     homes = [stanza for stanza, model in stanzas().items() if key in fields_of(model)]
-    kinds = [each for each in homes if each.startswith("actuators")]
-    return (
-        ["actuators.<name>", *[each for each in homes if each not in kinds]]
-        if len(kinds) == len(KINDS)
-        else homes
+    return list(dict.fromkeys(of_any_kind(each) if is_common(each, homes) else each for each in homes))
+
+
+def is_common(stanza: str, among: Collection[str] | None = None) -> bool:
+    """Whether every kind of actuator has this stanza."""
+    return stanza.startswith("actuators.<") and all(
+        _KIND.sub(f"<{kind}>", stanza, count=1) in (among or stanzas()) for kind in KINDS
     )
+
+
+def of_any_kind(stanza: str) -> str:
+    """``actuators.<name>.endings`` of ``actuators.<vacuum>.endings``."""
+    return _KIND.sub("<name>", stanza, count=1)
 
 
 def stanzas() -> dict[str, type[Part]]:

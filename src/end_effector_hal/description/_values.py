@@ -38,6 +38,8 @@ def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
     """A word that is not one of a few."""
     choices = re.findall(r"'([^']*)'", error["ctx"]["expected"])
     what, hint = f"{_label(path)} is not one of its choices", did_you_mean(error["input"], choices)
+    if error["input"] == "leave" and "endings" in path:
+        hint = "write hold: here it says the same"
     return Fault.at(places.value(*path), "EE-209", what, expected=" or ".join(choices), hint=hint)
 
 

@@ -33,9 +33,10 @@ class Duties:
     def will(self, status: Status, on: str = "process_death") -> Will:
         """What the line owner does at an ending, by its name in the description."""
         if self._changes:
-            # an inactive line is locked: that is the declared ending of a tool changer
             changer = self._description.tool_changer
-            return (WillStep(changer.line),) if changer and status.unlock_output else ()
+            if not (changer and status.unlock_output and getattr(changer.endings, on) == "release"):
+                return ()
+            return (WillStep(changer.line),)  # an inactive line is locked
         return self._maintenance.will or will_of(self._description, status, on=on)
 
     def seen(self, status: Status) -> Status:

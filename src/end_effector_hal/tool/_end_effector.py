@@ -239,5 +239,5 @@ class EndEffector:
 
 
 def _is_over(status: Status) -> bool:
-    passing = status.ee == EndEffectorState.GRIP_ERROR and status.command == Command.RELEASE
+    passing = status.ee == EndEffectorState.GRIP_ERROR and status.command != Command.NONE
     return status.ee not in _MOVING and not passing

@@ -107,7 +107,9 @@ class _Reader:
         if was is not now:
             self.enter(was, now, before, row)
         self.deactivate(before, row)
-        if now not in (EndEffectorState.RELEASING, EndEffectorState.GRIP_ERROR):
+        # an unwinding that leaves something active, as declared, ends in a latched error
+        latched = now is EndEffectorState.GRIP_ERROR and row.command is Command.NONE is not before.command
+        if now not in (EndEffectorState.RELEASING, EndEffectorState.GRIP_ERROR) or latched:
             self.finish(at, now)
 
     def actuate(self, before: StatesRow, row: StatesRow) -> None:

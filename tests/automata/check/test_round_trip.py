@@ -9,6 +9,7 @@ from end_effector_hal.automata.check import ends_of
 from end_effector_hal.description import profile_path
 
 SHIPPED = profile_path().with_name("end_effector.xml")
+ENDINGS = ("CANCEL", "TIMEOUT", "ABORT", "LOSS", "START", "DEATH", "HELD_DEATH")
 
 
 def constants(n: int) -> dict[str, object]:
@@ -20,7 +21,7 @@ def constants(n: int) -> dict[str, object]:
         "T_GONE": [2000] * n,
         "RELEASE_ORDER": [(i + 1) % n for i in range(n)],
         "D": 20,
-        "CANCEL_HOLDS": True,
+        **{f"{ending}_KEEPS": [i % 2 == 0 for i in range(n)] for ending in ENDINGS},
         "IL_07": False,
     }
 
@@ -83,5 +84,5 @@ def test_layout_comments_and_queries_are_kept():
         for old, new in zip(before.source.split(b"\n"), after.source.split(b"\n"), strict=True)
         if old != new
     ]
-    assert len(changed) == 9
+    assert len(changed) == 15
     assert changed[0][1].startswith(b"const int N = 8;  ")

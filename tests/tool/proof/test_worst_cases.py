@@ -49,6 +49,11 @@ class Tool:
             "T_GONE": list(self.gone),
             "RELEASE_ORDER": list(self.release_order),
             "D": self.late,
+            **{
+                f"{ending}_KEEPS": [False] * len(self.attempts)
+                for ending in ("CANCEL", "TIMEOUT", "ABORT", "DEATH")
+            },
+            **{f"{ending}_KEEPS": [True] * len(self.attempts) for ending in ("LOSS", "START", "HELD_DEATH")},
             "GRIP_BOUND": self.over,
             "RELEASE_BOUND": self.release,
             "CANCEL_BOUND": self.release,
