@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from tests.declared import declared
 
 from end_effector_hal.demo import Scenario, culprit_of, scenarios
 from end_effector_hal.description import Description
@@ -81,3 +82,21 @@ def test_supervisor_and_testbench_understand_every_scenario(verdin: Description)
 
 def test_the_script_of_the_cancel(verdin: Description) -> None:
     assert of(verdin, "cancel").script == ("wait 0.5; lock; wait 0.5; grip &; wait 3; cancel; wait 0.5; quit")
+
+
+@pytest.mark.parametrize(
+    ("holds", "after"),
+    [
+        (("bottom_vacuum", "cylinder"), [EndEffectorState.GRIP_ERROR]),
+        (("cylinder",), [EndEffectorState.RELEASING, EndEffectorState.GRIP_ERROR]),
+        (("top_vacuum",), [EndEffectorState.RELEASING, EndEffectorState.STAND_BY]),
+    ],
+)
+def test_the_declared_endings_are_expected(holds: tuple[str, ...], after: list[EndEffectorState]) -> None:
+    own = {name: {"gripping": {"cancel": "hold", "abort": "hold"}} for name in holds}
+    expected = of(declared(**own), "cancel").expected
+    assert list(expected.states[2:]) == after
+    assert expected.commands[-1] is Command.CANCEL
+    aborted = of(declared(**own), "never-confirms").expected
+    error = EndEffectorState.GRIP_ERROR
+    assert list(aborted.states[2:]) == (after if after == [error] else [error, *after])

@@ -3,8 +3,10 @@
 Rules (section 5 of the contract, and what follows from it):
 
 * A program that dies (SIGKILL) gets the ending ``process_death``, one that is told to end ``sigterm``. One that
-  hangs for longer than its lease (1 s) is dead to the line owner. `release` unwinds in release order, `hold` moves
-  nothing. While it is releasing, the release is carried out. The tool changer ends locked.
+  hangs for longer than its lease (1 s) is dead to the line owner. Each actuator has its own ending: `release`
+  unwinds in release order, `hold` and `leave` move nothing. While it is releasing, the release is carried out. The
+  tool changer ends locked. What the program that starts anew finds active is released where ``power_up`` says so;
+  what is left, if it is part of a grip alone, is a GRIP_ERROR.
 * A line owner that dies moves nothing, and the programs go on when it is back. One that hangs for longer than its
   clients wait for an answer (1 s) finds their connections closed: they are dead to it.
 * A master that goes away makes every node end in order, and start anew once it is back.
@@ -55,17 +57,21 @@ class Expected:
 
 def expected(description: Description, cell: Cell) -> Expected:
     """The declared ending of a cell."""
-    grip, change = _ending(description, cell, "grip"), _ending(description, cell, "tool_change")
+    grip, change = _ending(cell, "grip"), _ending(cell, "tool_change")
     if cell.state == UNLOCKING:
         return _unlocking(description, cell, change)
     lines = [actuator.line for _, actuator in description.ordered]
     releasing = [description.actuators[name].line for name in description.releasing]
     engaged: list[str] = []
+    at_once = releasing
     why, moved, after = "nothing moves", (), {State.STAND_BY}
     if cell.state == GRIPPED:
         engaged, why, after = lines, "held", {State.GRIPPED}
-        if grip == "release":
-            why, moved, after = "released", _off(releasing), {State.STAND_BY}
+        if grip != GOES_ON:
+            at_once, later = _released(description, cell.state, grip, engaged)
+            moved = _off([*at_once, *later])
+            why = "released" if moved else why
+            after = {_adopted(description, engaged, moved, State.GRIPPED)}
     elif cell.state == RELEASING:
         engaged, why, moved = releasing[1:], "release ends", _off(releasing[1:])
         if grip == GOES_ON and (_blinds(cell) or cell.process == "LineOwner"):
@@ -75,15 +81,38 @@ def expected(description: Description, cell: Cell) -> Expected:
         if grip == GOES_ON:
             why, after = "grip goes on", {State.GRIPPED}
             moved = tuple((line, True) for line in lines[len(engaged) :])
-        elif grip == "release":
-            why, moved = "unwound", _off([line for line in releasing if line in engaged])
         else:
-            why, after = "held", {State.GRIP_ERROR}
+            at_once, later = _released(description, cell.state, grip, engaged)
+            moved = _off([*at_once, *later])
+            why = "unwound" if moved else "held"
+            after = {_adopted(description, engaged, moved, State.GRIP_ERROR)}
     active = {line for line, level in (*((line, True) for line in engaged), *moved) if level}
     active -= {line for line, level in moved if not level}
     locked = frozenset({ChangerState.LOCKED})
-    first_s = _first_s(cell) if grip != GOES_ON and moved else None
+    first_s = _first_s(cell) if grip != GOES_ON and moved and at_once else None
     return Expected(why, moved, (), frozenset(active), frozenset(after), locked, first_s)
+
+
+def _released(
+    description: Description, state: str, ending: str, engaged: list[str]
+) -> tuple[list[str], list[str]]:
+    """Lines that an ending releases, in release order; and those that the start after it releases."""
+    at_once, later = [], []
+    for name in description.releasing:
+        line, its = description.actuators[name].line, description.endings_of(name)
+        if line in engaged and getattr(its.held if state == GRIPPED else its.gripping, ending) == "release":
+            at_once.append(line)
+        elif line in engaged and its.power_up == "release":
+            later.append(line)
+    return at_once, later
+
+
+def _adopted(description: Description, engaged: list[str], moved: tuple[Switch, ...], whole: State) -> State:
+    """What is found, by the program that starts anew."""
+    left = len(engaged) - len(moved)
+    if not left:
+        return State.STAND_BY
+    return whole if left == len(description.sequence) else State.GRIP_ERROR
 
 
 def _unlocking(description: Description, cell: Cell, change: str) -> Expected:
@@ -94,12 +123,13 @@ def _unlocking(description: Description, cell: Cell, change: str) -> Expected:
         # the lock may not be proven in time (IL-04), or adopted before it is
         changers |= {ChangerState.FAULT, ChangerState.UNKNOWN}
     off = ((description.tool_changer.line, False),)
-    after, first_s = frozenset({State.STAND_BY}), _first_s(cell) if change != GOES_ON else None
+    own = change == GOES_ON or getattr(description.tool_changer.endings, change) != "release"
+    after, first_s = frozenset({State.STAND_BY}), None if own else _first_s(cell)  # else: IL-03 in its time
     return Expected("relocked", (), off, frozenset(), after, frozenset(changers), first_s)
 
 
-def _ending(description: Description, cell: Cell, program: str) -> str:
-    """``hold``, ``release``, or that the program goes on."""
+def _ending(cell: Cell, program: str) -> str:
+    """The key of the ending that a program gets, or that it goes on."""
     ending = "sigterm" if cell.signal == "SIGTERM" else "process_death"
     own = {"grip": "Grip", "tool_change": "ToolChange"}[program]
     if cell.process == "LineOwner" and cell.signal == "SIGSTOP":
@@ -108,10 +138,7 @@ def _ending(description: Description, cell: Cell, program: str) -> str:
         ending = "sigterm"
     elif cell.process != own:
         return GOES_ON
-    if program == "tool_change":
-        return "release"
-    endings = description.endings.held if cell.state == GRIPPED else description.endings.gripping
-    return "release" if cell.state == RELEASING else str(getattr(endings, ending))
+    return ending
 
 
 def _first_s(cell: Cell) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from cells import PROCESSES, SIGNALS, Cell, full, states, telling
 from expected import expected
+from tests.declared import declared
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.trace import EndEffectorState as State
@@ -47,6 +48,23 @@ def test_what_is_declared_is_expected(description: Description) -> None:
     want = expected(other, Cell("Grip", "SIGKILL", "GRIPPING cylinder"))
     assert (want.gripping, want.active, want.states) == ((), {BOTTOM, CYLINDER}, {State.GRIP_ERROR})
     assert expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder")).states == {State.STAND_BY}
+
+
+def test_each_actuator_has_its_own_ending() -> None:
+    other = declared(
+        {"gripping": {"sigterm": "leave"}},
+        il_09=False,
+        bottom_vacuum={"gripping": {"process_death": "hold"}, "power_up": "release"},
+        cylinder={"held": {"process_death": "release"}},
+    )
+    dies = expected(other, Cell("Grip", "SIGKILL", "GRIPPING top_vacuum"))
+    assert [line for line, _ in dies.gripping] == [TOP, CYLINDER, BOTTOM]
+    assert (dies.states, dies.active) == ({State.STAND_BY}, set())
+    held = expected(other, Cell("Grip", "SIGKILL", "GRIPPED"))
+    assert [line for line, _ in held.gripping] == [CYLINDER, BOTTOM]
+    assert (held.states, held.active) == ({State.GRIP_ERROR}, {TOP})
+    told = expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder"))
+    assert (told.gripping, told.first_s, told.states) == (((BOTTOM, False),), None, {State.GRIP_ERROR})
 
 
 def test_every_cell_is_there_once_and_enough_are_told_in_five_minutes(description: Description) -> None:

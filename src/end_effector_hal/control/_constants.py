@@ -56,7 +56,7 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
 def _endings(description: Description) -> Constants:
     """Which outputs stay active, for each ending that the automata know."""
     each = [description.endings_of(name) for name in description.sequence]
-    keeps = {
+    keeps: dict[str, list[int]] = {
         "CANCEL_KEEPS": [its.gripping.cancel != "release" for its in each],
         "TIMEOUT_KEEPS": [its.gripping.timeout != "release" for its in each],
         "ABORT_KEEPS": [its.gripping.abort != "release" for its in each],
@@ -65,8 +65,7 @@ def _endings(description: Description) -> Constants:
         "DEATH_KEEPS": [its.gripping.process_death != "release" for its in each],
         "HELD_DEATH_KEEPS": [its.held.process_death != "release" for its in each],
     }
-    constants: Constants = dict(keeps)
-    return constants | {"MIXED": any(len(set(some)) > 1 for some in keeps.values())}
+    return {**keeps, "MIXED": any(len(set(some)) > 1 for some in keeps.values())}
 
 
 def channels_of(actuator: Actuator) -> tuple[str, ...]:
