@@ -47,6 +47,8 @@ class Run:
     description: Description
     policy: Policy
     keeper_type: type[Keeper] = Keeper
+    left: tuple[str, ...] = ()
+    """Lines that an unwinding leaves active."""
     steps: list[tuple[int, dict[str, str]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -80,20 +82,27 @@ class Run:
         outputs = tuple(self.valve.values())
         latched = ee is EndEffectorState.GRIP_ERROR and command is Command.NONE
         held = ee is EndEffectorState.GRIPPED or (latched and any(outputs))
-        status = Status(self.at, int(ee), int(command), (0,) * len(outputs), outputs, (), held=held)
+        left = self.left if ee is EndEffectorState.RELEASING else ()
+        kept = tuple(self.names.index(each) for each in left if self.valve[each])
+        status = Status(
+            self.at, int(ee), int(command), (0,) * len(outputs), outputs, (), held=held, kept=kept
+        )
         index = self.names.index(line)
         try:
             self.keeper.write(self.grip, {line: level}, will_of(self.description, status), self.at * MS)
         except LineRefusedError:
             self.valve[line] = False
         told = f"ee = {int(ee)}, command = {int(command)}, valve[{index}] = {str(self.valve[line]).lower()}"
+        told += "".join(f", kept[{at}] = {str(at in kept).lower()}" for at in range(len(outputs)))
         channel = "activate" if level else "deactivate"
         self._step({"synchronisation": f"{channel}[{index}]!", "assignment": told})
         self._look()
 
     def unlocks(self, level: bool) -> None:
         """ToolChange writes its line."""
-        will = (WillStep(self.unlock),) if level else ()
+        changer = self.description.tool_changer
+        locks = changer is not None and changer.endings.process_death == "release"
+        will = (WillStep(self.unlock),) if level and locks else ()
         try:
             self.keeper.write(self.change, {self.unlock: level}, will, self.at * MS)
         except LineRefusedError:
@@ -158,6 +167,7 @@ class Run:
 def random_run(description: Description, policy: Policy, seed: int, keeper: type[Keeper] = Keeper) -> Run:
     """Both clients write as they like, one of them dies in the middle of it."""
     chooser, run = random.Random(seed), Run(description, policy, keeper)
+    run.left = tuple(line for line in run.names if chooser.random() < 0.2)
     mortal = chooser.choice([run.grip, run.grip, run.change])
     for _ in range(chooser.randrange(4, 14)):
         run.to(run.at + chooser.choice([10, 60, 400, 1700]))

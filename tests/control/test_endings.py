@@ -177,9 +177,8 @@ def test_lost(holds: tuple[bool, ...]) -> None:
 
 
 @pytest.mark.parametrize("engaged", [(TOP,), (BOTTOM, CYLINDER), LINES])
-@pytest.mark.parametrize("ending", ["hold", "release", "leave"])
+@pytest.mark.parametrize("ending", ["hold", "release"])
 def test_power_up(ending: str, engaged: tuple[str, ...]) -> None:
-    """leave is hold here: what is an input stays one, of which only the line owner knows."""
     tool = VirtualTool(declared({"power_up": ending}, il_09=False), levels=dict.fromkeys(engaged, True))
     tool.run(9.0)
     if ending == "release":

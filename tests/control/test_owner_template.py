@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from owner_runs import random_run
+from tests.declared import declared
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.tool import owner_policy
@@ -35,6 +36,31 @@ def test_what_the_line_owner_does_is_a_run_of_its_template(
     description: Description, text: str, policy: Policy, seed: int
 ) -> None:
     assert random_run(description, policy, seed).is_one_of(text)
+
+
+MIXED = {
+    "dies mixed": declared(
+        bottom_vacuum={"gripping": {"process_death": "hold"}},
+        cylinder={"gripping": {"process_death": "leave"}, "held": {"process_death": "leave"}},
+    ),
+    "drops the middle": declared(il_09=False, cylinder={"held": {"process_death": "release"}}),
+    "unlock stays": declared(changer={"process_death": "hold"}),
+}
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("mixed", MIXED)
+def test_so_it_is_with_endings_of_each_actuator(text: str, policy: Policy, mixed: str, seed: int) -> None:
+    assert random_run(MIXED[mixed], policy, seed).is_one_of(text)
+
+
+@pytest.mark.parametrize("mixed", MIXED)
+def test_other_endings_than_the_declared_ones_are_found_out(
+    description: Description, text: str, policy: Policy, mixed: str
+) -> None:
+    """The wills are those of one description, the template has the constants of another."""
+    runs = [random_run(MIXED[mixed], policy, seed) for seed in SEEDS]
+    assert not all(replace(run, description=description).is_one_of(text) for run in runs)
 
 
 class Backwards(Keeper):

@@ -14,7 +14,6 @@ from ._part import Part
 Ending = Literal["hold", "release"]
 ProgramEnding = Literal["hold", "release", "leave"]
 """Of a program; `leave` moves nothing, as `hold` does, and nobody takes responsibility for the level."""
-PowerUp = Literal["hold", "release", "leave"]
 
 _CANCEL = "a grip is cancelled; hold: stays active, latched GRIP_ERROR"
 _TIMEOUT = "between two attempts; hold: stays active"
@@ -22,10 +21,7 @@ _ABORT = "a grip is given up; hold: stays active, latched GRIP_ERROR"
 _LOST = "one actuator's feedback is lost; hold: latched GRIP_ERROR, this one stays active"
 _SIGTERM = "the program is told to end"
 _DEATH = "the program dies; the line owner does this"
-_POWER_UP = (
-    "found active at the start; hold: stays and is judged; release: deactivated; "
-    "leave: as hold, and a line that is an input stays one until it is first activated"
-)
+_POWER_UP = "found active at the start; hold: stays and is judged; release: deactivated"
 
 
 class GrippingEndings(Part):
@@ -53,7 +49,7 @@ class Endings(Part):
         default=GrippingEndings(), description="before GRIPPED: nothing is held yet"
     )
     held: HeldEndings = Field(default=HeldEndings(), description="while a part is held")
-    power_up: PowerUp = Field(default="hold", description=_POWER_UP)
+    power_up: Ending = Field(default="hold", description=_POWER_UP)
 
 
 class OwnGrippingEndings(Part):
@@ -81,7 +77,7 @@ class OwnEndings(Part):
         default=OwnGrippingEndings(), description="before GRIPPED: nothing is held yet"
     )
     held: OwnHeldEndings = Field(default=OwnHeldEndings(), description="while a part is held")
-    power_up: PowerUp | None = Field(default=None, description=_POWER_UP)
+    power_up: Ending | None = Field(default=None, description=_POWER_UP)
 
     def over(self, default: Endings) -> Endings:
         """Those of the tool, with these put over them."""
@@ -100,11 +96,6 @@ class ChangerEndings(Part):
     )
     process_death: ProgramEnding = Field(
         default="release", description="the program dies; hold: active until IL-03 ends it"
-    )
-    power_up: Literal["release", "leave"] = Field(
-        default="release",
-        description="found active at the start: it locks; leave: so it does, and a line that is an input stays one "
-        "until the first unlock",
     )
 
 
