@@ -23,7 +23,6 @@ MUTANTS = [
 SAME = {
     "two attempts only",
     "ON with part of the evidence",
-    "a cancel latches GRIP_ERROR although it is declared to release",
 }
 """They add a choice. The executor takes the edge that stands first in the file, which is the right one: only the
 checker, which looks at every choice, can find them."""
