@@ -2,6 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+
+@dataclass(frozen=True)
+class Told:
+    """One fault, as every command tells it; ``line`` and ``column`` are 0 where there are none."""
+
+    code: str
+    file: str
+    line: int
+    column: int
+    message: str
+
+    @classmethod
+    def at(cls, code: str, where: str, message: str) -> Told:
+        """A fault at ``file:line:column``, or at whatever else ``where`` names."""
+        file, *numbers = where.rsplit(":", 2)
+        if len(numbers) == 2 and all(each.isdigit() for each in numbers):
+            return cls(code, file, int(numbers[0]), int(numbers[1]), message)
+        return cls(code, where, 0, 0, message)
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        return f"{place}: {self.message} [{self.code}]" if place else f"{self.message} [{self.code}]"
+
+    def as_json(self) -> dict[str, object]:
+        """For ``--json``."""
+        return asdict(self)
+
 
 class EndEffectorError(Exception):
     """Anything the product refuses or fails at.
@@ -24,6 +54,11 @@ class EndEffectorError(Exception):
         advice = f" {self.todo}" if self.todo else ""
         return f"{place}{self.what}{advice}"
 
+    @property
+    def told(self) -> tuple[Told, ...]:
+        """What it says, fault by fault."""
+        return (Told.at(self.code, self.where, f"{self.what} {self.todo}".strip()),)
+
 
 class UsageError(EndEffectorError, ValueError):
     """A command was given something that it cannot use."""
@@ -38,9 +73,15 @@ class DescriptionError(EndEffectorError, ValueError):
     code = "EE-200"
     exit_code = 2
 
-    def __init__(self, faults: list[str]) -> None:
-        self.faults = faults
-        super().__init__("\n".join(faults))
+    def __init__(self, told: Sequence[Told]) -> None:
+        self._told = tuple(told)
+        self.faults = [str(each) for each in told]
+        super().__init__("\n".join(self.faults))
+
+    @property
+    def told(self) -> tuple[Told, ...]:
+        """Every fault, in the order of the file."""
+        return self._told
 
 
 class ModelError(EndEffectorError, ValueError):
@@ -48,6 +89,12 @@ class ModelError(EndEffectorError, ValueError):
 
     code = "EE-300"
     exit_code = 2
+
+
+class RangeError(ModelError):
+    """An assignment, an index or a division left its range while the network ran: the model is wrong."""
+
+    code = "EE-301"
 
 
 class WireError(EndEffectorError, OSError):
@@ -91,6 +138,12 @@ class OwnerError(WireError):
     """The line owner cannot be reached, or does not answer."""
 
     code = "EE-420"
+
+
+class NotReadyError(WireError, TimeoutError):
+    """A tool did not become ready in time; says what is missing."""
+
+    code = "EE-430"
 
 
 class RosError(EndEffectorError, OSError):

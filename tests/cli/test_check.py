@@ -60,8 +60,10 @@ def test_without_a_file_it_is_the_shipped_one() -> None:
     assert result.exit_code == 0
     assert json.loads(result.stdout) == {
         "ok": True,
+        "exit_code": 0,
         "faults": [],
         "not_fitted": [NO_E_STOP],
+        "warnings": [],
     }
 
 
@@ -82,6 +84,7 @@ def test_faults_as_json(check: Check) -> None:
     message = "'timeout_s' is out of range (5000), expected more than 0 and at most 600 s; "
     assert json.loads(result.stdout) == {
         "ok": False,
+        "exit_code": 2,
         "faults": [
             {
                 "code": "EE-208",
@@ -92,6 +95,7 @@ def test_faults_as_json(check: Check) -> None:
             }
         ],
         "not_fitted": [],
+        "warnings": [],
     }
 
 
@@ -128,18 +132,12 @@ def test_an_e_stop_that_the_codec_does_not_carry_is_told(check: Check) -> None:
     assert told[-1] == "e-stop: not carried by legacy-nibble: estop_ok: IL-13 is off"
 
 
-CHANNELS = (
-    "bottom, cylinder, top, supply, locked, unlocked, tool_present, in_stand, cylinder_extended, "
-    "cylinder_retracted, estop_ok"
-)
-
-
 def test_an_actuator_that_nothing_can_confirm_is_a_fault(check: Check) -> None:
     result = check(replace={"channel: bottom": "channel: botom"})
     assert result.exit_code == 2
     assert result.stderr == (
         "tool.yaml:22:14: ees1-ascii carries nothing that could confirm 'bottom_vacuum' (botom), "
-        f"expected a channel of ees1-ascii: {CHANNELS}; did you mean 'bottom'? [EE-225]\n"
+        "expected a free channel of ees1-ascii: bottom; did you mean 'bottom'? [EE-225]\n"
     )
 
 
@@ -153,6 +151,93 @@ def test_a_cylinder_may_be_confirmed_by_its_bit_alone(check: Check) -> None:
     ]
     replace = {"channel: cylinder": "channel: elsewhere\n    extended_bit: ~\n    retracted_bit: ~"}
     assert "carries nothing that could confirm 'cylinder'" in check(replace=replace).stderr
+
+
+ANOTHER = """\
+  another:
+    kind: {kind}
+    line: SODIMM_214
+    channel: {channel}
+"""
+
+
+@pytest.mark.parametrize(
+    ("codec", "kind", "channel", "offered"),
+    [
+        (
+            "ees1-ascii",
+            "vacuum",
+            "further",
+            "expected another codec: ees1-ascii carries nothing more for a vacuum",
+        ),
+        (
+            "legacy-nibble",
+            "vacuum",
+            "further",
+            "another codec: legacy-nibble carries nothing more for a vacuum",
+        ),
+        ("modbus-rtu-transmitters", "cylinder", "further", "carries nothing more for a cylinder [EE-225]"),
+    ],
+)
+def test_only_channels_that_such_an_actuator_can_use_are_offered(
+    check: Check, codec: str, kind: str, channel: str, offered: str
+) -> None:
+    stanza = ANOTHER.format(kind=kind, channel=channel)
+    stanza += "    extended_bit: ~\n    retracted_bit: ~\n" if kind == "cylinder" else ""
+    replace = {
+        "codec: ees1-ascii ": f"codec: {codec} ",
+        "cylinder, top_vacuum]": "cylinder, top_vacuum, another]",
+        "\ntool_changer:": f"{stanza}\ntool_changer:",
+    }
+    assert offered in check(replace=replace).stderr
+
+
+def test_a_fourth_actuator_on_the_channel_of_the_supply(check: Check) -> None:
+    stanza = ANOTHER.format(kind="vacuum", channel="supply")
+    replace = {
+        "cylinder, top_vacuum]": "cylinder, top_vacuum, another]",
+        "\ntool_changer:": f"{stanza}\ntool_changer:",
+        "supply:\n  frozen_s: 2.0": "supply: {channel: none}",
+    }
+    result = check("--json", replace=replace)
+    assert result.exit_code == 0, result.stdout
+    assert "supply pressure: not carried by ees1-ascii: IL-06 is off" in result.stdout
+
+
+def test_a_cylinder_is_offered_its_bit(check: Check) -> None:
+    replace = {
+        "codec: ees1-ascii ": "codec: legacy-nibble ",
+        "channel: cylinder": "channel: top\n    extended_bit: ~\n    retracted_bit: ~",
+        "channel: top\n    service": "channel: elsewhere\n    service",
+    }
+    said = check(replace=replace).stderr
+    assert "'elsewhere'" not in said
+    assert "carries nothing that could confirm 'top_vacuum' (elsewhere), expected another codec" in said
+    replace["channel: cylinder"] = "channel: nowhere\n    extended_bit: ~\n    retracted_bit: ~"
+    said = check(replace=replace).stderr
+    assert "confirm 'cylinder' (nowhere), expected extended_bit: cylinder_extended [EE-225]" in said
+    assert "confirm 'top_vacuum' (elsewhere), expected a free channel of legacy-nibble: top [EE-225]" in said
+
+
+def test_times_that_the_link_is_too_slow_for_are_told(check: Check) -> None:
+    result = check("--json", replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+    told = json.loads(result.stdout)
+    assert (told["ok"], result.exit_code) == (True, 0)
+    too_early = "is over before a reading of legacy-nibble is stale (3 s, one each 1 s): a late or lost frame fails it"
+    again = "is no longer than a period of legacy-nibble (1 s): what one attempt showed may confirm the next"
+    names = ("bottom_vacuum", "cylinder", "top_vacuum")
+    assert told["warnings"] == [
+        *(f"{name}: release_s = 2 s {too_early}" for name in names),
+        f"tool changer: prove_s = 2 s {too_early}",
+        *(f"{name}: reset_s = 1 s {again}" for name in names),
+    ]
+    plain = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+    assert plain.stdout.count("\nwarning  ") == 7
+    enough = {"release_s: 2.0": "release_s: 3.1", "reset_s: 1.0": "reset_s: 1.1"}
+    result = check("--json", replace=enough | {"codec: ees1-ascii ": "codec: legacy-nibble "})
+    assert [each for each in json.loads(result.stdout)["warnings"] if each.startswith("bottom_vacuum")] == []
+    slow = json.loads(check("--json", replace={"baudrate: 115200": "stale_s: 2.5\n  down_s: 3"}).stdout)
+    assert "tool changer: prove_s = 2 s is over before" in slow["warnings"][-1]
 
 
 def test_samples_that_take_longer_than_the_time_out_can_never_confirm(check: Check) -> None:
@@ -241,10 +326,18 @@ def test_schema_for_editors_and_tables_for_people() -> None:
     [
         (
             {"supply:\n": "supply:\n  channel: suply\n"},
-            "ees1-ascii carries no 'suply' (suply), expected a channel",
+            "carries no 'suply' (suply), expected a pressure of ees1-ascii: bottom, cylinder, top, supply; did",
         ),
         ({"  service: SetToolChanger": "  locked_bit: loked"}, "did you mean 'locked'? [EE-225]"),
-        ({"channel: bottom": "channel: locked"}, "'locked' is a position bit and no pressure (locked)"),
+        (
+            {"channel: bottom": "channel: locked"},
+            "'locked' is a position bit and no pressure (locked), expected a free channel of ees1-ascii: bottom [",
+        ),
+        ({"  service: SetToolChanger": "  stand_bit: in_stan"}, "did you mean 'in_stand'? [EE-225]"),
+        (
+            {"  service: SetToolChanger": "  stand_bit: top"},
+            "'top' is a pressure (stand_bit: top), expected a bit",
+        ),
         (
             {"channel: top": "channel: tpo"},
             "ees1-ascii carries nothing that could confirm 'top_vacuum' (tpo)",

@@ -111,7 +111,9 @@ def test_every_fault_is_a_line_with_its_place() -> None:
     assert (answer["ok"], len(answer["faults"])) == (False, 3)
     assert answer["faults"][0] == {
         "code": "EE-300",
-        "where": "bad.xml:5:31",
+        "file": "bad.xml",
+        "line": 5,
+        "column": 31,
         "message": "'prezz' is not declared. Did you mean 'press'?",
     }
 

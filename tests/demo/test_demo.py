@@ -241,6 +241,12 @@ def test_all_and_json(played: Played) -> None:
     assert (played.asked["own_wires"], played.asked["figures"]) == (False, True)
 
 
+def test_the_help_lists_the_scenarios(verdin: Description) -> None:
+    names = ", ".join(scenario.name for scenario in scenarios(verdin, everything=True))
+    text = CliRunner().invoke(command, ["--help"]).output
+    assert f"Of{names}(withatoolchanger).".replace(" ", "") in "".join(text.split())
+
+
 def test_one_scenario_on_its_own_wires(played: Played) -> None:
     done = CliRunner().invoke(command, ["--own-wires", "--only", "cancel", "--no-figures"])
     assert done.exit_code == 0, done.output

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from virtual_tool import VirtualTool
 
+from end_effector_hal.demo._answers import answered
 from end_effector_hal.demo._replayed import replayed
 from end_effector_hal.description import Description
 from end_effector_hal.tool.boundary import open_recorder
@@ -42,6 +43,29 @@ def test_another_decision_is_a_fault_with_its_time(folder: Path) -> None:
     finding = replayed(folder)
     assert not finding.ok
     assert finding.found.startswith("grip.mcap at 1.000 s: ")
+
+
+@pytest.mark.parametrize("codec", ["ees1-ascii", "legacy-nibble"])
+def test_a_command_that_was_refused_is_told_with_its_reason(
+    verdin: Description, tmp_path: Path, codec: str
+) -> None:
+    link = verdin.link.model_copy(update={"codec": codec})
+    recorders = []
+
+    def recorded(description, network, program):  # type: ignore[no-untyped-def]
+        recorders.append(open_recorder(tmp_path, description, program, at=0))
+        return recorders[-1].controller(description, network, program)
+
+    tool = VirtualTool(verdin.model_copy(update={"link": link}), controller=recorded)
+    tool.run(8.0)
+    tool.command("unlock")
+    for recorder in recorders:
+        recorder.close()
+    refused = (
+        "unlock was refused: IL-02: no sensor shows where the tool is: arm first, then unlock within 10 s."
+    )
+    assert answered(tmp_path).found == ("every command taken" if codec == "ees1-ascii" else refused)
+    assert answered(tmp_path).ok is (codec == "ees1-ascii")
 
 
 def test_no_trace_is_a_fault(tmp_path: Path) -> None:

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import end_effector_hal
 from end_effector_hal.description import (
     examine_text,
     markdown,
@@ -75,3 +77,12 @@ def test_every_reference_of_the_schema_is_defined() -> None:
 @pytest.mark.parametrize("path", stanzas())
 def test_every_key_has_a_meaning(path: str) -> None:
     assert [key for key, field in fields_of(stanzas()[path]).items() if not field.description] == []
+
+
+def test_every_code_of_the_source_is_documented() -> None:
+    source = Path(end_effector_hal.__file__).parent
+    texts = [path.read_text(encoding="utf-8") for path in source.rglob("*.py")]
+    codes = {code for text in texts for code in re.findall(r"EE-\d{3}", text)}
+    table = {line.split()[1] for line in markdown().splitlines() if line.startswith("| EE-")}
+    assert len(codes) > 25
+    assert codes == table

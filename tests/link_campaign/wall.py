@@ -18,7 +18,7 @@ from judge import Judge
 from end_effector_hal.control import Answer, ChangerState, Status
 from end_effector_hal.demo._world import EEHAL, START_S, World
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.errors import EndEffectorError, OwnerError
+from end_effector_hal.errors import EndEffectorError, NotReadyError, OwnerError
 from end_effector_hal.testbench import PtyPort, Testbench, VirtualInputs, Watcher
 from end_effector_hal.tool import EndEffector
 from end_effector_hal.trace import Command, EndEffectorState
@@ -182,8 +182,10 @@ def play_for(seconds: float, seed: int) -> Found:
     """Everything is started, disturbed, and ended."""
     folder = Path(mkdtemp(prefix="eehal-link-"))
     with Hardware(load(profile_path()), folder) as hardware, EndEffector.open(hardware.description) as tool:
-        if not tool.wait_ready(20):
-            return Found(violations=["wall clock: the tool was not ready within 20 s"])
+        try:
+            tool.wait_ready(20)
+        except NotReadyError as error:
+            return Found(violations=[f"wall clock: {error}"])
         run = Run(hardware, tool, seed)
         with _watched(hardware.chip, run):
             return run.play(seconds)

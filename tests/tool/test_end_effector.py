@@ -30,7 +30,7 @@ HOLDER = """
 import sys, time
 from end_effector_hal.tool import EndEffector
 tool = EndEffector.open(sys.argv[1])
-assert tool.wait_ready()
+tool.wait_ready(30.0)
 print("adopted", flush=True)
 if "grip" in sys.argv:
     print(tool.grip().state.name, flush=True)
@@ -68,7 +68,7 @@ def kill(process: subprocess.Popen[str]) -> None:
 
 def test_grip_and_drop_by_hand_and_in_order(world: World) -> None:
     with EndEffector.open(world.description) as tool:
-        assert tool.wait_ready()
+        tool.wait_ready(30.0)
         wait_until("it", lambda: tool.set_actuator("cylinder", True).accepted)
         assert "IL-12" in tool.grip().reason
         assert tool.set_actuator("cylinder", False).accepted
@@ -91,7 +91,7 @@ def test_the_death_of_the_program_ends_what_was_driven_by_hand(world: World) -> 
 
 def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp_path: Path) -> None:
     with EndEffector.open(world.description) as tool:
-        assert tool.wait_ready()
+        tool.wait_ready(30.0)
         wait_until("it", lambda: tool.grip().succeeded)
         with OwnerClient(world.socket, "test") as observer:
             os.kill(observer.status()["pid"], signal.SIGKILL)
@@ -115,7 +115,7 @@ def test_the_death_of_the_program_while_gripped_holds_and_is_adopted(world: Worl
     time.sleep(1.5)
     assert levels(world) == ALL_ACTIVE
     with EndEffector.open(world.description) as tool:
-        assert tool.wait_ready()
+        tool.wait_ready(30.0)
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert tool.drop().succeeded
 

@@ -50,7 +50,7 @@ def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
         assert "nobody who reads the sensors has said yet whether nothing is gripped" in refusal(hand, UNLOCK)
         assert "nobody who reads the sensors has said yet whether the tool is locked" in refusal(hand, BOTTOM)
     with EndEffector.open(world.description) as tool:
-        assert tool.wait_ready()
+        tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
         assert tool.grip().succeeded
         os.kill(world.testbench.pid, signal.SIGSTOP)
@@ -67,7 +67,7 @@ def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
 def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) -> None:
     """The owner knows of a frame before the program that decides by it."""
     with EndEffector.open(world.description) as tool:
-        assert tool.wait_ready()
+        tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
         for _ in range(2):
             assert tool.grip().reason == ""
@@ -78,7 +78,7 @@ def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) 
 
 def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     with EndEffector.open(world.description) as tool:
-        assert tool.wait_ready()
+        tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
         monkeypatch.setattr(Witness, "frame", lambda *_: None)
         time.sleep(0.7)  # the claims expire, and IL-01 has its half second
@@ -101,7 +101,7 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
 
 def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> None:
     with EndEffector.open(world.description) as tool, OwnerClient(world.socket, "look") as look:
-        assert tool.wait_ready()
+        tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
         assert tool.grip().succeeded
         world.choose("estop-open")

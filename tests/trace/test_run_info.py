@@ -39,6 +39,9 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
 def test_what_is_unusable_is_left_at_its_default(tmp_path, text):
     (tmp_path / "run.json").write_text(text)
     assert read_run(tmp_path) == RunInfo()
+    assert read_run(tmp_path).note.startswith(
+        f"{tmp_path}/run.json is left out as far as it cannot be read: "
+    )
 
 
 def test_what_is_usable_is_taken(tmp_path):
@@ -48,10 +51,12 @@ def test_what_is_usable_is_taken(tmp_path):
     info = read_run(tmp_path)
     assert info == RunInfo(scenario="nominal", limits={"a": {"attempts": 3}})
     assert (info.attempts("a"), info.attempts("b")) == (3, None)
+    assert info.note.endswith("of another type than it should be: limits.")
 
 
 def test_a_missing_file_is_no_error(tmp_path):
     assert read_run(tmp_path) == read_run(tmp_path / "none" / "run.json") == RunInfo()
+    assert read_run(tmp_path).note == ""
 
 
 @pytest.mark.parametrize("number", [0, -1, True, 2.5, "3", None])

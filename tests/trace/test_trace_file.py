@@ -16,6 +16,7 @@ import pytest
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.trace import TraceWriter, read_trace
+from end_effector_hal.trace._trace_file import MAGIC
 
 
 @dataclass
@@ -74,6 +75,32 @@ def test_a_damaged_byte_never_ends_in_a_traceback(tmp_path: Path) -> None:
     for place in range(8, len(data), 3):
         path.write_bytes(data[:place] + bytes([data[place] ^ 0xFF]) + data[place + 1 :])
         read_trace(path)
+
+
+def test_every_flipped_bit_of_what_was_recorded_is_found(tmp_path: Path) -> None:
+    whole = written(tmp_path, 2).path
+    data = whole.read_bytes()
+    assert not read_trace(whole).damaged
+    path = tmp_path / "flipped.mcap"
+    places = range(8, len(data) - len(MAGIC))
+    undetected = []
+    for place in places:
+        path.write_bytes(data[:place] + bytes([data[place] ^ 1 << place % 8]) + data[place + 1 :])
+        found = read_trace(path)
+        if not found.damaged and found.complete:  # else it is told anyhow
+            undetected.append(place)
+    assert len(places) > 300
+    assert undetected == []
+
+
+def test_one_that_was_not_closed_has_no_checksum(tmp_path: Path) -> None:
+    data = written(tmp_path, 5).path.read_bytes()
+    path = tmp_path / "cut.mcap"
+    cut = data[: data.index(b'{"at":4')]
+    path.write_bytes(cut.replace(b'"number":2', b'"number":7'))
+    found = read_trace(path)
+    assert (found.damaged, found.complete) == (False, False)
+    assert "it was not closed" in found.note
 
 
 @pytest.mark.parametrize("content", [b"\x89PNG", b"time_s,end_effector\n" * 3])

@@ -3,7 +3,6 @@
 from end_effector_hal.automata._constraints import Bound, ClockConstraint, Condition
 from end_effector_hal.automata._document import Document
 from end_effector_hal.automata._execution import Execution
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._loader import load_network, make_network
 from end_effector_hal.automata._network import Channel, Edge, Location, Network, Process, State, Variable
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
@@ -20,6 +19,7 @@ from end_effector_hal.automata._steps import (
 )
 from end_effector_hal.automata._xml_reader import load_document, read_document
 from end_effector_hal.automata._xml_writer import export, write_document
+from end_effector_hal.errors import RangeError
 
 __all__ = [
     "Begun",

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from end_effector_hal.automata._faults import RangeError, fault
+from end_effector_hal.automata._faults import fault
 from end_effector_hal.automata._network import Edge, Network, State
 from end_effector_hal.automata._schedule import NEVER, Candidate, Clocks, Schedule
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
@@ -28,7 +28,7 @@ from end_effector_hal.automata._steps import (
     TakenEdge,
     Written,
 )
-from end_effector_hal.errors import ModelError, UsageError
+from end_effector_hal.errors import ModelError, RangeError, UsageError
 
 _MOST_STEPS = 10_000  # at one instant: more is a livelock
 

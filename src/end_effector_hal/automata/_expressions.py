@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._calls import call_source
-from end_effector_hal.automata._faults import RangeError, fault, refused
+from end_effector_hal.automata._faults import fault, refused
 from end_effector_hal.automata._operators import (
     COMPARISONS,
     arithmetic,
@@ -31,6 +31,7 @@ from end_effector_hal.automata._text import Span
 from end_effector_hal.automata._types import Type
 from end_effector_hal.automata._unit import Unit
 from end_effector_hal.automata._values import Indexed, Place, Value
+from end_effector_hal.errors import RangeError
 
 Term = Value | Place | Indexed
 

@@ -9,12 +9,6 @@ from end_effector_hal.automata._text import Span
 from end_effector_hal.errors import ModelError
 
 
-class RangeError(ModelError):
-    """An assignment, an index or a division left its range while the network ran: the model is wrong."""
-
-    code = "EE-301"
-
-
 def fault(span: Span, what: str, todo: str = "") -> ModelError:
     """A ModelError at the span."""
     return ModelError(what, where=span.where, todo=todo)

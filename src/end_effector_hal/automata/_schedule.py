@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._network import State
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
+from end_effector_hal.errors import RangeError
 
 ALWAYS, NEVER = -(1 << 62), 1 << 62
 

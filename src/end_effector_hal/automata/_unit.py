@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NoReturn
 
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._text import Span
+from end_effector_hal.errors import RangeError
 
 LOOP_LIMIT = 100_000  # iterations of one loop of a function: more is taken for endless
 

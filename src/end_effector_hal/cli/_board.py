@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from ._demo import chosen, console, end_in_order
+from ._demo import chosen, console
+from ._signals import end_in_order
 
 
 @click.command("board")
@@ -54,10 +55,11 @@ def command(
     """
     from end_effector_hal.board import BoardProgress, board_parts, need_its_wires, play_on_board
     from end_effector_hal.demo import print_table, scenarios
-    from end_effector_hal.description import load, profile_path
+    from end_effector_hal.description import profile_path
+    from end_effector_hal.wires import load_tool
 
     end_in_order()
-    loaded = load(description or profile_path())
+    loaded = load_tool(description or profile_path())
     need_its_wires(loaded)
     picked = chosen(scenarios(loaded, everything=True), only)
     progress = console(stderr=True)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-import signal
-import sys
 from collections.abc import Sequence
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING
 
 import click
 
 from end_effector_hal.errors import UsageError
+
+from ._signals import end_in_order
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,6 +19,8 @@ if TYPE_CHECKING:
     from end_effector_hal.demo import Scenario
 
 WIDTH = 120
+NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
+ONLY = f"Only this scenario; may be given again. Of {', '.join(NAMES)} (with a tool changer)."
 
 
 @click.command("demo")
@@ -28,7 +29,12 @@ WIDTH = 120
 @click.option(
     "--all", "everything", is_flag=True, help="Also a cancel, a release that fails, unlock and lock."
 )
-@click.option("--only", multiple=True, metavar="NAME", help="Only this scenario; may be given again.")
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="NAME",
+    help=ONLY,
+)
 @click.option(
     "--own-wires",
     is_flag=True,
@@ -62,10 +68,11 @@ def command(
     scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
     """
     from end_effector_hal.demo import print_table, run_demo, scenarios
-    from end_effector_hal.description import load, profile_path
+    from end_effector_hal.description import profile_path
+    from end_effector_hal.wires import load_tool
 
     end_in_order()
-    loaded = load(description or profile_path())
+    loaded = load_tool(description or profile_path())
     picked = chosen(scenarios(loaded, everything=everything or bool(only)), only)
     if own_wires and len({scenario.bench for scenario in picked}) > 1:
         raise UsageError(
@@ -107,13 +114,3 @@ def console(*, stderr: bool = False) -> Console:
 
     console = Console(stderr=stderr)
     return console if console.is_terminal else Console(stderr=stderr, width=WIDTH)
-
-
-def end_in_order() -> None:
-    """On SIGTERM and SIGHUP: what was started is ended on the way out."""
-
-    def end(number: int, _frame: FrameType | None) -> None:
-        sys.exit(128 + number)
-
-    signal.signal(signal.SIGTERM, end)
-    signal.signal(signal.SIGHUP, end)

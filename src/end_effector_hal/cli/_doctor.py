@@ -91,14 +91,14 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
 
 def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[Finding]]:
     """The description if nothing is wrong with it, and what is; ``wholly``: with its codec and its automata."""
-    from ._check import _against_the_rest
+    from ._check import check
 
     say = Part("description")
     examination = examine(path)
     lines, description = examination.lines(), examination.description
     if description is not None and wholly:
         try:
-            lines = [line for line, _ in _against_the_rest(description, str(path))[0]]
+            lines = [str(fault) for fault in check(path).faults]
         except Exception as error:  # noqa: BLE001 a doctor says what it meets
             lines = [f"{path}: {type(error).__name__}: {error}"]
     if lines or description is None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, used_channels
 from end_effector_hal.errors import EndEffectorError, LinkError
 
 from ._doctor_finding import Finding, Findings, Part
@@ -101,6 +101,10 @@ def _listen(description: Description) -> Finding:
         return _say.missing(f"{link.port}: {error.what}", error.todo)
     except OSError as error:
         return _say.missing(f"{link.port} was lost: {error.strerror or error}", "Is the device plugged in?")
+    # what else a device sends, or has no sensor for, does not matter to this tool
+    heard = heard._replace(
+        invalid=tuple(each for each in heard.invalid if each in used_channels(description))
+    )
     return judged(f"{link.port}, {codec.name}, {baudrate} baud", heard, codec.name)
 
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import importlib
+import json
 import sys
 
 import click
 
-from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.errors import EndEffectorError, UsageError
 
 _COMMANDS = {
     "board": "a scenario on an emulated Verdin, without hardware",
     "check": "say everything that is wrong with a description",
     "demo": "the three scenarios of the paper, with their figures",
     "doctor": "what this machine lacks to run a tool, and what to do",
+    "init": "a folder with a description to start from, and its schema",
     "model": "show, play, export and check the automata",
     "owner": "own the output lines of a tool and serve them on a socket",
     "plot": "draw a recorded run",
@@ -54,21 +56,39 @@ def eehal() -> None:
 
 
 def main() -> None:
-    """Entry point; every expected error is one sentence on stderr."""
+    """Entry point; every expected error is one sentence on stderr, or with ``--json`` an object on stdout."""
     try:
         # click hands back what a command gave to ctx.exit
         sys.exit(eehal(standalone_mode=False) or 0)
     except click.ClickException as error:
-        error.show()
-        sys.exit(2)
+        if _wants_json():
+            _tell(UsageError(error.format_message()))
+        else:
+            error.show()
+        sys.exit(UsageError.exit_code)
     except click.exceptions.Exit as exit_:
         sys.exit(exit_.exit_code)
     except click.Abort:
         sys.exit(130)
     except EndEffectorError as error:
-        click.echo(str(error), err=True)
+        if _wants_json():
+            _tell(error)
+        else:
+            click.echo(str(error), err=True)
         sys.exit(error.exit_code)
     except BrokenPipeError:
         # the reader of our output has gone; there is nobody to tell
         sys.stderr.close()
         sys.exit(0)
+
+
+def _wants_json() -> bool:
+    """Asked of the arguments themselves: an error may come before they are understood."""
+    return "--json" in sys.argv[1:]
+
+
+def _tell(error: EndEffectorError) -> None:
+    # in one line: what prints JSON lines may end with it
+    faults = [fault.as_json() for fault in error.told]
+    document = {"ok": False, "exit_code": error.exit_code, "faults": faults}
+    click.echo(json.dumps(document, ensure_ascii=False))

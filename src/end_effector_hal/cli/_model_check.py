@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.errors import DescriptionError, EndEffectorError
+from end_effector_hal.errors import EndEffectorError
 
 if TYPE_CHECKING:
     from end_effector_hal.automata import Network
@@ -48,11 +48,11 @@ def _read(path: Path) -> tuple[Network | None, list[EndEffectorError]]:
     from end_effector_hal.automata.check import faults_of
     from end_effector_hal.cli._model_source import is_uppaal
     from end_effector_hal.control import model_constants
-    from end_effector_hal.description import load
+    from end_effector_hal.wires import load_tool
 
     constants = None
     if not is_uppaal(path):
-        description = load(path)
+        description = load_tool(path)
         constants, path = model_constants(description), description.automata_path
     document = load_document(path)
     faults: list[EndEffectorError] = [*faults_of(document, constants)]
@@ -60,26 +60,13 @@ def _read(path: Path) -> tuple[Network | None, list[EndEffectorError]]:
 
 
 def _tell_faults(path: Path, faults: list[EndEffectorError], as_json: bool) -> None:
+    told = [each for fault in faults for each in fault.told]
     if as_json:
-        document = {
-            "file": str(path),
-            "ok": False,
-            "faults": [each for fault in faults for each in _told(fault)],
-        }
+        found = [each.as_json() for each in told]
+        document = {"file": str(path), "ok": False, "exit_code": 2, "faults": found}
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
-        return
-    for fault in faults:
-        for line in fault.faults if isinstance(fault, DescriptionError) else [f"{fault} [{fault.code}]"]:
-            click.echo(line, err=True)
-
-
-def _told(fault: EndEffectorError) -> Iterator[dict[str, str]]:
-    if isinstance(fault, DescriptionError):
-        for line in fault.faults:
-            yield {"code": fault.code, "where": "", "message": line}
-    else:
-        message = f"{fault.what} {fault.todo}".strip()
-        yield {"code": fault.code, "where": fault.where, "message": message}
+    for each in told if not as_json else ():
+        click.echo(str(each), err=True)
 
 
 def _document(path: Path, network: Network) -> dict[str, object]:
@@ -88,6 +75,7 @@ def _document(path: Path, network: Network) -> dict[str, object]:
     return {
         "file": str(path),
         "ok": True,
+        "exit_code": 0,
         "faults": [],
         "processes": [{"name": each.name, "template": each.template} for each in network.processes],
         "clocks": list(network.clocks[1:]),

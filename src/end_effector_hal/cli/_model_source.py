@@ -40,7 +40,9 @@ def open_source(description: Path | None, model: Path | None) -> Source:
     """
     from end_effector_hal.automata import load_network
     from end_effector_hal.control import model_constants
-    from end_effector_hal.description import load, profile_path
+    from end_effector_hal.description import profile_path
+    from end_effector_hal.tool import load_automata
+    from end_effector_hal.wires import load_tool
 
     if model is not None:
         if description is not None:
@@ -51,9 +53,8 @@ def open_source(description: Path | None, model: Path | None) -> Source:
     if is_uppaal(path):
         todo = f"Write '--model {path}'."
         raise UsageError("This is a UPPAAL file, not a description.", where=str(path), todo=todo)
-    loaded = load(path)
-    constants = model_constants(loaded)
-    network = load_network(loaded.automata_path, constants)
+    loaded = load_tool(path)
+    constants, network = model_constants(loaded), load_automata(loaded)
     told = {name: value for name, value in _told(network).items() if name in constants}
     return Source(str(path), network, loaded, told)
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import profile_path
+from end_effector_hal.wires import load_tool
 
 
 @click.command()
@@ -29,4 +30,4 @@ def command(description: Path | None, socket: Path | None, journal: Path | None,
     """
     from end_effector_hal.tool import run_owner
 
-    run_owner(load(description or profile_path()), socket, journal, group)
+    run_owner(load_tool(description or profile_path()), socket, journal, group)

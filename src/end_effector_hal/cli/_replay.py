@@ -30,10 +30,10 @@ def command(recording: Path, description: Path | None, as_json: bool) -> None:
 
     Exit code 0: the same, and a run of its network; 1: not; 2: not a recording.
     """
-    from end_effector_hal.description import load
     from end_effector_hal.tool.replay import load_trace, review, traces_of
+    from end_effector_hal.wires import load_tool
 
-    tool = load(description) if description is not None else None
+    tool = load_tool(description) if description is not None else None
     reviews = [review(load_trace(path), tool) for path in traces_of(recording)]
     if as_json:
         click.echo(json.dumps([each.as_json() for each in reviews], indent=2, ensure_ascii=False))

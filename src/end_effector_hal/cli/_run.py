@@ -8,15 +8,20 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.errors import EndEffectorError, UsageError
+from end_effector_hal.errors import NotReadyError, UsageError
+
+from ._signals import end_in_order
 
 if TYPE_CHECKING:
     from end_effector_hal.control import Answer, Status
     from end_effector_hal.tool import EndEffector, Order, Recording
+
+    from ._run_voice import Voice
 
 READY_S = 10.0
 
@@ -25,29 +30,52 @@ READY_S = 10.0
 @click.argument("description", type=click.Path(path_type=Path))
 @click.option("--script", help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.")
 @click.option("--record", type=click.Path(path_type=Path), help="Folder for the recording of the run.")
-def command(description: Path, script: str | None, record: Path | None) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines: states, alarms, results.")
+def command(description: Path, script: str | None, record: Path | None, as_json: bool) -> None:
     """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, quit.
 
     The line owner of the tool (`eehal owner DESCRIPTION`) must run. A command followed by `&` goes on in the
-    background, so that it can be cancelled. Quitting releases nothing that is held.
+    background, so that it can be cancelled. Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the
+    description declares (`endings: sigterm`).
     """
-    from end_effector_hal.description import load
     from end_effector_hal.tool import EndEffector, Recording, read_script
+    from end_effector_hal.wires import load_tool
+
+    from ._run_voice import Changes, JsonLines, Words
 
     orders = read_script(script) if script is not None else None
-    tool = EndEffector(load(description), traces=record)
+    loaded, voice = load_tool(description), JsonLines() if as_json else Words()
+    if record is not None:
+        _try_to_write(record)
+    end_in_order()
     with ExitStack() as stack:
+        tool = stack.enter_context(EndEffector(loaded, traces=record))
         if record is not None:
-            _record(tool, stack.enter_context(Recording(record, tool.description)))
-        _Told(tool)
-        stack.enter_context(tool)
+            _record(tool, stack.enter_context(Recording(record, loaded)))
+            stack.callback(tool.close)  # its last states are recorded
+        tool.subscribe(Changes(loaded, voice).status)
         tool.start()
-        if not tool.wait_ready(READY_S):
-            raise EndEffectorError(
-                f"The tool did not adopt its lines within {READY_S:g} s: {'; '.join(tool.status.alarms)}"
-            )
-        succeeded = _Session(tool).play(iter(orders) if orders is not None else _prompt())
+        try:
+            tool.wait_ready(READY_S)
+        except NotReadyError as error:
+            voice.error(error)  # what is held can be dropped all the same
+        prompt = "> " if sys.stdin.isatty() and not as_json else ""
+        session = _Session(tool, voice)
+        succeeded = session.play(iter(orders) if orders is not None else _prompt(prompt, voice))
     sys.exit(0 if succeeded else 1)
+
+
+def _try_to_write(folder: Path) -> None:
+    """Told once and before anything begins: each program would tell it of its trace."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise UsageError(
+            f"The recording cannot be written: {error.strerror}.",
+            where=str(folder),
+            todo="Name another folder.",
+        ) from None
 
 
 def _record(tool: EndEffector, recording: Recording) -> None:
@@ -59,41 +87,11 @@ def _record(tool: EndEffector, recording: Recording) -> None:
     tool.subscribe_frames(lambda frame: recording.values(frame.at, frame.values))
 
 
-class _Told:
-    """Prints each change of state and each new alarm once."""
-
-    def __init__(self, tool: EndEffector) -> None:
-        self._tool = tool
-        self._last = ""
-        self._alarms: tuple[str, ...] = ()
-        tool.subscribe(self._status)
-
-    def _status(self, status: Status) -> None:
-        from end_effector_hal.trace import EndEffectorState, actuator_states, display_name
-
-        kinds = {name: part.kind for name, part in self._tool.description.ordered}
-        states = zip(self._tool.description.sequence, status.actuators, strict=True)
-        words = [
-            f"{display_name(name)} {actuator_states(name, kinds)(state).label}" for name, state in states
-        ]
-        text = f"{EndEffectorState(status.ee).label}: {', '.join(words)}"
-        if text != self._last:
-            self._last = text
-            click.echo(text)
-        for alarm in status.alarms:
-            if alarm not in self._alarms:
-                click.echo(f"alarm: {alarm}", err=True)
-        for alarm in self._alarms:
-            if alarm not in status.alarms:
-                click.echo(f"no longer: {alarm}", err=True)
-        self._alarms = status.alarms
-
-
 class _Session:
     """Gives orders to a tool and says how they ended."""
 
-    def __init__(self, tool: EndEffector) -> None:
-        self._tool = tool
+    def __init__(self, tool: EndEffector, voice: Voice) -> None:
+        self._tool, self._voice = tool, voice
         self._running: list[threading.Thread] = []
         self._succeeded = True
 
@@ -105,10 +103,10 @@ class _Session:
             if order.command is Command.QUIT:
                 break
             if order.arm:
-                self._tell("ARM", self._tool.arm())
+                self._answered("ARM", self._tool.arm())
                 continue
             if order.reset:
-                self._tell("RESET", self._tool.reset())
+                self._answered("RESET", self._tool.reset())
                 continue
             if order.command is None:
                 time.sleep(order.wait_s)
@@ -122,36 +120,33 @@ class _Session:
             thread.join()
         return self._succeeded
 
-    def _tell(self, name: str, answer: Answer) -> None:
+    def _answered(self, name: str, answer: Answer) -> None:
         self._succeeded = self._succeeded and answer.accepted
-        said = f". {answer.reason}" if answer.reason else ""
-        click.echo(f"{name}: {'succeeded' if answer.accepted else 'failed'}{said}")
+        self._voice.result(name, answer.accepted, answer.reason)
 
     def _run(self, given: int) -> None:
         from end_effector_hal.trace import Command
 
         tool, order = self._tool, Command(given)
         if order is Command.CANCEL:
-            answer = tool.cancel()
-            succeeded, reason = answer.accepted, answer.reason
-        else:
-            outcome = {
-                Command.LOCK: tool.lock,
-                Command.UNLOCK: tool.unlock,
-                Command.GRIP: tool.grip,
-                Command.RELEASE: tool.drop,
-            }[order]()
-            succeeded, reason = outcome.succeeded, outcome.reason
-        self._succeeded = self._succeeded and succeeded
-        click.echo(f"{order.name}: {'succeeded' if succeeded else 'failed'}{f'. {reason}' if reason else ''}")
+            self._answered(order.name, tool.cancel())
+            return
+        outcome = {
+            Command.LOCK: tool.lock,
+            Command.UNLOCK: tool.unlock,
+            Command.GRIP: tool.grip,
+            Command.RELEASE: tool.drop,
+        }[order]()
+        self._succeeded = self._succeeded and outcome.succeeded
+        self._voice.result(order.name, outcome.succeeded, outcome.reason, outcome.steps)
 
 
-def _prompt() -> Iterator[Order]:
+def _prompt(prompt: str, voice: Voice) -> Iterator[Order]:
     from end_effector_hal.tool import read_order
 
     while True:
         try:
-            text = input("> " if sys.stdin.isatty() else "").strip()
+            text = input(prompt).strip()
         except EOFError:
             return
         if not text:
@@ -159,4 +154,4 @@ def _prompt() -> Iterator[Order]:
         try:
             yield read_order(text)
         except UsageError as error:
-            click.echo(str(error), err=True)
+            voice.error(error)

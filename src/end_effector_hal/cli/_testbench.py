@@ -69,10 +69,11 @@ def command(
     Sees the lines of DESCRIPTION (default: the shipped tool) and answers with sensor frames, until SIGTERM or
     Ctrl-C. While it runs, a line "scenario S" on standard input chooses another scenario, "quit" ends it.
     """
-    from end_effector_hal.description import load, profile_path
+    from end_effector_hal.description import profile_path
     from end_effector_hal.testbench import open_inputs, open_port, run_testbench
+    from end_effector_hal.wires import load_tool
 
-    loaded = load(description or profile_path())
+    loaded = load_tool(description or profile_path())
     run_testbench(
         loaded,
         open_inputs(lines, loaded, power_cycle=power_cycle),

@@ -3,7 +3,6 @@
 from ._constants import channels_of, model_constants
 from ._controller import PROGRAMS, Controller
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
-from ._link_rules import shows_noise
 from ._margin import margin_pa
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
 from ._senses import Senses
@@ -34,7 +33,6 @@ __all__ = [
     "margin_pa",
     "model_constants",
     "predicates_fitted",
-    "shows_noise",
     "to_s",
     "to_us",
     "tool_place",

@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from end_effector_hal.description import Description
-from end_effector_hal.wires.codecs import Codec, resolution_of, sequence_of
+from end_effector_hal.wires.codecs import Codec, sequence_of, shows_noise
 from end_effector_hal.wires.frame import Frame, Kind, Value
 
 from ._frozen_detector import FrozenDetector
 from ._plausible import plausible_ranges
 from ._time import to_us
 
-FINE_PA = 50
-"""A codec that counts in larger steps does not show the noise of a sensor: no value is called frozen."""
 SAID_US = 10_000_000
 """So long a reboot of the device is told."""
 
@@ -112,11 +110,6 @@ class LinkRules:
         before = self._doubts.get(channel, "")
         same_kind = (why == _frozen(channel)) == (before == _frozen(channel))
         return before if before and same_kind else why
-
-
-def shows_noise(codec: Codec) -> bool:
-    """Whether it counts finely enough to tell a frozen sensor from a living one."""
-    return resolution_of(codec) <= FINE_PA
 
 
 def frozen_after(description: Description, codec: Codec) -> dict[str, float]:

@@ -37,7 +37,7 @@ def play_core(scenario: Scenario, world: World, folder: Path) -> None:
     """Play a scenario through `EndEffector`, recorded into ``folder``; ``tool.log`` tells what was answered.
 
     Raises:
-        EndEffectorError: the tool cannot be opened, or does not adopt.
+        EndEffectorError: the tool cannot be opened, or does not get ready.
     """
     with (
         (folder / "tool.log").open("w", encoding="utf-8", buffering=1) as log,
@@ -50,11 +50,7 @@ def play_core(scenario: Scenario, world: World, folder: Path) -> None:
         tool.subscribe_frames(recorder.frame)
         with tool:
             tool.start()
-            if not tool.wait_ready(READY_S):
-                raise EndEffectorError(
-                    f"The tool did not adopt its lines within {READY_S:g} s.",
-                    todo=f"See the logs in {folder}.",
-                )
+            tool.wait_ready(READY_S)
             play = _Play(tool, lambda text: print(text, file=log), scenario.longest_s(world.description))
             time.sleep(scenario.rest_s)
             for order in scenario.orders:

@@ -15,6 +15,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.tool import run_info
 from end_effector_hal.trace import read_run, read_states
 
+from ._answers import answered
 from ._core import play_core
 from ._judge import judge
 from ._pictures import draw
@@ -70,7 +71,7 @@ def run_demo(
             draw(folder, log, info)
         edges = None if own_wires else read_edges(folder / LINES)
         report = judge(scenario, description, log, info, edges)
-        findings = (*report.findings, replayed(folder))
+        findings = (*report.findings, answered(folder), replayed(folder))
         yield replace(report, findings=findings, folder=folder, seconds=time.monotonic() - begun)
 
 

@@ -19,7 +19,7 @@ from ._children import Children
 
 DESCRIPTION = "end_effector.yaml"
 LINES = "lines.log"
-START_S = 15.0
+START_S = 60.0  # a limit, for small and busy machines
 EEHAL = (sys.executable, "-c", "from end_effector_hal.cli import main; main()")
 
 

@@ -23,6 +23,8 @@ from ._part import Part
 from ._paths import profile_path, run_directory, socket_path
 from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
 from ._schema import schema, schema_path, schema_text
+from ._slow import slow
+from ._uses import used_channels
 
 __all__ = [
     "CODES",
@@ -66,6 +68,8 @@ __all__ = [
     "schema",
     "schema_path",
     "schema_text",
+    "slow",
     "socket_path",
     "unproven",
+    "used_channels",
 ]

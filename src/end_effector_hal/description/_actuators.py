@@ -10,14 +10,14 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ._endings import OwnEndings
-from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum
+from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum, Word
 
 
 class ActuatorPart(Part):
     """What every actuator has: a line that drives it, a channel that proves it, and its times."""
 
     line: LineName = Field(description="name of the GPIO line, as gpioinfo shows it")
-    pin: str = Field(default="", description="where it is found on the board; for people")
+    pin: Word = Field(default="", description="where it is found on the board; for people")
     channel: Name = Field(description="pressure channel of the link that proves it")
     timeout_s: Seconds = Field(default=5.0, description="not confirmed within: one failed attempt")
     reset_s: Seconds = Field(default=1.0, description="inactive between two attempts")

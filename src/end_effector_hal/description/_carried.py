@@ -9,8 +9,8 @@ from ._actuators import Actuator, CylinderActuator
 from ._devices import Supply
 from ._fault import Fault, did_you_mean
 from ._model import Description
-from ._part import Part
 from ._units import number
+from ._uses import BITS_BY_DEFAULT, uses
 
 FROZEN_SAMPLES = 5
 
@@ -31,35 +31,58 @@ class Carried:
     period_us: int
     noise_shows: bool = True
 
-    @property
-    def listed(self) -> str:
-        """For a sentence: which channels there are."""
-        return f"a channel of {self.codec}: {', '.join(self.channels)}"
+    def of(self, kind: str) -> tuple[str, ...]:
+        """Channels of a kind, in the order of the codec."""
+        return tuple(name for name, each in self.channels.items() if each == kind)
+
+
+def position_bits(description: Description) -> frozenset[str]:
+    """Bits that mean something else than that an actuator shows feedback."""
+    return BITS_BY_DEFAULT | {use.channel for use in uses(description) if use.bit}
+
+
+def provers(description: Description, carried: Carried, name: str) -> str:
+    """For a sentence: what could prove an actuator and belongs to nobody else.
+
+    A pressure; where the codec has none, a bit that says the same; of a cylinder also its position bit.
+    """
+    others = {use.channel for use in uses(description) if use.stanza != ("actuators", name)}
+    actuator = description.actuators[name]
+    channels, bits = carried.of("pressure"), carried.of("bit")
+    if not channels and actuator.kind == "vacuum":
+        channels = tuple(each for each in bits if each not in position_bits(description))
+    free = [each for each in channels if each not in others]
+    said = [f"a free channel of {carried.codec}: {', '.join(free)}"] if free else []
+    extended = str(CylinderActuator.model_fields["extended_bit"].default)
+    if actuator.kind == "cylinder" and extended in bits and extended not in others:
+        said.append(f"extended_bit: {extended}")
+    none = f"another codec: {carried.codec} carries nothing more for a {actuator.kind}"
+    return " or ".join(said) or none
 
 
 def misspelt(description: Description, carried: Carried) -> Iterator[Fault]:
-    """Names of channels that are written and meant another one."""
-    for stanza, part, keys in _named(description):
-        for key in keys:
-            name = getattr(part, key)
-            written = key in part.model_fields_set and name is not None
-            if written and name not in carried.channels and (hint := did_you_mean(name, carried.channels)):
-                what = f"{carried.codec} carries no {name!r}"
-                yield Fault.at(
-                    description.place(*stanza, key), "EE-225", what, expected=carried.listed, hint=hint
-                )
+    """Names of channels that are written and meant another one; without them something is off in silence."""
+    for use in uses(description):
+        proves = use.stanza[0] == "actuators" and not use.bit  # told by whether it can be confirmed
+        if proves or not use.written or use.channel in carried.channels:
+            continue
+        kind = carried.of("bit" if use.bit else "pressure")
+        if hint := did_you_mean(use.channel, kind):
+            yield Fault.at(
+                description.place(*use.stanza, use.key),
+                "EE-225",
+                f"{carried.codec} carries no {use.channel!r}",
+                expected=f"a {'bit' if use.bit else 'pressure'} of {carried.codec}: {', '.join(kind)}",
+                hint=hint,
+            )
 
 
-def _named(description: Description) -> Iterator[tuple[tuple[str, ...], Part, tuple[str, ...]]]:
-    """Stanzas with the keys that name a channel without which something is off."""
-    yield ("supply",), description.supply, ("channel",)
-    if description.tool_changer:
-        yield ("tool_changer",), description.tool_changer, ("locked_bit", "unlocked_bit")
-    if description.e_stop:
-        yield ("e_stop",), description.e_stop, ("channel",)
-    for name, each in description.ordered:
-        if isinstance(each, CylinderActuator):
-            yield ("actuators", name), each, ("extended_bit", "retracted_bit")
+def no_bits(description: Description, carried: Carried) -> Iterator[Fault]:
+    """Pressures where something that says yes or no is named."""
+    for use in uses(description):
+        if use.bit and carried.channels.get(use.channel) == "pressure":
+            place, found = description.place(*use.stanza, use.key), f"{use.key}: {use.channel}"
+            yield Fault.at(place, "EE-225", f"{use.channel!r} is a pressure", found=found, expected="a bit")
 
 
 def too_soon(description: Description, carried: Carried) -> Iterator[Fault]:

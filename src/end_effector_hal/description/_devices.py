@@ -7,14 +7,14 @@ from typing import Literal
 from pydantic import Field
 
 from ._endings import ChangerEndings
-from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum
+from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum, Word
 
 
 class ToolChanger(Part):
     """The tool changer; an inactive line is locked (ISO 11593)."""
 
     line: LineName = Field(description="name of the GPIO line; active means unlock")
-    pin: str = Field(default="", description="where it is found on the board; for people")
+    pin: Word = Field(default="", description="where it is found on the board; for people")
     locked_bit: Name = Field(default="locked", description="bit of the link that proves locked")
     unlocked_bit: Name = Field(default="unlocked", description="bit of the link that proves unlocked")
     latching: bool = Field(default=False, description="the unlock output may stay active (IL-03 off)")
@@ -67,8 +67,8 @@ class Lines(Part):
     backend: Literal["gpiod", "virtual"] = Field(
         default="gpiod", description="gpiod: the kernel's character device; virtual: a file, no hardware"
     )
-    path: str | None = Field(default=None, description="virtual: the file that stands for the chip")
-    socket: str | None = Field(
+    path: Word | None = Field(default=None, description="virtual: the file that stands for the chip")
+    socket: Word | None = Field(
         default=None, description="Unix socket of the line owner; default: in the run directory"
     )
 
@@ -76,7 +76,7 @@ class Lines(Part):
 class Link(Part):
     """The sensor link."""
 
-    port: str = Field(min_length=1, description="serial device")
+    port: Word = Field(min_length=1, description="serial device")
     baudrate: int | None = Field(
         default=None, ge=300, le=4_000_000, description="bits per second; default: that of the codec"
     )

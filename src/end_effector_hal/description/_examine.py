@@ -8,6 +8,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from end_effector_hal.errors import Told
+
 from ._explain import explain, likely_kind, no_kind
 from ._facts import Facts
 from ._fault import Fault
@@ -29,9 +31,14 @@ class Examination:
     description: Description | None
     faults: tuple[Fault, ...]
 
+    @property
+    def told(self) -> tuple[Told, ...]:
+        """The faults with their file."""
+        return tuple(fault.told(self.name) for fault in self.faults)
+
     def lines(self) -> list[str]:
         """The faults, ready to print."""
-        return [fault.render(self.name) for fault in self.faults]
+        return [str(each) for each in self.told]
 
 
 def examine(path: str | Path) -> Examination:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from end_effector_hal.errors import Told
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -71,10 +73,9 @@ class Fault:
         hint = f"; {self.hint}" if self.hint else ""
         return printable(f"{self.what}{found}{expected}{hint}")
 
-    def render(self, name: str) -> str:
-        """One line, ready to print: ``file:line:column: message [code]``."""
-        place = f"{name}:{self.line}:{self.column}" if self.line else name
-        return f"{place}: {self.message} [{self.code}]"
+    def told(self, name: str) -> Told:
+        """The fault of the file that is called so; as text ``file:line:column: message [code]``."""
+        return Told(self.code, name, self.line, self.column, self.message)
 
 
 def printable(text: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ._actuators import Actuator, CylinderActuator, VacuumActuator
-from ._carried import Carried, misspelt, too_soon
+from ._carried import Carried, misspelt, no_bits, position_bits, provers, too_soon
 from ._fault import Fault, did_you_mean
 from ._model import Description
 from ._units import number
@@ -22,7 +22,8 @@ def unproven(description: Description, carried: Carried) -> list[Fault]:
     found = [
         fault for name, each in description.ordered for fault in _unproven(description, carried, name, each)
     ]
-    return sorted([*found, *misspelt(description, carried), *too_soon(description, carried)])
+    named = [*misspelt(description, carried), *no_bits(description, carried)]
+    return sorted([*found, *named, *too_soon(description, carried)])
 
 
 def _unproven(description: Description, carried: Carried, name: str, actuator: Actuator) -> Iterator[Fault]:
@@ -30,16 +31,12 @@ def _unproven(description: Description, carried: Carried, name: str, actuator: A
     if not any(channel in carried.channels for channel in (actuator.channel, *bits)):
         place = description.place("actuators", name, "channel")
         what = f"{carried.codec} carries nothing that could confirm {name!r}"
-        hint = did_you_mean(actuator.channel, carried.channels)
-        yield Fault.at(place, "EE-225", what, expected=carried.listed, hint=hint)
-    if carried.channels.get(actuator.channel) == "bit" and actuator.channel in _position_bits(description):
+        hint = did_you_mean(actuator.channel, _meant(actuator, carried))
+        yield Fault.at(place, "EE-225", what, expected=provers(description, carried, name), hint=hint)
+    if carried.channels.get(actuator.channel) == "bit" and actuator.channel in position_bits(description):
         place = description.place("actuators", name, "channel")
         what = f"{actuator.channel!r} is a position bit and no pressure"
-        yield Fault.at(place, "EE-225", what, expected="a pressure, or a bit of its own")
-    for key, bit in zip(("extended_bit", "retracted_bit"), bits, strict=False):
-        if carried.channels.get(bit) == "pressure":
-            place = description.place("actuators", name, key)
-            yield Fault.at(place, "EE-225", f"{bit!r} is a pressure", found=f"{key}: {bit}", expected="a bit")
+        yield Fault.at(place, "EE-225", what, expected=provers(description, carried, name))
     if isinstance(actuator, VacuumActuator):
         least_s = (actuator.confirmed_samples - 1) * carried.period_us / 1e6
         if least_s >= actuator.timeout_s:
@@ -50,12 +47,9 @@ def _unproven(description: Description, carried: Carried, name: str, actuator: A
             yield Fault.at(place, "EE-225", what, found=carried.codec, expected=expected)
 
 
-def _position_bits(description: Description) -> set[str]:
-    """Bits that mean something else than that an actuator shows feedback."""
-    changer, e_stop = description.tool_changer, description.e_stop
-    bits = {bit for _, each in description.ordered for bit in _bits(each)}
-    bits |= {changer.locked_bit, changer.unlocked_bit} if changer else set()
-    return bits | ({e_stop.channel} if e_stop else set()) | {"tool_present", "in_stand"}
+def _meant(actuator: Actuator, carried: Carried) -> tuple[str, ...]:
+    """Names that somebody may have misspelt."""
+    return carried.of("pressure") or (carried.of("bit") if isinstance(actuator, VacuumActuator) else ())
 
 
 def not_fitted(description: Description, carried: Carried) -> list[str]:

@@ -19,5 +19,5 @@ def load(path: str | Path) -> Description:
     """
     examination = examine(path)
     if examination.description is None:
-        raise DescriptionError(examination.lines())
+        raise DescriptionError(examination.told)
     return examination.description

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from end_effector_hal.errors import EndEffectorError
+
 from ._fault import CODES
 from ._limits import limits_of
+from ._part import PRINTABLE
 from ._schema import schema
 from ._shape import KINDS, fields_of, is_common, of_any_kind, stanzas
 
@@ -72,7 +75,9 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
             return f"{noun}, {limits_of(tuple(each for each in keys if each), kind)}"
         case "string":
             pattern = each.get("pattern", "")
-            return "ROS name" if "A-Z" in pattern else "name" if pattern else "text"
+            if pattern in ("", PRINTABLE):
+                return "text"
+            return "ROS name" if "A-Z" in pattern else "name"
         case "array":
             return f"list of {_value(key, path, each['items'])}s"
         case _:
@@ -89,6 +94,23 @@ def _default(value: Any, each: dict[str, Any]) -> str:
 
 def _codes() -> Iterator[str]:
     yield "## Codes of faults"
+    yield "What can be wrong with a description; the exit code is 2."
     yield "\n".join(
         ["| code | meaning |", "|---|---|", *(f"| {code} | {words} |" for code, words in CODES.items())]
     )
+    yield "## Codes of errors"
+    yield "What else a program can end with. With `--json` every error is one object, see above."
+    rows = [f"| {each.code} | {each.exit_code} | {_first_line(each)} |" for each in _errors(EndEffectorError)]
+    yield "\n".join(["| code | exit code | meaning |", "|---|---|---|", *sorted(rows)])
+
+
+def _errors(kind: type[EndEffectorError]) -> Iterator[type[EndEffectorError]]:
+    """Every kind of error that has a code of its own."""
+    yield kind
+    for each in kind.__subclasses__():
+        if each.__module__ == kind.__module__:
+            yield from _errors(each)
+
+
+def _first_line(kind: type) -> str:
+    return (kind.__doc__ or "").partition("\n")[0].partition(";")[0].rstrip(".")

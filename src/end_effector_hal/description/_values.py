@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._fault import Fault, did_you_mean
 from ._limits import limits_of, wrong_scale
+from ._part import PRINTABLE
 from ._places import Keys, Place, Places
 from ._units import convert, number, split, with_unit
 
@@ -46,6 +47,9 @@ def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
 def wrong_form(path: Keys, error: ErrorDetails, place: Place) -> Fault:
     """A text or a list that is too short or too long, or a name with characters that names do not have."""
     context = error.get("ctx", {})
+    if context.get("pattern") == PRINTABLE:
+        what = f"{_label(path)} holds a character that is not printed"
+        return Fault.at(place, "EE-211", what, expected="text in one line")
     if "pattern" in context:
         expected, hint = _name(str(error["input"]), context["pattern"])
         return Fault.at(place, "EE-211", f"{_label(path)} is not a name", expected=expected, hint=hint)

@@ -11,8 +11,9 @@ from typing import Any
 
 import rospy
 
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import EndEffectorError, RosError
+from end_effector_hal.wires import load_tool
 
 from ._logging import node_logger
 from ._master import MasterWatch
@@ -46,7 +47,7 @@ class Node:
 
     def description(self) -> Description:
         """The tool that ``~description`` names; raises DescriptionError."""
-        return load(self.parameter(DESCRIPTION) or profile_path())
+        return load_tool(self.parameter(DESCRIPTION) or profile_path())
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """A private parameter."""

@@ -27,11 +27,12 @@ def run(node: str) -> None:
 
 def run_line_owner() -> None:
     """Run the line owner, as ``eehal owner`` does, without the arguments that roslaunch adds."""
-    from end_effector_hal.description import load, profile_path
+    from end_effector_hal.description import profile_path
     from end_effector_hal.tool import run_owner
+    from end_effector_hal.wires import load_tool
 
     paths = [argument for argument in sys.argv[1:] if ":=" not in argument]
-    sys.exit(_guarded("line_owner", lambda: run_owner(load(paths[0] if paths else profile_path()))))
+    sys.exit(_guarded("line_owner", lambda: run_owner(load_tool(paths[0] if paths else profile_path()))))
 
 
 def _guarded(name: str, body: Callable[[], int | None]) -> int:

@@ -2,6 +2,7 @@
 
 from end_effector_hal.control import Answer, Status, StepReport
 
+from ._automata import load_automata
 from ._end_effector import EndEffector, Outcome
 from ._lines import output_lines, owner_policy, program_lines
 from ._open_unit import open_unit
@@ -26,6 +27,7 @@ __all__ = [
     "Witness",
     "connect_owner",
     "content_hash",
+    "load_automata",
     "open_unit",
     "output_lines",
     "owner_policy",

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from end_effector_hal.control import Answer, ChangerState, Status, StepReport
-from end_effector_hal.description import Description, load
-from end_effector_hal.errors import UsageError
+from end_effector_hal.description import Description
+from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.trace import Command, EndEffectorState
-from end_effector_hal.wires import Frame, LinkHealth, LinkReader
+from end_effector_hal.wires import Frame, LinkHealth, LinkReader, load_tool, now_us
 from end_effector_hal.wires.codecs import codec_of
 
 from ._open_unit import open_unit
+from ._ready import changer_ready, gripper_ready, missing
 from ._reset import reset
 from ._unit import Unit
 from ._witness import Witness
@@ -58,25 +60,27 @@ class EndEffector:
         self._listeners: list[Callable[[Status], None]] = []
         self._frame_listeners: list[Callable[[Frame], None]] = []
         self._lock = threading.Lock()
-        self._grip = open_unit(description, "grip", self._gripper_moved, traces=traces)
-        try:
+        with ExitStack() as undo:
+            self._grip = open_unit(description, "grip", self._gripper_moved, traces=traces)
+            undo.callback(self._grip.close)
             self._change = open_unit(description, "tool_change", self._changer_moved, traces=traces)
-        except BaseException:
-            self._grip.close()
-            raise
-        codec = codec_of(description)
-        self._witness = Witness(description, codec)
-        self._reader = LinkReader(
-            description.link.port,
-            codec,
-            baudrate=description.link.baudrate,
-            on_frame=self._frame_came,
-        )
+            undo.callback(self._change.close)
+            codec = codec_of(description)
+            self._witness = Witness(description, codec)
+            self._reader = LinkReader(
+                description.link.port,
+                codec,
+                baudrate=description.link.baudrate,
+                on_frame=self._frame_came,
+            )
+            undo.pop_all()
 
     @classmethod
     def open(cls, description: Description | str | Path, *, traces: str | Path | None = None) -> Self:
         """Open a tool by its description and adopt its lines; raises DescriptionError, WireError."""
-        tool = cls(description if isinstance(description, Description) else load(description), traces=traces)
+        tool = cls(
+            description if isinstance(description, Description) else load_tool(description), traces=traces
+        )
         try:
             tool.start()
         except BaseException:
@@ -129,9 +133,23 @@ class EndEffector:
         """Have every frame; called in the thread of the link."""
         self._frame_listeners.append(listener)
 
-    def wait_ready(self, timeout_s: float = 5.0) -> bool:
-        """Wait until the tool has adopted; False when that took longer."""
-        return self._grip.wait(lambda status: status.ee != EndEffectorState.OFF, timeout_s)
+    def wait_ready(self, timeout_s: float = 5.0) -> None:
+        """Wait until the tool has adopted its lines and its sensors are heard.
+
+        Raises:
+            NotReadyError: that took longer; it says what is missing. The tool goes on all the same: what its
+                sensors do not prove is refused with a reason, and what is held stays held.
+        """
+        until = now_us() + round(timeout_s * 1e6)
+        ready = self._grip.wait(gripper_ready, timeout_s) and self._change.wait(
+            lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)
+        )
+        if not ready:
+            lacks = missing(self.description, self._grip.status, self._change.status, self.link)
+            raise NotReadyError(
+                f"{self.description.name} is not ready after {timeout_s:g} s: {'; '.join(lacks)}.",
+                todo="eehal doctor says what this machine lacks.",
+            )
 
     def grip(self) -> Outcome:
         """Grip, and wait until it is decided and over."""

@@ -34,10 +34,14 @@ def open_unit(
         LineBusyError: another process runs this program; says who.
     """
     lines = connect_owner(description, program, patience_s=patience_s)
-    recorder = _recorder(traces, description, program) if traces is not None else NOBODY
-    fault = SensorFault(lines) if program == "tool_change" else None
-    unit = Unit(description, program, lines, on_status, recorder, fault)
-    lines.attend(alive=lambda: unit.alive, on_lost=unit.lost, on_faults=unit.latched)
+    try:
+        recorder = _recorder(traces, description, program) if traces is not None else NOBODY
+        fault = SensorFault(lines) if program == "tool_change" else None
+        unit = Unit(description, program, lines, on_status, recorder, fault)
+        lines.attend(alive=lambda: unit.alive, on_lost=unit.lost, on_faults=unit.latched)
+    except BaseException:  # Ctrl-C, too: who leaves in order has not died
+        lines.close(())
+        raise
     return unit
 
 

@@ -10,6 +10,13 @@ from pathlib import Path
 from typing import Any
 
 FILE_NAME = "run.json"
+KINDS = {
+    **dict.fromkeys(("scenario", "description", "hash", "version", "started"), str),
+    **dict.fromkeys(("ros", "simulated"), bool),
+    **dict.fromkeys(("actuators", "limits"), dict),
+    "start_us": int,
+}
+_WITHIN = {"actuators": str, "limits": dict}
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,7 @@ class RunInfo:
             and its ``attempts``; what is missing is not drawn.
         simulated: whether a testbench answered; None: when a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
+        note: what could not be read, a sentence; it is not written.
     """
 
     scenario: str = ""
@@ -41,11 +49,12 @@ class RunInfo:
     limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     simulated: bool | None = None
     start_us: int | None = None
+    note: str = field(default="", compare=False)
 
     def write(self, folder: str | Path) -> Path:
         """Write ``run.json`` into a folder, whole or not at all."""
         path = Path(folder) / FILE_NAME
-        content = {item.name: getattr(self, item.name) for item in fields(self)}
+        content = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "note"}
         content["actuators"] = dict(self.actuators)
         content["limits"] = {name: dict(limit) for name, limit in self.limits.items()}
         beside = path.with_name(f".{FILE_NAME}.{os.getpid()}")
@@ -63,27 +72,44 @@ class RunInfo:
 
 
 def read_run(path: str | Path) -> RunInfo:
-    """Read a ``run.json``, or that of a folder; whatever is missing or unusable is left at its default."""
+    """Read a ``run.json``, or that of a folder; what is missing or unusable is left at its default, and noted."""
     path = Path(path)
     try:
         if path.is_dir():
             path = path / FILE_NAME
         content = json.loads(path.read_text(encoding="utf-8", errors="replace"))
-    except (OSError, ValueError, RecursionError):
+    except FileNotFoundError:
         return RunInfo()
+    except OSError as error:
+        return RunInfo(note=_not_read(path, error.strerror or str(error)))
+    except (ValueError, RecursionError) as error:
+        return RunInfo(note=_not_read(path, f"not JSON: {error}"))
     if not isinstance(content, dict):
-        return RunInfo()
-    texts = ("scenario", "description", "hash", "version", "started")
+        return RunInfo(note=_not_read(path, "not an object"))
+    texts = [key for key, kind in KINDS.items() if kind is str]
+    wrong = [key for key in KINDS if not _is_usable(key, content.get(key))]
     actuators, limits = content.get("actuators"), content.get("limits")
     simulated, start_us = content.get("simulated"), content.get("start_us")
     return RunInfo(
         **{key: value for key in texts if isinstance(value := content.get(key), str)},
         ros=content.get("ros") is True,
-        actuators=_only(actuators, str),
-        limits=_only(limits, dict),
+        actuators=_only(actuators, _WITHIN["actuators"]),
+        limits=_only(limits, _WITHIN["limits"]),
         simulated=simulated if isinstance(simulated, bool) else None,
         start_us=start_us if isinstance(start_us, int) else None,
+        note=_not_read(path, f"of another type than it should be: {', '.join(wrong)}") if wrong else "",
     )
+
+
+def _is_usable(key: str, value: object) -> bool:
+    if value is None:
+        return True
+    whole = isinstance(value, KINDS[key])
+    return whole and (key not in _WITHIN or len(_only(value, _WITHIN[key])) == len(value))  # type: ignore[arg-type]
+
+
+def _not_read(path: Path, why: str) -> str:
+    return f"{path} is left out as far as it cannot be read: {why}."
 
 
 def _only(value: object, kind: type) -> dict[str, Any]:

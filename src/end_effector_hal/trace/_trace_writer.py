@@ -60,8 +60,10 @@ class TraceWriter:
         self.path, self._fd = _create(Path(folder), program)
         self.day_us = time_ns() // 1000 - now
         self._sink = _Sink()
-        # without chunks: each record stands alone
-        self._writer = Writer(self._sink, use_chunking=False, compression=CompressionType.NONE)
+        # without chunks: each record stands alone; a checksum of all of them comes last
+        self._writer = Writer(
+            self._sink, use_chunking=False, compression=CompressionType.NONE, enable_data_crcs=True
+        )
         self._waiting: list[_Item] = []
         self._queue: queue.SimpleQueue[list[_Item] | None] = queue.SimpleQueue()
         self._whole = True

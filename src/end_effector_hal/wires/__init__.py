@@ -4,6 +4,7 @@ Pure, for those who must not touch a clock or a socket: `wires.frame`, `wires.co
 """
 
 from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires._load import Fitting, fitting, load_tool
 from end_effector_hal.wires.codecs import Codec, Decoder, codec_names, get_codec
 from end_effector_hal.wires.frame import Frame, Kind, Value
 from end_effector_hal.wires.lines import (
@@ -38,6 +39,7 @@ __all__ = [
     "Decoder",
     "Edge",
     "Exclusion",
+    "Fitting",
     "Frame",
     "GpiodLines",
     "HandsOn",
@@ -60,7 +62,9 @@ __all__ = [
     "WillStep",
     "Written",
     "codec_names",
+    "fitting",
     "get_codec",
+    "load_tool",
     "now_us",
     "open_port",
     "read_chip",

@@ -76,6 +76,27 @@ def test_a_trace_that_is_cut_off_is_replayed_up_to_there(folder: Path, tmp_path:
         assert "The trace is not whole" in found.notes[0]
 
 
+def test_a_changed_byte_is_told(folder: Path, tmp_path: Path) -> None:
+    data = (folder / "grip.mcap").read_bytes()
+    path = tmp_path / "changed.mcap"
+    place = data.rindex(b'"device_ms":') + len(b'"device_ms":')
+    path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
+    result = run(path)
+    assert result.exit_code == 1
+    assert "replay: decides the same" in result.output
+    assert "note: The trace is damaged: bytes in it were changed since it was written." in result.output
+
+
+def test_one_that_is_cut_within_its_header_says_so(folder: Path, tmp_path: Path) -> None:
+    data = (folder / "grip.mcap").read_bytes()
+    path = tmp_path / "cut.mcap"
+    for length in (0, 5, 8, 100, 5_000, data.index(b'{"at":0,"program"') + 200):
+        path.write_bytes(data[:length])
+        result = run(path)
+        assert getattr(result.exception, "exit_code", None) == 2
+        assert f"The trace ends after {length} bytes, before its header" in str(result.exception)
+
+
 def test_a_trace_may_end_in_the_middle_of_a_decision(gripped: ProgramTrace) -> None:
     (command,) = numbers(gripped, "command", lambda content: content["name"] == "drop")
     for end in range(command, command + 5):

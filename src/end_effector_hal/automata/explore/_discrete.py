@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._network import Edge, Network, State
 from end_effector_hal.automata.explore._listening import ListeningSemantics
 from end_effector_hal.automata.explore._resting import Resting
+from end_effector_hal.errors import RangeError
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from functools import partial
 
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._document import Query as StoredQuery
-from end_effector_hal.automata._faults import RangeError, refused
+from end_effector_hal.automata._faults import refused
 from end_effector_hal.automata._network import Network
 from end_effector_hal.automata._text import Text
 from end_effector_hal.automata.explore._cases import Cases
@@ -37,6 +37,7 @@ from end_effector_hal.automata.explore._sharp import SharpSpace
 from end_effector_hal.automata.explore._symbolic import SymbolicSpace
 from end_effector_hal.automata.explore._trace import Trace
 from end_effector_hal.automata.explore._verdict import Verdict
+from end_effector_hal.errors import RangeError
 
 
 class RunTimeError(RangeError):

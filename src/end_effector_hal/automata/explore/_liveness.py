@@ -12,7 +12,6 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata.explore._concrete import Ending, Leg
 from end_effector_hal.automata.explore._deadlock import Deadlocks
 from end_effector_hal.automata.explore._delay import Within
@@ -29,6 +28,7 @@ from end_effector_hal.automata.explore._zone import (
     subtract,
     unbounded,
 )
+from end_effector_hal.errors import RangeError
 
 MOST_DOUBTS = 20  # ends that turn out to be none: then a finer search is cheaper
 

@@ -6,11 +6,11 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from operator import le
 
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata.explore._concrete import Leg
 from end_effector_hal.automata.explore._discrete import Move
 from end_effector_hal.automata.explore._symbolic import Place, SymbolicSpace
 from end_effector_hal.automata.explore._zone import Zone
+from end_effector_hal.errors import RangeError
 
 Told = Callable[[int], None]
 _EVERY = 1000  # states between two words on progress

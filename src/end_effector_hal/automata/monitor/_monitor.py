@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._network import Network, State
 from end_effector_hal.automata._semantics import Transition
 from end_effector_hal.automata._sides import Sides
@@ -23,7 +22,7 @@ from end_effector_hal.automata.monitor._words import (
     same_edges,
     why_not,
 )
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import RangeError, UsageError
 
 
 class Monitor:

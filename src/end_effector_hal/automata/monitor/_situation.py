@@ -7,9 +7,9 @@ from operator import eq, ge, gt, le, lt
 from typing import Any, NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._network import Edge, Network, State
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
+from end_effector_hal.errors import RangeError
 
 _OPS: dict[str, Callable[[Any, Any], bool]] = {"<": lt, "<=": le, "==": eq, ">=": ge, ">": gt}
 

@@ -7,13 +7,12 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._network import Network
 from end_effector_hal.automata._schedule import NEVER, Clocks
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
 from end_effector_hal.automata._steps import Change
 from end_effector_hal.automata.explore import TraceStep
-from end_effector_hal.errors import ModelError
+from end_effector_hal.errors import ModelError, RangeError
 
 US_PER_UNIT = 1000  # the model's unit is the millisecond
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
-from end_effector_hal.automata._faults import RangeError
 from end_effector_hal.automata._network import Network
 from end_effector_hal.automata.explore import Trace, TraceStep
 from end_effector_hal.automata.simulate._choice import Choice
 from end_effector_hal.automata.simulate._machine import US_PER_UNIT, Machine, Option
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import RangeError, UsageError
 
 STEPS = 100
 _SPREAD_US = 2_000_000  # over which the instant of a transition is spread where nothing limits it

@@ -92,6 +92,8 @@ def load_trace(path: str | Path) -> ProgramTrace:
         UsageError: it cannot be read, or is no trace of this product.
     """
     file = read_trace(path)
+    if not file.records and not file.complete:
+        raise _without_header(file)
     if not file.records or file.records[0].kind != "header":
         todo = "Expected is a file that `eehal run --record` or a node wrote."
         raise UsageError("This MCAP file holds no header of a trace.", where=str(path), todo=todo)
@@ -106,6 +108,15 @@ def load_trace(path: str | Path) -> ProgramTrace:
         known = " and ".join(PROGRAMS)
         raise UsageError(f"There is no program {header.program!r}, only {known}.", where=str(path))
     return ProgramTrace(file, header)
+
+
+def _without_header(file: TraceFile) -> UsageError:
+    if file.damaged:
+        what = f"Before its header the trace is damaged: {file.note}."
+        return UsageError(what, where=str(file.path), todo="There is nothing to replay.")
+    what = f"The trace ends after {file.size} bytes, before its header: there is nothing to replay."
+    why = "Its program was killed as it began, or the file was cut off."
+    return UsageError(what, where=str(file.path), todo=why)
 
 
 def traces_of(path: str | Path) -> tuple[Path, ...]:

@@ -42,8 +42,12 @@ class Review:
 
     @property
     def ok(self) -> bool:
-        """It decides the same, and is a run of its network; a missed bound that was told is no fault of the record."""
-        return self.replay.difference is None and all(o.kind == "missed" for o in self.objections)
+        """Its bytes are what was written, it decides the same, and is a run of its network.
+
+        A missed bound that was told is no fault of the record.
+        """
+        same = self.replay.difference is None and all(o.kind == "missed" for o in self.objections)
+        return same and not self.trace.file.damaged
 
     def as_json(self) -> dict[str, Any]:
         """For programs; times in seconds since the beginning of the trace."""
@@ -114,7 +118,7 @@ def _review(trace: ProgramTrace, description: Description) -> Review:
 def _notes(trace: ProgramTrace, description: Description, used: str) -> list[str]:
     header, notes = trace.header, []
     if trace.file.note:
-        notes.append(f"The trace is not whole: {trace.file.note}.")
+        notes.append(f"The trace is {'damaged' if trace.file.damaged else 'not whole'}: {trace.file.note}.")
     if header.constants != model_constants(description):
         names = [
             key for key, value in model_constants(description).items() if header.constants.get(key) != value

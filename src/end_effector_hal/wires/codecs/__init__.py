@@ -5,7 +5,7 @@ the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformanc
 `end_effector_hal.wires.codecs.conformance`. Modbus devices need no class: see `end_effector_hal.wires.codecs.modbus`.
 """
 
-from end_effector_hal.wires.codecs._codec import Codec, Decoder, parity_of, resolution_of
+from end_effector_hal.wires.codecs._codec import Codec, Decoder, parity_of, resolution_of, shows_noise
 from end_effector_hal.wires.codecs._ees1_ascii import Ees1Ascii
 from end_effector_hal.wires.codecs._ees1_cobs import Ees1Cobs
 from end_effector_hal.wires.codecs._legacy_nibble import LegacyNibble
@@ -39,4 +39,5 @@ __all__ = [
     "parity_of",
     "resolution_of",
     "sequence_of",
+    "shows_noise",
 ]

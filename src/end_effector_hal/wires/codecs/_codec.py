@@ -95,3 +95,12 @@ def parity_of(codec: Codec) -> str:
 def resolution_of(codec: Codec) -> float:
     """Pa of the smallest step of a pressure: what the codec has as ``resolution_pa``, else 1."""
     return float(getattr(codec, "resolution_pa", 1))
+
+
+FINE_PA = 50
+"""A codec that counts in larger steps does not show the noise of a sensor: no value is called frozen."""
+
+
+def shows_noise(codec: Codec) -> bool:
+    """Whether it counts finely enough to tell a frozen sensor from a living one."""
+    return resolution_of(codec) <= FINE_PA

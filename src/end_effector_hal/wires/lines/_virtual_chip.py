@@ -91,7 +91,7 @@ class VirtualChip:
             raise WireError(
                 f"there is no virtual chip: {error.strerror}.",
                 where=str(self.path),
-                todo="Make one with VirtualChip.create, or start the testbench, which does.",
+                todo="Start `eehal testbench` with the same description: it makes the chip.",
             ) from error
         if not log.state.lines:
             raise WireError(

@@ -1,0 +1,67 @@
+"""Which channels of the link a description names, where, and what for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ._actuators import CylinderActuator
+from ._devices import EStop, ToolChanger
+from ._model import Description
+from ._part import Part
+
+_CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+_CYLINDER = ("extended_bit", "retracted_bit")
+
+
+@dataclass(frozen=True)
+class Use:
+    """A channel and the key that names it; ``bit``: it says yes or no, else it is a pressure."""
+
+    stanza: tuple[str, ...]
+    key: str
+    channel: str
+    bit: bool
+    written: bool
+
+
+def uses(description: Description) -> tuple[Use, ...]:
+    """Every channel that a description asks for, its defaults too."""
+    return tuple(_uses(description))
+
+
+def used_channels(description: Description) -> frozenset[str]:
+    """Their names: what else a link carries does not matter to this tool."""
+    return frozenset(use.channel for use in _uses(description))
+
+
+def _uses(description: Description) -> Iterator[Use]:
+    yield from _of(("supply",), description.supply, "channel", bit=False)
+    if description.tool_changer:
+        for key in _CHANGER:
+            yield from _of(("tool_changer",), description.tool_changer, key, bit=True)
+    if description.e_stop:
+        yield from _of(("e_stop",), description.e_stop, "channel", bit=True)
+    for name, each in description.ordered:
+        yield from _of(("actuators", name), each, "channel", bit=False)
+        for key in _CYLINDER if isinstance(each, CylinderActuator) else ():
+            yield from _of(("actuators", name), each, key, bit=True)
+
+
+def _of(stanza: tuple[str, ...], part: Part, key: str, *, bit: bool) -> Iterator[Use]:
+    if channel := getattr(part, key):
+        yield Use(stanza, key, channel, bit, key in part.model_fields_set)
+
+
+def _defaults() -> Iterator[str]:
+    keyed: list[tuple[type[Part], tuple[str, ...]]] = [
+        (ToolChanger, _CHANGER),
+        (CylinderActuator, _CYLINDER),
+        (EStop, ("channel",)),
+    ]
+    for model, keys in keyed:
+        yield from (str(model.model_fields[key].default) for key in keys)
+
+
+BITS_BY_DEFAULT = frozenset(_defaults())
+"""Names of bits that mean something, whether this tool has the device or not."""

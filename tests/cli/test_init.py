@@ -1,0 +1,44 @@
+"""``eehal init``: what it writes is valid, complete for an editor, and touches nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.cli._init import command
+from end_effector_hal.description import load, schema_text
+from end_effector_hal.errors import UsageError
+
+
+def test_a_folder_to_start_from(tmp_path: Path) -> None:
+    folder = tmp_path / "my" / "tool"
+    result = CliRunner().invoke(command, [str(folder), "--json"], catch_exceptions=False)
+    assert result.exit_code == 0
+    names = ["end_effector.yaml", "end_effector.schema.json"]
+    assert json.loads(result.stdout)["files"] == [str(folder / name) for name in names]
+    assert load(folder / "end_effector.yaml").name == "verdin_gripper"
+    named = (
+        (folder / "end_effector.yaml").read_text(encoding="utf-8").splitlines()[0].partition("$schema=")[2]
+    )
+    assert (folder / named).read_text(encoding="utf-8") == schema_text()
+
+
+def test_what_is_there_is_not_touched(tmp_path: Path) -> None:
+    (tmp_path / "end_effector.schema.json").write_text("mine")
+    result = CliRunner().invoke(command, [str(tmp_path)])
+    assert isinstance(result.exception, UsageError)
+    assert str(result.exception).startswith(
+        f"{tmp_path}/end_effector.schema.json: This file is there already."
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ["end_effector.schema.json"]
+
+
+@pytest.mark.parametrize("name", ["file", "file/below"])
+def test_what_is_no_folder_is_a_sentence(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").touch()
+    result = CliRunner().invoke(command, [str(tmp_path / name)])
+    assert isinstance(result.exception, UsageError)
+    assert "The folder cannot be made" in str(result.exception)
