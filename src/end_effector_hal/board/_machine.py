@@ -23,7 +23,7 @@ BOOT = "console=ttymxc2 panic=-1 quiet nokaslr mitigations=off clk_ignore_unused
 CLOCK = ("-icount", "shift=0,sleep=on", "-rtc", "clock=vm")
 """Its time is what it has executed, 1 ns for each instruction: a busy host makes it slower, and nothing in it later.
 
-It never rests (init.sh): then its time would be that of the host, and the testbench could come too late.
+It never rests (init.sh): if it did, its time would be that of the host, and the testbench could come too late.
 """
 START_S = 120.0
 LONGEST_S = 1800.0
