@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -41,6 +42,9 @@ def kernel() -> Path:
     """The User-Mode-Linux kernel; built when there is none."""
     if ASKED == "gpio-sim":
         pytest.skip("EEHAL_GPIOCHIP=gpio-sim: no guest is booted.")
+    if missing := [name for name in ("busybox", "taskset") if shutil.which(name) is None]:
+        packages = (HERE / "debian-packages.txt").read_text().split()
+        pytest.skip(f"Missing: {', '.join(missing)}; apt install {' '.join(packages)}")
     built = subprocess.run([HERE / "build-kernel.sh"], capture_output=True, text=True, check=False)
     if built.returncode == 3:
         pytest.skip(built.stderr.strip().splitlines()[-1])
