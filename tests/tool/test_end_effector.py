@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from patience import PATIENCE_S, wait_until
+from tests.declared import declared
 
 from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import load, profile_path
@@ -135,3 +136,21 @@ def test_the_death_of_the_program_while_gripping_unwinds_in_reverse(world: World
     wait_until("it", all_inactive)
     released = [line for a, b in pairwise(seen) for line in GRIPPING_LINES if a[line] and not b[line]]
     assert released == list(reversed(GRIPPING_LINES))
+
+
+def test_the_death_of_the_program_releases_what_is_declared_and_no_more(tmp_path: Path) -> None:
+    """The bottom vacuum holds when its program dies, the others are unwound; a Drop releases it, too."""
+    mixed = declared(bottom_vacuum={"gripping": {"process_death": "hold"}})
+    with World(mixed, "nominal", tmp_path) as world:
+        world.choose("never-confirms:top_vacuum")
+        process = holder(world, "grip")
+        wait_until("the last step", lambda: levels(world) == ALL_ACTIVE)
+        kill(process)
+        left = {**NONE_ACTIVE, "SODIMM_208": True}
+        wait_until("the will", lambda: levels(world) == left)
+        with EndEffector.open(world.description) as tool:
+            assert tool.wait_ready(PATIENCE_S)
+            assert tool.status.ee == EndEffectorState.GRIP_ERROR
+            assert levels(world) == left
+            wait_until("a Drop", lambda: tool.drop().succeeded)
+            assert levels(world) == NONE_ACTIVE

@@ -135,6 +135,21 @@ def test_a_cancelled_grip():
     assert story.releases[0].cause is Cause.CANCEL
 
 
+def test_what_an_ending_leaves_active_ends_the_unwinding_and_a_drop_is_another_one():
+    grip = [(0.0, 6, -1, 0, 0, 0), (1.0, 1, 2, 1, 0, 0), (1.5, 1, 2, 2, 0, 0), (1.5, 1, 2, 2, 1, 0)]
+    cancelled = [*grip, (3.0, 4, 4, 2, 1, 0), (3.0, 4, 4, 2, 0, 0), (3.2, 2, -1, 2, 0, 0)]
+    story = tell(log(*cancelled))
+    assert story.verdict == "Grip CANCELLED while Cylinder was pending, partly released: GRIP ERROR"
+    dropped = [*cancelled, (5.0, 4, 3, 2, 0, 0), (5.0, 4, 3, 0, 0, 0), (6.0, 6, -1, 0, 0, 0)]
+    releases = tell(log(*dropped)).releases
+    assert [(each.cause, each.ended) for each in releases] == [
+        (Cause.CANCEL, EndEffectorState.GRIP_ERROR),
+        (Cause.DROP, EndEffectorState.STAND_BY),
+    ]
+    held = tell(log(*grip, (3.0, 2, 4, 2, 1, 0), (3.0, 2, -1, 2, 1, 0)))
+    assert held.verdict == "Grip CANCELLED while Cylinder was pending, outputs held"
+
+
 def test_a_cancel_that_holds_and_the_drop_after_it():
     rows = [(r.time_s, *r.states) for r in NOMINAL.rows[:3]]
     held = [*rows, (2.25, 2, -1, 2, 1, 0)]

@@ -96,6 +96,8 @@ def _of_release(release: Release, story: Story) -> str:
         return f"{'then ' if release.cause is Cause.DROP else ''}release failed: RELEASE ERROR"
     if release.ended is None:
         return "still releasing at the end"
+    if release.ended is EndEffectorState.GRIP_ERROR:  # the rest stays active, as declared
+        return "partly released: GRIP ERROR" if release.deactivated else "outputs held: GRIP ERROR"
     if release.in_reverse(story.actuators):
         # the last time-out may have deactivated its actuator before the unwinding began
         culprits = [
