@@ -13,19 +13,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 
 from end_effector_hal.automata._faults import fault
-from end_effector_hal.automata._network import Edge, Network, State
+from end_effector_hal.automata._network import Network, State
+from end_effector_hal.automata._outlook import Outlooks, Prospect
 from end_effector_hal.automata._schedule import NEVER, Candidate, Clocks, Schedule
-from end_effector_hal.automata._semantics import Fired, Semantics, Transition
+from end_effector_hal.automata._semantics import Semantics
 from end_effector_hal.automata._sides import Sides
 from end_effector_hal.automata._steps import (
     Begun,
-    Change,
     Event,
     Observation,
     Reaction,
     Received,
     Step,
-    TakenEdge,
     Written,
 )
 from end_effector_hal.errors import ModelError, RangeError, UsageError
@@ -60,21 +59,15 @@ class Execution:
         self.network = network
         self._observe = observe or _unobserved
         self._sides = Sides(network, executed, interface)
-        self._semantics = Semantics(network, self._sides.executed)
+        self._outlooks = Outlooks(Semantics(network, self._sides.executed))
         self._clocks = Clocks(len(network.clocks), unit_us)
-        self._schedule = Schedule(self._semantics, self._clocks)
+        self._schedule = Schedule(self._outlooks, self._clocks)
+        self.inputs = frozenset(self._sides.inputs)
+        """Channels that :meth:`receive` takes."""
+        self.outputs = frozenset(self._sides.outputs)
+        """Channels on which steps may have ``sent``."""
         self._state = network.initial
         self._now: int | None = None
-
-    @property
-    def inputs(self) -> frozenset[str]:
-        """Channels that :meth:`receive` takes."""
-        return frozenset(self._sides.inputs)
-
-    @property
-    def outputs(self) -> frozenset[str]:
-        """Channels on which steps may have ``sent``."""
-        return frozenset(self._sides.outputs)
 
     @property
     def state(self) -> State:
@@ -177,44 +170,40 @@ class Execution:
     def _rewrite(self, offsets: Mapping[int, int], writes: Mapping[str, int]) -> None:
         before = self._state
         self._write(offsets)
-        if self._state != before:
+        if self._state is not before:
             self._observe(Written(self._told(None), writes))
 
     def _write(self, offsets: Mapping[int, int]) -> None:
-        state = _with(self._state, offsets)
-        if state != self._state:
-            self._state = state
+        values = self._state.values
+        if any(values[offset] != value for offset, value in offsets.items()):
+            self._state = state = _with(self._state, offsets)
             self._schedule.renew(state, self._told(None), None)
 
     def _receive(self, name: str, channel: int, writes: Mapping[int, int]) -> Step | None:
-        transition = next(self._semantics.received(self._state, channel), None)
-        if transition is None or not transition.edges:
+        prospect = self._outlooks.received(self._state, channel, writes)
+        if prospect is None:
             self._write(writes)
             return None
-        fired = self._semantics.fire(self._state, transition.edges, writes)
-        return self._move(transition, fired, None, self._schedule.last, received=name)
+        return self._move(prospect, None, self._schedule.last, received=name)
 
     def _take(self, until: int, first_before: int = NEVER) -> list[Step]:
         steps: list[Step] = []
         while candidate := self._schedule.next(until, first_before):
             if len(steps) == _MOST_STEPS:
                 raise self._livelock(steps, candidate)
-            if isinstance(candidate.fired, RangeError):
-                raise candidate.fired
-            steps.append(self._move(candidate.transition, candidate.fired, candidate.due, candidate.last))
-        if not self._schedule.candidates and self._semantics.committed(self._state):
+            steps.append(self._move(candidate.prospect, candidate.due, candidate.last))
+        if self._schedule.committed and not self._schedule.candidates:
             raise self._stuck()
         return steps
 
-    def _move(
-        self, transition: Transition, fired: Fired, due: int | None, last: int, received: str | None = None
-    ) -> Step:
-        now, old = self._told(None), self._state.values
+    def _move(self, prospect: Prospect, due: int | None, last: int, received: str | None = None) -> Step:
+        now, transition, fired = self._told(None), prospect.transition, prospect.fired
+        if isinstance(fired, RangeError):
+            raise fired
         self._state = fired.state
         self._clocks.set(fired.resets, now)
         self._schedule.renew(self._state, now, transition)
         sent = transition.channel if received is None else None
-        changes = zip(self.network.offsets, old, fired.state.values, strict=True)
         step = Step(
             at=now,
             due=due,
@@ -222,21 +211,18 @@ class Execution:
             missed=now > last,
             received=received,
             sent=self.network.channels[sent].name if sent is not None else None,
-            edges=tuple(map(self._taken, transition.edges)),
-            changes=tuple(Change(name, before, after) for name, before, after in changes if before != after),
+            edges=prospect.edges,
+            changes=prospect.changes,
         )
         self._observe(step)
         return step
 
-    def _taken(self, edge: Edge) -> TakenEdge:
-        process = self.network.processes[edge.process]
-        source, target = process.locations[edge.source], process.locations[edge.target]
-        return TakenEdge(process.name, source.name, target.name, edge.index, edge.span.where)
-
     def _livelock(self, steps: list[Step], candidate: Candidate) -> ModelError:
         names = sorted({edge.process for step in steps[-100:] for edge in step.edges})
         what = f"No end after {_MOST_STEPS} steps at one instant: {', '.join(names)} never rest."
-        return fault(candidate.transition.edges[0].span, what, "Add a guard, or let time pass on the way.")
+        return fault(
+            candidate.prospect.transition.edges[0].span, what, "Add a guard, or let time pass on the way."
+        )
 
     def _stuck(self) -> ModelError:
         for process in self.network.processes:

@@ -42,6 +42,7 @@ class Sides:
         numbered = list(enumerate(network.channels))
         self.outputs = {channel.name: n for n, channel in numbered if n in sent}
         self.inputs = {channel.name: n for n, channel in numbered if channel.broadcast and n not in sent}
+        self._places: dict[str, tuple[int, int, int]] = {}
 
     def input(self, channel: str) -> int:
         """The number of an input.
@@ -62,15 +63,20 @@ class Sides:
         """
         offsets = {}
         for name, value in values.items():
-            offset = self.network.offset(name)
-            variable = self.network.variable(offset)
-            if variable.name not in self.interface:
-                raise UsageError(f"'{name}' is not an interface variable.")
-            low, high = variable.type.low, variable.type.high
+            offset, low, high = self._places.get(name) or self._place(name)
             if not isinstance(value, int) or not low <= value <= high:
                 raise UsageError(f"{name} = {value!r} is no integer from {low} to {high}.")
             offsets[offset] = int(value)
         return offsets
+
+    def _place(self, name: str) -> tuple[int, int, int]:
+        """Offset and range of an interface variable."""
+        offset = self.network.offset(name)
+        variable = self.network.variable(offset)
+        if variable.name not in self.interface:
+            raise UsageError(f"'{name}' is not an interface variable.")
+        place = self._places[name] = offset, variable.type.low, variable.type.high
+        return place
 
     def _refuse_shared(self, ours: Effects, theirs: Effects) -> None:
         shared = (ours.writes & (theirs.reads | theirs.writes)) | (theirs.writes & ours.reads)
