@@ -12,7 +12,7 @@ import statistics
 import tempfile
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.tool import Unit
@@ -32,8 +32,9 @@ class _Lines:
     def levels(self) -> Mapping[str, bool]:
         return {}
 
-    def set(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> None:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:
         del levels, will
+        return lambda: None
 
     def close(self, will: Sequence[WillStep]) -> None:
         del will

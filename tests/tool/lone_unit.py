@@ -32,11 +32,14 @@ class Owner:
             raise self.error
         return dict(self.active)
 
-    def set(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> None:
-        if self.error:
-            raise self.error
-        self.active |= levels
-        self.will = tuple(will)
+    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:
+        def wait() -> None:
+            if self.error:
+                raise self.error
+            self.active |= levels
+            self.will = tuple(will)
+
+        return wait
 
     def close(self, will: Sequence[WillStep]) -> None:
         self.parting = tuple(will)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from end_effector_hal.control import Status
 from end_effector_hal.errors import EndEffectorError, LineBusyError, LineRefusedError, OwnerError
@@ -19,11 +19,21 @@ class LineWriter(Protocol):
     def levels(self) -> Mapping[str, bool]:
         """The level of every line."""
 
-    def set(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> object:
-        """Write levels, and what to do should this program die."""
+    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
+        """Begin to write levels, and what to do should this program die; what is returned waits until it is done."""
 
     def close(self, will: Sequence[WillStep]) -> None:
         """Leave in good order; the will is done at once."""
+
+
+class _Asked(NamedTuple):
+    """A write that was begun; ``error``: it could not be."""
+
+    changes: Mapping[str, bool]
+    will: tuple[WillStep, ...]
+    at: int
+    wait: Callable[[], object]
+    error: EndEffectorError | None = None
 
 
 class Outputs:
@@ -49,6 +59,7 @@ class Outputs:
         self._said: tuple[WillStep, ...] | None = None
         self._undone: dict[str, bool] = {}
         self._written: dict[str, bool] = {}
+        self._asked: _Asked | None = None
         self.lost = False
         self.retry_at: int | None = None
         self.alarm = ""
@@ -57,19 +68,47 @@ class Outputs:
         self.objected = False
         """It has just refused an activation, and the automata do not know yet."""
 
-    def apply(self, status: Status) -> None:
-        """Bring the lines to what a status asks for; trouble becomes :attr:`alarm`."""
-        wanted, will = self._of(status), self._will(status)
-        before = self._wanted if self._wanted is not None else {}
-        changes = {line: level for line, level in wanted.items() if before.get(line) != level}
-        self._wanted = wanted
-        if changes or will != self._said:
+    def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
+        """Begin to bring the lines to what the first status asks for that changes something; returns those after it.
+
+        Never waits; `finish` does. A new will alone is not written when at the same instant one follows with lines to
+        deactivate: the two are one write.
+        """
+        for number, status in enumerate(statuses):
+            wanted, will = self._of(status), self._will(status)
+            changes = self._changes(wanted)
+            self._wanted = wanted
+            if not changes and (
+                will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
+            ):
+                continue
             self._undone = {line: level for line, level in self._undone.items() if line not in changes}
-            self._write({**self._undone, **changes}, will, status.at)
+            self._ask({**self._undone, **changes}, will, status.at)
+            return statuses[number + 1 :]
+        return ()
+
+    def finish(self) -> None:
+        """Wait until what was begun is done; trouble becomes :attr:`alarm`."""
+        asked, self._asked = self._asked, None
+        if asked is None:
+            return
+        try:
+            if asked.error is not None:
+                raise asked.error
+            self._end(asked.changes, asked.wait)
+            self.alarm, self._said, self._undone, self.retry_at = "", asked.will, {}, None
+            return
+        except EndEffectorError as error:
+            if isinstance(error, LineRefusedError):
+                self.refused, self.objected = str(error), self.objected or any(asked.changes.values())
+            self.alarm = f"The lines could not be written: {error}"
+            self.retry_at = self.retry_at if self.lost else asked.at + RETRY_US
+        self._fail(asked.changes)
 
     def retry(self, status: Status, at: int) -> None:
         """Write again what could not be deactivated, and the will."""
-        self._write(self._undone, self._will(status), at)
+        self._ask(self._undone, self._will(status), at)
+        self.finish()
 
     def agree(self, at: int) -> bool:
         """Whether the lines are as they were written; raises WireError while nobody knows."""
@@ -82,7 +121,7 @@ class Outputs:
         """Write one line by hand; raises WireError."""
         if self.lost:
             raise OwnerError(self.alarm)
-        self._set({line: active}, will)
+        self._end({line: active}, lambda: self._lines.ask({line: active}, will)())
 
     def lose(self, error: OwnerError, at: int) -> None:
         """The line owner was lost; nothing is written until `agree` has been asked."""
@@ -91,25 +130,39 @@ class Outputs:
 
     def let_go(self, lines: Sequence[str], at: int) -> None:
         """Deactivate lines that were driven by hand; tried again until it is done."""
-        self._write({**self._undone, **dict.fromkeys(lines, False)}, (), at)
+        self._ask({**self._undone, **dict.fromkeys(lines, False)}, (), at)
+        self.finish()
 
-    def _write(self, changes: dict[str, bool], will: tuple[WillStep, ...], at: int) -> None:
+    def _changes(self, wanted: Mapping[str, bool]) -> dict[str, bool]:
+        before = self._wanted
+        if wanted == before:
+            return {}
+        return {line: level for line, level in wanted.items() if before is None or before.get(line) != level}
+
+    def _deactivates(self, following: Sequence[Status], status: Status) -> bool:
+        """Whether what follows at the same instant makes lines inactive, and no others active."""
+        return any(
+            (changes := self._changes(self._of(each))) and not any(changes.values())
+            for each in following
+            if each.at == status.at
+        )
+
+    def _ask(self, changes: dict[str, bool], will: tuple[WillStep, ...], at: int) -> None:
+        if self.lost:
+            self._fail(changes)
+            return
         try:
-            if not self.lost:
-                self._set(changes, will)
-                self.alarm, self._said, self._undone, self.retry_at = "", will, {}, None
-                return
+            self._asked = _Asked(changes, will, at, self._lines.ask(changes, will))
         except EndEffectorError as error:
-            if isinstance(error, LineRefusedError):
-                self.refused, self.objected = str(error), self.objected or any(changes.values())
-            self.alarm = f"The lines could not be written: {error}"
-            self.retry_at = self.retry_at if self.lost else at + RETRY_US
+            self._asked = _Asked(changes, will, at, _nothing, error)
+
+    def _fail(self, changes: Mapping[str, bool]) -> None:
         self._said = None
         self._undone = {line: False for line, level in changes.items() if not level}
 
-    def _set(self, changes: Mapping[str, bool], will: tuple[WillStep, ...]) -> None:
+    def _end(self, changes: Mapping[str, bool], wait: Callable[[], object]) -> None:
         try:
-            self._lines.set(changes, will=will)
+            wait()
         except (OwnerError, LineBusyError):
             # looked at once: perhaps the owner is there again
             self.lost, self.retry_at = True, 0
@@ -119,3 +172,7 @@ class Outputs:
         self._written |= changes
         if any(changes.values()):
             self.refused = ""
+
+
+def _nothing() -> None:
+    """There is nothing to wait for."""

@@ -1,13 +1,13 @@
-"""One program of a tool in real time: its automata, its detectors, its lines, in one thread."""
+"""One program of a tool in real time: its automata, its detectors, its lines."""
 
 from __future__ import annotations
 
 import logging
-import queue
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 from end_effector_hal.automata import load_network
 from end_effector_hal.control import Answer, Evidence, Status, model_constants
@@ -20,12 +20,13 @@ from ._by_hand import proof
 from ._duties import Duties
 from ._maintenance import Maintenance
 from ._outputs import RETRY_US, LineWriter, Outputs
+from ._question import ask
+from ._relay import Relay, Rest
 from ._sensor_fault import SensorFault
 from .boundary import NOBODY, Recorder
 
 _log = logging.getLogger("end_effector_hal.tool")
 Listener = Callable[[Status], None]
-ANSWER_US = 2_000_000
 HUNG_US = 3_000_000  # longer than the longest wait for the line owner
 PROOF_S = 0.1  # a few frames more than it takes
 OVERTAKEN = "The line owner took this program for dead and executed its will: it has begun anew."
@@ -34,8 +35,10 @@ OVERTAKEN = "The line owner took this program for dead and executed its will: it
 class Unit:
     """Executes ``grip`` or ``tool_change`` against the line owner.
 
-    All methods are thread-safe. ``on_status`` is called in the unit's own thread, once for each step of the
-    automata, in order, after the lines are written. Trouble never leaves the thread: it becomes an alarm.
+    All methods are thread-safe. What comes in is decided in the thread that brings it, and asked of the line owner
+    there, so that no hand-over stands between a frame and a line; whatever waits is done in the unit's own thread.
+    There ``on_status`` is called, once for each step of the automata, in order, after the lines are written. Trouble
+    never leaves the unit: it becomes an alarm.
 
     A unit that the line owner took for dead is dead: when the lines are not as it left them it begins anew, and
     adopts what it finds. Until it knows, it claims no grip.
@@ -59,11 +62,10 @@ class Unit:
         self._why = ""
         self._told: tuple[str, ...] = ()
         self._be_unborn()
-        self._inbox: queue.SimpleQueue[Callable[[], list[Status]] | None] = queue.SimpleQueue()
+        self._relay = Relay(self._due, self._recorder.settle)
         self._changed = threading.Condition()
         self._status = self._controller.status()
         self._ending = "sigterm"
-        self._busy_since: int | None = None
         self._ended = False
         self._thread = threading.Thread(target=self._run, name=f"unit-{program}", daemon=True)
 
@@ -74,7 +76,8 @@ class Unit:
     @property
     def alive(self) -> bool:
         """Whether the unit still works: a lease is renewed only while it does."""
-        return not self._ended and (self._busy_since is None or now_us() - self._busy_since < HUNG_US)
+        since = self._relay.busy_since
+        return not self._ended and (since is None or now_us() - since < HUNG_US)
 
     @property
     def status(self) -> Status:
@@ -83,23 +86,23 @@ class Unit:
 
     def frame(self, frame: Frame) -> None:
         """A frame of the link; returns at once."""
-        self._inbox.put(lambda: self._controller.frame(frame, now_us()) if self._begun else [])
+        self._bring(lambda: self._controller.frame(frame, now_us()))
 
     def tell(self, **values: int) -> None:
         """Interface variables that another program says; returns at once."""
-        self._inbox.put(lambda: self._hear(values))
+        self._relay.bring(lambda: self._acted(self._hear(values)))
 
     def lost(self, error: OwnerError) -> None:
         """The connection to the line owner was lost; returns at once."""
-        self._inbox.put(lambda: self._lose(error))
+        self._relay.bring(lambda: partial(self._lose, error))
 
     def latched(self, faults: tuple[str, ...]) -> None:
         """What the line owner has latched, in words; returns at once."""
-        self._inbox.put(lambda: self._know(faults))
+        self._relay.bring(lambda: self._acted(self._know(faults)))
 
     def acknowledge(self) -> None:
         """Alarms about what is held that are over were seen: they are forgotten; returns at once."""
-        self._inbox.put(lambda: self._controller.acknowledge(now_us()) if self._begun else [])
+        self._bring(lambda: self._controller.acknowledge(now_us()))
 
     def command(self, name: str) -> Answer:
         """Give a command and wait for the decision of the automaton.
@@ -113,7 +116,7 @@ class Unit:
 
     def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
         """Drive one actuator by hand (IL-12); success only with sensor evidence."""
-        answer = self._ask(lambda: self._drive(name, active))
+        answer = self._ask(lambda: self._drive(name, active), waits=True)
         proven = answer.accepted and proof(self, self._description, name, active=active, timeout_s=timeout_s)
         return proven or answer
 
@@ -126,7 +129,7 @@ class Unit:
     def close(self, ending: str = "sigterm") -> None:
         """End in good order: the line owner does what the description declares for this ending."""
         self._ending = ending
-        self._inbox.put(None)
+        self._relay.end()
         if self._thread.is_alive():
             self._thread.join(5.0)
         elif self._thread.ident is None:  # never started: nothing was engaged
@@ -134,12 +137,30 @@ class Unit:
                 self._lines.close(())
             self._recorder.close()
 
+    # In its turn, in whatever thread: nothing here waits.
+
+    def _bring(self, what: Callable[[], list[Status]]) -> None:
+        self._relay.bring(lambda: self._acted(what() if self._begun else []))
+
+    def _acted(self, statuses: list[Status]) -> Rest | None:
+        """Begins what follows from statuses; what is left to the unit's own thread."""
+        if not statuses and not self._outputs.lost and self._extra() == self._told:
+            return None
+        return partial(self._told_of, statuses, self._outputs.begin(self._adopted(statuses)))
+
+    def _due(self) -> int | None:
+        times = (
+            self._controller.deadline if self._begun else self._begin_at,
+            self._outputs.retry_at,
+            self._maintenance.ends_at,
+        )
+        return min((time for time in times if time is not None), default=None)
+
     # From here on: in the unit's thread.
 
     def _run(self) -> None:
         try:
-            self._act(self._begin())
-            self._work()
+            self._relay.run(lambda: self._act(self._begin()), lambda: partial(self._act, self._time_passed()))
             self._lines.close(self._duties.will(self._status, self._ending))
         except WireError as error:
             _log.warning("the line owner is not there to take the will of %s: %s", self._program, error)
@@ -149,19 +170,6 @@ class Unit:
             with self._changed:
                 self._changed.notify_all()
             self._recorder.close()
-
-    def _work(self) -> None:
-        while True:
-            self._recorder.settle()  # after what was to be done, not before
-            try:
-                job = self._inbox.get(timeout=self._patience())
-            except queue.Empty:
-                job = self._time_passed
-            if job is None:
-                return
-            self._busy_since = now_us()
-            self._act(job())
-            self._busy_since = None
 
     def _be_unborn(self) -> None:
         self._controller = self._recorder.controller(self._description, self._network, self._program)
@@ -189,12 +197,12 @@ class Unit:
         self._why = why
         return [self._now(), *self._begin()]
 
-    def _lose(self, error: OwnerError) -> list[Status]:
+    def _lose(self, error: OwnerError) -> None:
         if self._begun:
             self._outputs.lose(error, now_us())
             with suppress(WireError):
                 self._lines.levels()  # a client tells each loss once more, to whoever calls next
-        return []
+        self._act([])
 
     def _look_again(self, statuses: list[Status]) -> list[Status]:
         """What may be told of these after the line owner was lost."""
@@ -228,15 +236,6 @@ class Unit:
         self._fault.heard(faults)
         return []  # nothing to do but to tell it
 
-    def _patience(self) -> float | None:
-        times = (
-            self._controller.deadline if self._begun else self._begin_at,
-            self._outputs.retry_at,
-            self._maintenance.ends_at,
-        )
-        due = min((time for time in times if time is not None), default=None)
-        return None if due is None else max(0, due - now_us()) / 1_000_000
-
     def _time_passed(self) -> list[Status]:
         now = now_us()
         if not self._begun:
@@ -248,11 +247,14 @@ class Unit:
         return self._controller.advance(now)
 
     def _act(self, statuses: list[Status]) -> None:
-        statuses = self._written(statuses)
+        self._told_of(statuses, self._outputs.begin(self._adopted(statuses)))
+
+    def _told_of(self, statuses: list[Status], unwritten: Sequence[Status]) -> None:
+        """Ends what was begun for these; the later of them are unwritten yet. Then they are told."""
+        statuses = self._written(statuses, unwritten)
         if self._outputs.lost:
             statuses = self._look_again(statuses)
-        notices = (self._obstacle, self._outputs.alarm, *self._faults, self._maintenance.notice)
-        extra = tuple(text for text in notices if text)
+        extra = self._extra()
         if not statuses and extra != self._told:
             statuses = [self._now()]
         for status in statuses:
@@ -266,15 +268,25 @@ class Unit:
             if self._on_status is not None:
                 self._on_status(told)
 
-    def _written(self, statuses: list[Status]) -> list[Status]:
+    def _extra(self) -> tuple[str, ...]:
+        notices = (self._obstacle, self._outputs.alarm, *self._faults, self._maintenance.notice)
+        return tuple(text for text in notices if text)
+
+    def _written(self, statuses: list[Status], unwritten: Sequence[Status]) -> list[Status]:
         """These, and what follows from what the line owner says to them."""
-        for status in statuses:
-            if status.ee if self._program == "grip" else status.changer:
-                self._outputs.apply(status)  # not before it has adopted
+        self._outputs.finish()
+        while unwritten:
+            unwritten = self._outputs.begin(unwritten)
+            self._outputs.finish()
         if not self._outputs.objected:
             return statuses
         self._outputs.objected = False
-        return statuses + self._written(self._controller.refused(now_us()))
+        more = self._controller.refused(now_us())
+        return statuses + self._written(more, self._adopted(more))
+
+    def _adopted(self, statuses: list[Status]) -> list[Status]:
+        """Those that the lines are written for: not before they are adopted."""
+        return [status for status in statuses if (status.ee if self._program == "grip" else status.changer)]
 
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:
         if name == "grip" and self._maintenance.active:
@@ -303,24 +315,11 @@ class Unit:
         self._maintenance.drove(line, active, now_us())
         return Answer(True), [self._controller.status()]
 
-    def _ask(self, question: Callable[[], tuple[Answer, list[Status]]]) -> Answer:
-        answers: queue.SimpleQueue[Answer] = queue.SimpleQueue()
-        until = now_us() + ANSWER_US
-
-        def job() -> list[Status]:
-            if now_us() < until:  # nobody waits for it any more: what was given up is never executed
-                answer, statuses = question()
-                self._act(statuses)
-                answers.put(answer)
-            return []
-
-        self._inbox.put(job)
+    def _ask(self, question: Callable[[], tuple[Answer, list[Status]]], *, waits: bool = False) -> Answer:
         if self._ended:
             return Answer(False, f"The {self._program} program has ended.")
-        try:
-            return answers.get(timeout=ANSWER_US / 1_000_000 + 0.5)
-        except queue.Empty:
-            return Answer(False, f"The {self._program} program does not answer.")
+        answer = ask(self._relay, question, self._acted, waits=waits)
+        return answer or Answer(False, f"The {self._program} program does not answer.")
 
 
 def _vented_or_hopeless(status: Status) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.errors import EndEffectorError, WireError
 from end_effector_hal.wires import WillStep, now_us
@@ -31,17 +31,23 @@ class RecordedLines:
             self._put("owner", at := now_us(), OwnerSeen(at, there=True))
         return levels
 
-    def set(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> object:
-        """Write levels, and what to do should this program die."""
-        at, error = now_us(), ""
-        try:
-            return self._lines.set(levels, will=will)
-        except EndEffectorError as refused:
-            error = str(refused)
-            raise
-        finally:
-            steps = tuple(step.as_json() for step in will)
-            self._put("lines", at, LinesWritten(at, now_us() - at, dict(levels), steps, error))
+    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
+        """Begin to write levels, and what to do should this program die."""
+        at = now_us()
+        asked = self._lines.ask(levels, will)
+
+        def wait() -> object:
+            error = ""
+            try:
+                return asked()
+            except EndEffectorError as refused:
+                error = str(refused)
+                raise
+            finally:
+                steps = tuple(step.as_json() for step in will)
+                self._put("lines", at, LinesWritten(at, now_us() - at, dict(levels), steps, error))
+
+        return wait
 
     def close(self, will: Sequence[WillStep]) -> None:
         """Leave in good order."""

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
-import socket
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from end_effector_hal.errors import EndEffectorError, LineBusyError, LineRefusedError, OwnerError, UsageError
+from end_effector_hal.errors import EndEffectorError, OwnerError
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.owner._protocol import LONGEST, read_message, write_message
+from end_effector_hal.wires.owner._conversation import Conversation, WillStillRunsError
 from end_effector_hal.wires.will import Will, WillStep, read_will
 
 _log = logging.getLogger("end_effector_hal.owner")
-_ERRORS: dict[str, type[EndEffectorError]] = {
-    error.code: error for error in (UsageError, LineBusyError, LineRefusedError, OwnerError)
-}
 RENEW_S = 0.25
 VALID = 0.9
 """Share of the time-out during which a write may be executed: never once it was given up."""
@@ -30,10 +25,6 @@ class Written(NamedTuple):
 
     levels: dict[str, bool]
     delay_us: int
-
-
-class _WillRunsError(LineBusyError):
-    retry_s = 0.0
 
 
 class OwnerClient:
@@ -65,7 +56,7 @@ class OwnerClient:
         timeout_s: float = 1.0,
         patience_s: float = 5.0,
     ) -> None:
-        self._path, self._client, self._lines = str(socket_path), client, list(lines)
+        self._client, self._lines = client, list(lines)
         self._will: Will = read_will(will)
         self._timeout_s = timeout_s
         self._alive: Callable[[], bool] = lambda: True
@@ -74,9 +65,7 @@ class OwnerClient:
         self._faults: tuple[str, ...] = ()  # as on_faults knows them
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._socket: socket.socket | None = None
-        self._rest = b""
-        self._number = 0
+        self._owner = Conversation(str(socket_path), timeout_s)
         self._lost: OwnerError | None = None
         self._connect_patiently(patience_s)
         self._thread = threading.Thread(target=self._renew_for_ever, name=f"lease of {client}", daemon=True)
@@ -119,19 +108,34 @@ class OwnerClient:
             OwnerError: the owner is gone or does not answer; read the levels before anything else.
         """
         steps = None if will is None else read_will(will)
-        fields: dict[str, object] = {"levels": {line: bool(level) for line, level in levels.items()}}
-        # given up after the time-out: not to be executed later
-        fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
-        if steps is not None:
-            fields["will"] = [step.as_json() for step in steps]
-        try:
-            reply = self._call("set", **fields)
-        except OwnerError:
-            # Perhaps it was executed: whoever connects again leaves the will that goes with it.
-            self._will = self._will if steps is None else steps
-            raise
-        self._will = self._will if steps is None else steps
-        return Written(reply["levels"], reply["delay_us"])
+        with self._lock:
+            self._raise_lost()
+            if not self._owner.connected:
+                self._connect()
+            return self._written(steps, self._begin_set(levels, steps))
+
+    def ask(
+        self, levels: Mapping[str, bool], will: Iterable[WillStep | Mapping[str, object]] | None = None
+    ) -> Callable[[], Written]:
+        """As `set`, in two parts: it is sent, if that can be done at once; what is returned waits for the reply.
+
+        It never waits itself. What is returned must be called, once, in any thread: all others wait for that.
+        """
+        steps = None if will is None else read_will(will)
+        if not self._lock.acquire(blocking=False):
+            return lambda: self.set(levels, steps)
+        if self._lost is not None or not self._owner.connected:
+            self._lock.release()
+            return lambda: self.set(levels, steps)
+        failed = self._begin_set(levels, steps)
+
+        def wait() -> Written:
+            try:
+                return self._written(steps, failed)
+            finally:
+                self._lock.release()
+
+        return wait
 
     def status(self) -> dict[str, Any]:
         """The owner's pid, clients with lease and will, and the activations that it ended (IL-03)."""
@@ -189,7 +193,7 @@ class OwnerClient:
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()
         with self._lock:
-            self._disconnect()
+            self._owner.close()
 
     def _renew_for_ever(self) -> None:
         while not self._ended.wait(RENEW_S):
@@ -202,7 +206,7 @@ class OwnerClient:
     def _renew(self) -> OwnerError | None:
         """The error if the connection was lost just now; later failures to come back are no news."""
         with self._lock:
-            connected, known = self._socket is not None, self._faults
+            connected, known = self._owner.connected, self._faults
             try:
                 if not self._ended.is_set():
                     self._faults = tuple(map(str, self._request("renew").get("faults", ())))
@@ -218,10 +222,32 @@ class OwnerClient:
 
     def _call(self, op: str, **fields: object) -> dict[str, Any]:
         with self._lock:
-            lost, self._lost = self._lost, None
-            if lost:
-                raise lost
+            self._raise_lost()
             return self._request(op, **fields)
+
+    def _raise_lost(self) -> None:
+        if self._lost is not None:
+            lost, self._lost = self._lost, None
+            raise lost
+
+    def _begin_set(self, levels: Mapping[str, bool], will: Will | None) -> OSError | None:
+        """Sends it; the error, if it could not be."""
+        fields: dict[str, object] = {"levels": {line: bool(level) for line, level in levels.items()}}
+        # given up after the time-out: not to be executed later
+        fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
+        if will is not None:
+            fields["will"] = [step.as_json() for step in will]
+        return self._owner.send("set", fields)
+
+    def _written(self, will: Will | None, failed: OSError | None) -> Written:
+        try:
+            reply = self._owner.reply(failed)
+        except OwnerError:
+            # Perhaps it was executed: whoever connects again leaves the will that goes with it.
+            self._will = self._will if will is None else will
+            raise
+        self._will = self._will if will is None else will
+        return Written(reply["levels"], reply["delay_us"])
 
     def _connect_patiently(self, patience_s: float) -> None:
         until = time.monotonic() + patience_s
@@ -229,7 +255,7 @@ class OwnerClient:
             try:
                 with self._lock:
                     return self._connect()
-            except _WillRunsError as error:
+            except WillStillRunsError as error:
                 # The end of a will is certain, so it is waited for whatever the patience.
                 wait_s = error.retry_s + 0.001
             except OwnerError:
@@ -239,72 +265,19 @@ class OwnerClient:
             self._ended.wait(wait_s)
 
     def _connect(self) -> None:
-        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self._socket.settimeout(self._timeout_s)
-        self._rest = b""
-        try:
-            self._socket.connect(self._path)
-        except OSError as error:
-            self._disconnect()
-            raise OwnerError(
-                f"the line owner cannot be reached: {error.strerror or error}.",
-                where=self._path,
-                todo="Start it with eehal owner.",
-            ) from error
+        self._owner.connect()
         if self._lines:
             try:
                 will = [step.as_json() for step in self._will]
-                self._exchange("hello", client=self._client, lines=self._lines, will=will)
+                self._owner.exchange("hello", {"client": self._client, "lines": self._lines, "will": will})
             except EndEffectorError:
-                self._disconnect()
+                self._owner.close()
                 raise
 
-    def _disconnect(self) -> None:
-        if self._socket:
-            self._socket.close()
-            self._socket = None
-
     def _request(self, op: str, **fields: object) -> dict[str, Any]:
-        if self._socket is None:
+        if not self._owner.connected:
             self._connect()
-        return self._exchange(op, **fields)
-
-    def _exchange(self, op: str, **fields: object) -> dict[str, Any]:
-        self._number += 1
-        try:
-            reply = self._send_and_receive({"id": self._number, "op": op, **fields})
-        except (OSError, UsageError) as error:
-            self._disconnect()
-            text = "does not answer" if isinstance(error, TimeoutError) else f"was lost: {error}"
-            raise OwnerError(
-                f"the line owner {text}.", where=self._path, todo="Levels may have changed: read them."
-            ) from error
-        if reply.get("ok"):
-            return reply
-        if reply.get("id") is None:
-            self._disconnect()
-        raise self._error(reply)
-
-    def _send_and_receive(self, message: Mapping[str, object]) -> dict[str, Any]:
-        assert self._socket
-        # A closed connection may still hold the owner's last words.
-        with contextlib.suppress(BrokenPipeError):
-            self._socket.sendall(write_message(message))
-        while b"\n" not in self._rest:
-            data = self._socket.recv(LONGEST)
-            if not data:
-                raise OSError("it closed the connection")
-            self._rest += data
-        line, self._rest = self._rest.split(b"\n", 1)
-        return read_message(line)
-
-    def _error(self, reply: Mapping[str, Any]) -> EndEffectorError:
-        text, retry_us = str(reply.get("error")), reply.get("retry_us")
-        if retry_us is not None:
-            error = _WillRunsError(text)
-            error.retry_s = retry_us / 1e6
-            return error
-        return _ERRORS.get(str(reply.get("code")), OwnerError)(text)
+        return self._owner.exchange(op, fields)
 
 
 def _nobody(_: object) -> None:
