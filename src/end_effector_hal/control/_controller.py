@@ -6,26 +6,21 @@ from collections.abc import Callable, Iterable, Mapping
 
 from end_effector_hal.automata import Event, Execution, Network, Observation, Step
 from end_effector_hal.description import Description
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.trace import EndEffectorState
 from end_effector_hal.wires.codecs import codec_of
 from end_effector_hal.wires.frame import Frame
 
-from ._changer_reasons import explain_changer
 from ._hold_monitor import HoldMonitor
-from ._levels import Cause, ChangerState, Evidence, ToolEvidence
+from ._levels import Cause, ToolEvidence
 from ._predicates import LOCKED, predicates_fitted
-from ._reasons import explain, latched, left_active, not_by_hand, refusal
+from ._reasons import not_by_hand, refusal
 from ._senses import Senses
 from ._status import Answer, Status
-from ._steps import StepLog
+from ._telling import Telling
 
 FIRST_FRAME_US = 5_000_000
 """What was found active waits so long for the link before it counts as unproven: who reads it may start later."""
-CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
 PROGRAMS = ("grip", "tool_change")
-_SCALARS = (
-    "ee", "command", "cause", "cause_at", "changer", "changer_command", "changer_fault", "unlock_valve", "armed",
-)  # fmt: skip
 _AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
 
@@ -49,7 +44,7 @@ class Controller:
         observe: Callable[[Observation], None] | None = None,
     ) -> None:
         self._description = description
-        self._program, self._grips = program, program == "grip"
+        self._program = program
         codec = codec_of(description)
         self._senses = Senses(description, codec)
         self._lock_fitted = LOCKED in predicates_fitted(description, codec)
@@ -57,14 +52,10 @@ class Controller:
         processes = getattr(description.automata, program)
         interface = description.automata.interface
         self._execution = Execution(network, processes, interface, observe=observe)
-        self._steps = StepLog(description.sequence)
-        self._values = {name: self._execution.value(name) for name in _watched(len(description.sequence))}
-        self._cause, self._cause_at, self._reason, self._left = int(Cause.NONE), -1, "", ""
-        self._levels: Mapping[str, bool] = {}
+        self._telling = Telling(description, program, self._execution, self._senses, self._hold)
+        self._levels: dict[str, int] = {}
         self._sensor_fault = False
         self._adopt_by: int | None = None
-        self._adopted = False
-        self._missed, self._worst_late_us = 0, 0
         self._at = 0
 
     @property
@@ -78,7 +69,9 @@ class Controller:
 
         ``sensor_fault``: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
         """
-        self._at, self._levels, self._sensor_fault = at, levels, sensor_fault
+        self._at, self._sensor_fault = at, sensor_fault
+        self._telling.found = dict(levels)
+        self._telling.know({})
         down_us = self._senses.readings.down_us
         self._adopt_by = at + (max(FIRST_FRAME_US, down_us) if any(levels.values()) else down_us)
         return self._told(self._execution.start(at))
@@ -96,19 +89,20 @@ class Controller:
         statuses: list[Status] = []
         if expired is not None and expired < frame.at:
             events = self._senses.advance(expired)
-            self._execution.write(self._senses.levels)
-            self._hold.sample(expired, held=self._held)
+            self._write_levels()
+            self._hold.sample(expired, held=self._telling.held)
             for event in events:
                 statuses += self._receive(event, self._at, expired)
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
         vented = self._senses.vented
         events = self._senses.frame(frame)
-        self._execution.write(self._senses.levels)
-        told = self._hold.sample(frame.at, held=self._held) | self._senses.noticed(frame.at, held=self._held)
+        self._write_levels()
+        held = self._telling.held
+        told = self._hold.sample(frame.at, held=held) | self._senses.noticed(frame.at, held=held)
         for event in events:
             statuses += self._receive(event, self._at, frame.at)
-        if not self._adopted and self._senses.settled:
+        if not self._telling.adopted and self._senses.settled:
             statuses += self._adopt(self._at)
         told |= self._senses.vented is not vented
         return statuses if statuses or not (events or told) else [self.status()]
@@ -121,7 +115,7 @@ class Controller:
             self._execution.write({"told[0]": int(values["ee"] in _AT_REST)})
         if "unlock_valve" in values:
             self._execution.write({"told[1]": values["unlock_valve"]})
-        self._values.update(values)
+        self._telling.know(values)
         return statuses + self._told(self._execution.advance(at))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
@@ -133,7 +127,7 @@ class Controller:
             why = refusal(self._description, name, self.status(), self._senses, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
         if name in ("grip", "drop"):
-            self._take_cause(Cause.NONE, -1)
+            self._telling.blame(Cause.NONE, -1, self._at)
             self._hold.dropped()
         return Answer(True), statuses + self._told(reaction.steps)
 
@@ -151,23 +145,14 @@ class Controller:
         self._hold.acknowledge()
         return [*statuses, self.status()]
 
-    @property
-    def _latched_error(self) -> str:
-        """An error that no reset clears, in words; empty: there is none."""
-        return latched(EndEffectorState(self._values["ee"]), self._why) if self._latched else ""
-
-    @property
-    def _why(self) -> str:
-        return " ".join(filter(None, (self._reason, self._left)))
-
     def refuse_maintenance(self, *, active: bool) -> str:
         """Why the line of an actuator may not be driven by hand now (IL-12); empty: it may."""
-        if refused := not_by_hand(EndEffectorState(self._values["ee"]), held=self._held):
+        if refused := not_by_hand(EndEffectorState(self._telling.values["ee"]), held=self._telling.held):
             return refused
         needs_lock = active and self._description.interlocks.il_05 and self._lock_fitted
         if needs_lock and self._senses.tool is not ToolEvidence.LOCKED:
             return f"IL-05: the tool is not proven to be locked (its sensors say {self._senses.tool.name})."
-        if active and self._description.interlocks.il_05 and self._values["unlock_valve"]:
+        if active and self._description.interlocks.il_05 and self._telling.values["unlock_valve"]:
             return "IL-05: the unlock output is active."
         return ""
 
@@ -179,8 +164,8 @@ class Controller:
             # what is late is taken now, and told as late: nobody may see a time at which nothing happened
             self._at = at
             events = self._senses.advance(at)
-            self._execution.write(self._senses.levels)
-            self._hold.sample(at, held=self._held)
+            self._write_levels()
+            self._hold.sample(at, held=self._telling.held)
             for event in events:
                 statuses += self._receive(event, at)
             if self._adopt_by is not None and at >= self._adopt_by:
@@ -191,59 +176,12 @@ class Controller:
 
     def status(self) -> Status:
         """The state as it is now."""
-        values, outputs = self._values, self._levels_now
-        ee = values["ee"]
-        command = values["changer_command" if self._program == "tool_change" else "command"]
-        evidence = tuple(int(level) for level in self._senses.evidence)
-        proven = ee == EndEffectorState.GRIPPED and all(level == Evidence.CONFIRMED for level in evidence)
-        step = self._steps.step
-        readings = self._senses.readings
-        return Status(
-            at=self._at,
-            ee=ee,
-            command=command,
-            actuators=self._actuators,
-            outputs=outputs,
-            evidence=evidence,
-            step=step,
-            attempt=self._steps.steps[step].attempts if step >= 0 else 0,
-            attempts_allowed=self._description.ordered[step][1].attempts if step >= 0 else 0,
-            deadline=self._execution.deadline,
-            cause=self._cause,
-            cause_at=self._cause_at,
-            reason=self._why or explain_changer(self._description, values["changer_fault"]),
-            lift_allowed=proven and self._hold.allows_lift,
-            held=self._held,
-            kept=tuple(i for i in range(len(outputs)) if values[f"kept[{i}]"]),
-            secure=proven and self._hold.secure,
-            changer=values["changer"],
-            unlock_output=bool(values["unlock_valve"]),
-            changer_fault=values["changer_fault"],
-            vented=self._senses.vented,
-            armed=bool(values["armed"]),
-            link_up=readings.link_up(self._at),
-            stale=readings.stale(self._at),
-            missed=self._missed,
-            worst_late_us=self._worst_late_us,
-            alarms=self._alarms(),
-            steps=self._steps.steps,
-        )
+        return self._telling.status(self._at)
 
-    def _alarms(self) -> tuple[str, ...]:
-        alarms = []
-        link, supply = self._description.link, self._senses.supply
-        if self._adopted and not self._senses.readings.link_up(self._at):
-            alarms.append(f"The sensor link {link.port} is down.")
-        if self._latched:
-            alarms.append(self._latched_error)
-        if self._program == "tool_change" and self._values["changer"] == ChangerState.FAULT:
-            alarms.append(CHANGER_FAULT)
-        alarms += self._hold.alarms
-        if self._adopted:
-            alarms += self._senses.notices(self._at, held=self._held)
-        if supply.low and self._grips and not self._held:
-            alarms.append(f"Low supply: under {self._description.supply.warn_kpa:g} kPa.")
-        return tuple(alarms)
+    def _write_levels(self) -> None:
+        if (levels := self._senses.levels) != self._levels:
+            self._levels = levels
+            self._execution.write(levels)
 
     def _until(self, at: int) -> int:
         # what arrives late, with an older stamp, counts as arriving now
@@ -261,12 +199,13 @@ class Controller:
         return self._told(self._execution.receive(event, at, stamp=stamp).steps)
 
     def _adopt(self, at: int) -> list[Status]:
-        self._adopted, self._adopt_by = True, None
+        found, self._telling.adopted, self._adopt_by = self._telling.found, True, None
+        self._telling.know({})
         parts = [part for _, part in self._description.ordered]
-        adopted = {f"adopted[{i}]": int(self._levels.get(part.line, False)) for i, part in enumerate(parts)}
+        adopted = {f"adopted[{i}]": int(found.get(part.line, False)) for i, part in enumerate(parts)}
         changer = self._description.tool_changer
         if changer is not None:
-            adopted["adopted_unlock"] = int(self._levels.get(changer.line, False))
+            adopted["adopted_unlock"] = int(found.get(changer.line, False))
             adopted["adopted_fault"] = int(self._sensor_fault)
         self._execution.write(adopted)  # before the event: whoever receives it asks for these levels
         return self._receive(Event("adopt"), at)
@@ -274,53 +213,6 @@ class Controller:
     def _told(self, steps: Iterable[Step]) -> list[Status]:
         statuses = []
         for step in steps:
-            self._missed += step.missed
-            self._worst_late_us = max(self._worst_late_us, step.late_us)
             self._at = max(self._at, step.at)
-            self._values.update((change.name, change.new) for change in step.changes)
-            if self._values["cause"]:
-                self._take_cause(self._values["cause"], self._values["cause_at"])
-            again = step.sent is not None and step.sent.startswith("again[")
-            self._steps.take(self._values["ee"], self._outputs, self._actuators, step.at, again=again)
-            statuses.append(self.status())
+            statuses.append(self._telling.step(step, self._at))
         return statuses
-
-    def _take_cause(self, cause: int, at: int) -> None:
-        if cause == Cause.KEPT:  # what it ended for is told already
-            self._left = self._left or left_active(self._description, self._outputs)
-        elif (cause, at) != (self._cause, self._cause_at):
-            # in the words of this moment: the reading that decided it is soon another one
-            self._reason = explain(self._description, cause, at, self._senses, self._at)
-            self._cause, self._cause_at, self._left = cause, at, ""
-
-    @property
-    def _latched(self) -> bool:
-        error = self._values["ee"] in (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
-        return self._grips and error and self._values["command"] == Command.NONE
-
-    @property
-    def _held(self) -> bool:
-        # what was found active is held until it is adopted and known better
-        doubtful = not self._adopted or (self._latched and self._values["ee"] == EndEffectorState.GRIP_ERROR)
-        held = self._values["ee"] == EndEffectorState.GRIPPED or (doubtful and any(self._levels_now))
-        return self._grips and held
-
-    @property
-    def _levels_now(self) -> tuple[bool, ...]:
-        return self._outputs if self._adopted else self._found
-
-    @property
-    def _outputs(self) -> tuple[bool, ...]:
-        return tuple(bool(self._values[f"valve[{i}]"]) for i in range(len(self._description.sequence)))
-
-    @property
-    def _found(self) -> tuple[bool, ...]:
-        return tuple(self._levels.get(part.line, False) for _, part in self._description.ordered)
-
-    @property
-    def _actuators(self) -> tuple[int, ...]:
-        return tuple(self._values[f"actuator[{i}]"] for i in range(len(self._description.sequence)))
-
-
-def _watched(size: int) -> list[str]:
-    return [*_SCALARS, *(f"{name}[{i}]" for name in ("valve", "actuator", "kept") for i in range(size))]

@@ -51,6 +51,8 @@ class Senses:
         self.evidence = [Evidence.UNKNOWN] * len(self._detectors)
         self.tool = ToolEvidence.UNCLEAR
         self.vented, self.parked = False, False
+        self.looked = 0
+        """How often something may have changed."""
 
     @property
     def levels(self) -> dict[str, int]:
@@ -114,6 +116,7 @@ class Senses:
         return [name for name, level in pairs if level is Evidence.UNKNOWN]
 
     def _sample(self, at: int) -> list[Event]:
+        self.looked += 1
         self.supply.sample(self.readings, at)
         events: list[tuple[int, Event]] = []
         for index, detector in enumerate(self._detectors):

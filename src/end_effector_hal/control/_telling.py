@@ -1,0 +1,172 @@
+"""What is told of one program: a status after each step of its automata."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from end_effector_hal.automata import Execution, Step
+from end_effector_hal.description import Description
+from end_effector_hal.trace import Command, EndEffectorState
+
+from ._changer_reasons import explain_changer
+from ._hold_monitor import HoldMonitor
+from ._levels import Cause, ChangerState, Evidence
+from ._reasons import explain, latched, left_active
+from ._senses import Senses
+from ._status import Status
+from ._steps import StepLog
+
+CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
+_SCALARS = (
+    "ee", "command", "cause", "cause_at", "changer", "changer_command", "changer_fault", "unlock_valve", "armed",
+)  # fmt: skip
+
+
+class Telling:
+    """Puts together what the automata, the detectors and the hold monitor know; decides nothing.
+
+    Attributes:
+        values: of the automata, by name.
+        found: levels of the lines as they were found at the start.
+        adopted: whether the automata know of them.
+        held: whether a part is held; what was found active is, until it is adopted and known better.
+    """
+
+    def __init__(
+        self, description: Description, program: str, execution: Execution, senses: Senses, hold: HoldMonitor
+    ) -> None:
+        self._description, self._execution = description, execution
+        self._senses, self._hold = senses, hold
+        self._grips = program == "grip"
+        self._command = "command" if self._grips else "changer_command"
+        size = range(len(description.sequence))
+        self._valves, self._states = [f"valve[{i}]" for i in size], [f"actuator[{i}]" for i in size]
+        self._keeps = [f"kept[{i}]" for i in size]
+        self._lines = [part.line for _, part in description.ordered]
+        self._allowed = [part.attempts for _, part in description.ordered]
+        self.values = {name: execution.value(name) for name in (*_SCALARS, *self._valves, *self._states, *self._keeps)}
+        self.found: Mapping[str, bool] = {}
+        self.adopted = False
+        self.held = False
+        self._steps = StepLog(description.sequence)
+        self._cause, self._cause_at, self._reason, self._left = int(Cause.NONE), -1, "", ""
+        self._missed, self._worst_late_us = 0, 0
+        self._outputs: tuple[bool, ...] = ()
+        self._actuators: tuple[int, ...] = ()
+        self._seen: tuple[int, int, bool] | None = None
+        self.know({})
+
+    def know(self, values: Mapping[str, int]) -> None:
+        """Values have changed, or whether the lines are adopted."""
+        known = self.values
+        known.update(values)
+        self._outputs = tuple([bool(known[name]) for name in self._valves])
+        self._actuators = tuple([known[name] for name in self._states])
+        self._active = (
+            self._outputs if self.adopted else tuple([bool(self.found.get(n)) for n in self._lines])
+        )
+        ee = known["ee"]
+        self._latched = (
+            self._grips
+            and ee in (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
+            and known["command"] == Command.NONE
+        )
+        doubtful = not self.adopted or (self._latched and ee == EndEffectorState.GRIP_ERROR)
+        held = ee == EndEffectorState.GRIPPED or (doubtful and any(self._active))
+        self.held = self._grips and held
+
+    def step(self, step: Step, at: int) -> Status:
+        """The status after one more step, at ``at`` µs."""
+        self._missed += step.missed
+        self._worst_late_us = max(self._worst_late_us, step.late_us)
+        self.know({change.name: change.new for change in step.changes})
+        if self.values["cause"]:
+            self.blame(self.values["cause"], self.values["cause_at"], at)
+        again = step.sent is not None and step.sent.startswith("again[")
+        self._steps.take(self.values["ee"], self._outputs, self._actuators, step.at, again=again)
+        return self.status(at)
+
+    def blame(self, cause: int, cause_at: int, at: int) -> None:
+        """Why a grip or a release ended, in the words of this moment: what decided it is soon another reading."""
+        if cause == Cause.KEPT:  # what it ended for is told already
+            self._left = self._left or left_active(self._description, self._outputs)
+        elif (cause, cause_at) != (self._cause, self._cause_at):
+            self._reason = explain(self._description, cause, cause_at, self._senses, at)
+            self._cause, self._cause_at, self._left = cause, cause_at, ""
+
+    @property
+    def steps(self) -> StepLog:
+        """Attempts and times."""
+        return self._steps
+
+    def status(self, at: int) -> Status:
+        """The state at ``at`` µs."""
+        values, ee, hold, steps = self.values, self.values["ee"], self._hold, self._steps
+        self._look(at)
+        proven = ee == EndEffectorState.GRIPPED and all(
+            level == Evidence.CONFIRMED for level in self._evidence
+        )
+        step, fault = steps.step, values["changer_fault"]
+        return Status(
+            at=at,
+            ee=ee,
+            command=values[self._command],
+            actuators=self._actuators,
+            outputs=self._active,
+            evidence=self._evidence,
+            step=step,
+            attempt=steps.steps[step].attempts if step >= 0 else 0,
+            attempts_allowed=self._allowed[step] if step >= 0 else 0,
+            deadline=self._execution.deadline,
+            cause=self._cause,
+            cause_at=self._cause_at,
+            reason=self._why or explain_changer(self._description, fault),
+            lift_allowed=proven and hold.allows_lift,
+            held=self.held,
+            kept=tuple([i for i, name in enumerate(self._keeps) if values[name]]),
+            secure=proven and hold.secure,
+            changer=values["changer"],
+            unlock_output=bool(values["unlock_valve"]),
+            changer_fault=fault,
+            vented=self._senses.vented,
+            armed=bool(values["armed"]),
+            link_up=self._link_up,
+            stale=self._stale,
+            missed=self._missed,
+            worst_late_us=self._worst_late_us,
+            alarms=self._alarms(),
+            steps=steps.steps,
+        )
+
+    def _look(self, at: int) -> None:
+        """At the sensors, once for all steps that follow from what they show."""
+        seen = (at, self._senses.looked, self.held)
+        if seen != self._seen:
+            self._seen, senses = seen, self._senses
+            self._evidence = tuple([int(level) for level in senses.evidence])
+            self._link_up, self._stale = senses.readings.link_up(at), senses.readings.stale(at)
+            self._notices = senses.notices(at, held=self.held)
+
+    def _alarms(self) -> tuple[str, ...]:
+        alarms = []
+        if self.adopted and not self._link_up:
+            alarms.append(f"The sensor link {self._description.link.port} is down.")
+        if self._latched:
+            alarms.append(self.latched_error)
+        if not self._grips and self.values["changer"] == ChangerState.FAULT:
+            alarms.append(CHANGER_FAULT)
+        alarms += self._hold.alarms
+        if self.adopted:
+            alarms += self._notices
+        if self._senses.supply.low and self._grips and not self.held:
+            alarms.append(f"Low supply: under {self._description.supply.warn_kpa:g} kPa.")
+        return tuple(alarms)
+
+    @property
+    def latched_error(self) -> str:
+        """An error that no reset clears, in words; empty: there is none."""
+        return latched(EndEffectorState(self.values["ee"]), self._why) if self._latched else ""
+
+    @property
+    def _why(self) -> str:
+        return " ".join(filter(None, (self._reason, self._left)))
