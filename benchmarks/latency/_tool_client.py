@@ -16,7 +16,7 @@ from pathlib import Path
 
 from end_effector_hal.tool import EndEffector, Status
 from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires import now_us
+from end_effector_hal.wires import be_steady, now_us
 
 LOST_S = 10.0
 
@@ -53,6 +53,7 @@ def main(description: str, notes: str) -> None:
     with EndEffector.open(description) as tool:
         tool.subscribe(listen)
         tool.wait_ready(10.0)
+        be_steady()
         print("ready", flush=True)
         for line in sys.stdin:
             word, *rest = line.split()

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from end_effector_hal.automata import Event, Execution, load_network
+from end_effector_hal.automata import Event, Execution, _outlook, load_network
 
 MODEL = Path(__file__).parent / "models" / "two_steps.xml"
 EVENTS = ["begin", "stop", "confirmed[0]", "confirmed[1]", "gone[0]", "gone[1]"]
@@ -131,3 +131,32 @@ def test_every_trace_is_a_run_of_the_model(network, inputs):
 def execution_index(step):
     (index,) = {edge.process[5] for edge in step.edges if edge.process.startswith("Step")}
     return index
+
+
+@settings(max_examples=100, deadline=None)
+@given(inputs=inputs)
+def test_what_was_worked_out_before_changes_nothing(network, inputs):
+    """An execution that remembers nothing does the same as one that has been everywhere."""
+    remembers, forgets, at = started(network), started(network), 0
+    remembers._outlooks = remembers._schedule._outlooks = WELL_TRAVELLED.setdefault(
+        id(network), remembers._outlooks
+    )
+    for gap, name in inputs:
+        at += gap
+        forgets._outlooks._known.clear()
+        forgets._outlooks._heard.clear()
+        assert apply(remembers, name, at) == apply(forgets, name, at)
+        assert story(remembers) == story(forgets)
+    assert remembers.advance(at + 100_000) == forgets.advance(at + 100_000)
+
+
+def test_not_everything_is_remembered_for_ever(network, monkeypatch):
+    monkeypatch.setattr(_outlook, "MOST", 3)
+    execution = started(network)
+    for at, name in enumerate(EVENTS * 3):
+        apply(execution, name, at * 1000)
+    assert len(execution._outlooks._known) <= 3
+    assert len(execution._outlooks._heard) <= 3
+
+
+WELL_TRAVELLED: dict = {}

@@ -225,6 +225,39 @@ def test_refusals_are_sentences(bench):
         assert bench.levels() == [False, True, False]
 
 
+def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
+    with bench.owner(), OwnerClient(bench.socket, "grip", [BOTTOM]) as client:
+        wait = client.ask({BOTTOM: True}, [(BOTTOM, False, 0)])
+        levels = [None]
+        other = threading.Thread(target=lambda: levels.append(client.levels()))
+        other.start()  # waits for its turn: a reply belongs to one request
+        assert wait().levels[BOTTOM]
+        other.join()
+        assert levels[-1][BOTTOM]
+        with pytest.raises(UsageError):
+            client.ask({UNLOCK: True})()
+        assert client.ask({BOTTOM: False})().levels[BOTTOM] is False
+
+
+def test_a_write_in_two_parts_never_waits_for_the_calls_of_others(bench):
+    with bench.owner(), OwnerClient(bench.socket, "grip", [BOTTOM]) as client:
+        first = client.ask({BOTTOM: True})
+        second = client.ask({BOTTOM: False})  # its turn has not come: all of it is done when it is waited for
+        assert first().levels[BOTTOM] is True
+        assert second().levels[BOTTOM] is False
+
+
+def test_a_write_in_two_parts_tells_of_a_lost_owner(bench):
+    with bench.owner():
+        client = OwnerClient(bench.socket, "grip", [BOTTOM], patience_s=0)
+    wait = client.ask({BOTTOM: True})
+    with pytest.raises(OwnerError):
+        wait()
+    with pytest.raises(OwnerError):  # nobody holds the connection: it does not hang
+        client.ask({BOTTOM: True})()
+    client.close()
+
+
 def test_a_delayed_write_says_so(bench):
     with bench.owner(Policy(LINES, min_switch_us=200_000)), bench.client() as grip:
         delay = grip.set({BOTTOM: True}).delay_us

@@ -39,7 +39,7 @@ def command(description: Path, script: str | None, record: Path | None, as_json:
     description declares (`endings: sigterm`).
     """
     from end_effector_hal.tool import EndEffector, Recording, read_script
-    from end_effector_hal.wires import load_tool
+    from end_effector_hal.wires import be_steady, load_tool
 
     from ._run_voice import Changes, JsonLines, Words
 
@@ -59,6 +59,7 @@ def command(description: Path, script: str | None, record: Path | None, as_json:
             tool.wait_ready(READY_S)
         except NotReadyError as error:
             voice.error(error)  # what is held can be dropped all the same
+        be_steady()
         prompt = "> " if sys.stdin.isatty() and not as_json else ""
         session = _Session(tool, voice)
         succeeded = session.play(iter(orders) if orders is not None else _prompt(prompt, voice))

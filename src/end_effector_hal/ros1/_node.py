@@ -13,8 +13,9 @@ import rospy
 
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import EndEffectorError, RosError
-from end_effector_hal.wires import load_tool
+from end_effector_hal.wires import be_steady, load_tool
 
+from ._at_once import send_at_once
 from ._logging import node_logger
 from ._master import MasterWatch
 from ._table import DESCRIPTION, Parameter, Service, Topic
@@ -35,6 +36,7 @@ class Node:
     def __init__(self, name: str, argv: Sequence[str]) -> None:
         self._failed: EndEffectorError | None = None
         self._watch = MasterWatch(lambda why: self.fail(RosError(why)))
+        send_at_once()
         rospy.init_node(name, argv=list(argv))
         self.name = rospy.get_name().lstrip("/")
         self.log = node_logger(name)
@@ -92,6 +94,7 @@ class Node:
 
     def spin(self) -> int:
         """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
+        be_steady()
         self._ended.wait()
         if self._failed is not None:
             raise self._failed

@@ -14,6 +14,7 @@ from end_effector_hal.wires import (
     LineOwner,
     OwnerClient,
     VirtualLines,
+    be_steady,
     serve,
 )
 
@@ -46,6 +47,7 @@ def run_owner(
         print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
         manager.store(backend.keepsakes() if isinstance(backend, HandsOn) else {})
         manager.ready(f"{description.name} on {where}", _Question(where))
+        be_steady()
 
     where, backend = socket or socket_path(description), _backend(description)
     with ServiceManager() as manager:

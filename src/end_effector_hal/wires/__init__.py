@@ -5,6 +5,7 @@ Pure, for those who must not touch a clock or a socket: `wires.frame`, `wires.co
 
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires._load import Fitting, fitting, load_tool
+from end_effector_hal.wires._steady import be_steady
 from end_effector_hal.wires.codecs import Codec, Decoder, codec_names, get_codec
 from end_effector_hal.wires.frame import Frame, Kind, Value
 from end_effector_hal.wires.lines import (
@@ -61,6 +62,7 @@ __all__ = [
     "Will",
     "WillStep",
     "Written",
+    "be_steady",
     "codec_names",
     "fitting",
     "get_codec",
