@@ -1,15 +1,37 @@
-"""Whether what was driven by hand is proven by its sensor (IL-12)."""
+"""An actuator driven by hand (IL-12), and whether its sensor proves it."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from end_effector_hal.control import Answer, Evidence
+from end_effector_hal.control import Answer, Controller, Evidence
 from end_effector_hal.description import Description
+from end_effector_hal.errors import LineRefusedError, WireError
 from end_effector_hal.trace import display_name
+from end_effector_hal.wires import now_us
+
+from ._maintenance import Maintenance
+from ._outputs import Outputs
 
 if TYPE_CHECKING:
     from ._unit import Unit
+
+
+def drive(
+    controller: Controller, outputs: Outputs, maintenance: Maintenance, line: str, *, active: bool
+) -> Answer:
+    """Write the line, under the lease; whether that was done."""
+    if refused := controller.refuse_maintenance(active=active):
+        return Answer(False, refused)
+    try:
+        outputs.drive(line, active, maintenance.will_with(line, active))
+    except WireError as error:
+        if active and not isinstance(error, LineRefusedError):
+            # perhaps it was executed: then the lease ends it
+            maintenance.drove(line, active, now_us())
+        return Answer(False, str(error))
+    maintenance.drove(line, active, now_us())
+    return Answer(True)
 
 
 def proof(

@@ -10,25 +10,26 @@ from dataclasses import replace
 from functools import partial
 
 from end_effector_hal.automata import load_network
-from end_effector_hal.control import Answer, Evidence, Status, model_constants
+from end_effector_hal.control import Answer, Status, model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, WireError
+from end_effector_hal.errors import LineBusyError, OwnerError, WireError
 from end_effector_hal.trace import EndEffectorState
 from end_effector_hal.wires import Frame, now_us
 
-from ._by_hand import proof
+from ._by_hand import drive, proof
 from ._duties import Duties
 from ._maintenance import Maintenance
+from ._newest import Newest
 from ._outputs import RETRY_US, LineWriter, Outputs
 from ._question import ask
 from ._relay import Relay, Rest
 from ._sensor_fault import SensorFault
+from ._venting import await_venting
 from .boundary import NOBODY, Recorder
 
 _log = logging.getLogger("end_effector_hal.tool")
 Listener = Callable[[Status], None]
 HUNG_US = 3_000_000  # longer than the longest wait for the line owner
-PROOF_S = 0.1  # a few frames more than it takes
 OVERTAKEN = "The line owner took this program for dead and executed its will: it has begun anew."
 
 
@@ -59,14 +60,11 @@ class Unit:
         self._fault = fault or SensorFault()
         self._heard: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
-        self._why = ""
+        self._why, self._ending = "", "sigterm"
         self._told: tuple[str, ...] = ()
         self._be_unborn()
         self._relay = Relay(self._due, self._recorder.settle)
-        self._changed = threading.Condition()
-        self._status = self._controller.status()
-        self._ending = "sigterm"
-        self._ended = False
+        self._newest = Newest(self._controller.status())
         self._thread = threading.Thread(target=self._run, name=f"unit-{program}", daemon=True)
 
     def start(self) -> None:
@@ -77,12 +75,12 @@ class Unit:
     def alive(self) -> bool:
         """Whether the unit still works: a lease is renewed only while it does."""
         since = self._relay.busy_since
-        return not self._ended and (since is None or now_us() - since < HUNG_US)
+        return not self._newest.ended and (since is None or now_us() - since < HUNG_US)
 
     @property
     def status(self) -> Status:
         """The newest snapshot."""
-        return self._status
+        return self._newest.status
 
     def frame(self, frame: Frame) -> None:
         """A frame of the link; returns at once."""
@@ -105,26 +103,26 @@ class Unit:
         self._bring(lambda: self._controller.acknowledge(now_us()))
 
     def command(self, name: str) -> Answer:
-        """Give a command and wait for the decision of the automaton.
-
-        An unlock waits before that for its proof, for no longer than the proof takes (IL-01: half a second).
-        """
-        changer = self._description.tool_changer
-        if name == "unlock" and changer:
-            self.wait(_vented_or_hopeless, changer.vented_s + PROOF_S)
+        """Give a command and wait for the decision of the automaton; an unlock waits before that for its proof."""
+        if name == "unlock" and (changer := self._description.tool_changer):
+            await_venting(self._newest, changer)
         return self._ask(lambda: self._decide(name))
 
     def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
         """Drive one actuator by hand (IL-12); success only with sensor evidence."""
-        answer = self._ask(lambda: self._drive(name, active), waits=True)
+        line = self._description.actuators[name].line
+
+        def question() -> tuple[Answer, list[Status]]:
+            answer = drive(self._controller, self._outputs, self._maintenance, line, active=active)
+            return answer, [self._controller.status()] if answer.accepted else []
+
+        answer = self._ask(question, waits=True)
         proven = answer.accepted and proof(self, self._description, name, active=active, timeout_s=timeout_s)
         return proven or answer
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; False when the time is over or the unit has ended."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._ended or until(self._status), timeout_s)
-            return until(self._status)
+        return self._newest.wait(until, timeout_s)
 
     def close(self, ending: str = "sigterm") -> None:
         """End in good order: the line owner does what the description declares for this ending."""
@@ -161,14 +159,12 @@ class Unit:
     def _run(self) -> None:
         try:
             self._relay.run(lambda: self._act(self._begin()), lambda: partial(self._act, self._time_passed()))
-            self._lines.close(self._duties.will(self._status, self._ending))
+            self._lines.close(self._duties.will(self.status, self._ending))
         except WireError as error:
             _log.warning("the line owner is not there to take the will of %s: %s", self._program, error)
         finally:
             # after a defect in here the lease is not renewed any more, and the line owner does what is declared
-            self._ended = True
-            with self._changed:
-                self._changed.notify_all()
+            self._newest.end()
             self._recorder.close()
 
     def _be_unborn(self) -> None:
@@ -221,7 +217,7 @@ class Unit:
             return [*statuses, self._now()]
         # before GRIPPED nothing is held: the will that holds must have arrived, or the owner may still unwind
         held = EndEffectorState.GRIPPED
-        return [status for status in statuses if status.ee != held or self._status.ee == held]
+        return [status for status in statuses if status.ee != held or self.status.ee == held]
 
     def _now(self) -> Status:
         status = self._controller.status()
@@ -262,9 +258,7 @@ class Unit:
             reason = f"{status.reason or self._why} {self._outputs.refused}".strip()
             told = replace(self._duties.seen(status), alarms=(*status.alarms, *extra), reason=reason)
             self._fault.see(told)
-            with self._changed:
-                self._status = told
-                self._changed.notify_all()
+            self._newest.tell(told)
             if self._on_status is not None:
                 self._on_status(told)
 
@@ -299,28 +293,8 @@ class Unit:
             self._why = self._outputs.refused = ""
         return answer, statuses
 
-    def _drive(self, name: str, active: bool) -> tuple[Answer, list[Status]]:
-        refused = self._controller.refuse_maintenance(active=active)
-        if refused:
-            return Answer(False, refused), []
-        line = self._description.actuators[name].line
-        will = self._maintenance.will_with(line, active)
-        try:
-            self._outputs.drive(line, active, will)
-        except WireError as error:
-            if active and not isinstance(error, LineRefusedError):
-                # perhaps it was executed: then the lease ends it
-                self._maintenance.drove(line, active, now_us())
-            return Answer(False, str(error)), []
-        self._maintenance.drove(line, active, now_us())
-        return Answer(True), [self._controller.status()]
-
     def _ask(self, question: Callable[[], tuple[Answer, list[Status]]], *, waits: bool = False) -> Answer:
-        if self._ended:
+        if self._newest.ended:
             return Answer(False, f"The {self._program} program has ended.")
         answer = ask(self._relay, question, self._acted, waits=waits)
         return answer or Answer(False, f"The {self._program} program does not answer.")
-
-
-def _vented_or_hopeless(status: Status) -> bool:
-    return status.vented or any(level != Evidence.GONE for level in status.evidence)

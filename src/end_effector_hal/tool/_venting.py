@@ -1,0 +1,20 @@
+"""An unlock waits for its proof that nothing is gripped any more (IL-01)."""
+
+from __future__ import annotations
+
+from end_effector_hal.control import Evidence, Status
+from end_effector_hal.description import ToolChanger
+
+from ._newest import Newest
+
+PROOF_S = 0.1
+"""A few frames more than it takes."""
+
+
+def await_venting(newest: Newest, changer: ToolChanger) -> None:
+    """Until it is proven or cannot be, for no longer than the proof takes (half a second)."""
+    newest.wait(_vented_or_hopeless, changer.vented_s + PROOF_S)
+
+
+def _vented_or_hopeless(status: Status) -> bool:
+    return status.vented or any(level != Evidence.GONE for level in status.evidence)
