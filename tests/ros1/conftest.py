@@ -121,7 +121,7 @@ class System:
         for name in ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop"):
             self._clients[name] = actionlib.ActionClient(name, EndEffectorAction)
         for name, client in self._clients.items():
-            assert client.wait_for_server(rospy.Duration(10)), name
+            assert client.wait_for_server(rospy.Duration(60)), name
         self.wait_for(EndEffectorState.STAND_BY)
 
     @property
