@@ -507,7 +507,11 @@ def test_messages_may_come_in_pieces_and_together(bench):
         raw.close()
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=50)
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+    deadline=None,
+    max_examples=50,
+)
 @given(
     junk=st.binary(max_size=200),
     op=st.sampled_from(["hello", "set", "renew", "bye", "status"]),
