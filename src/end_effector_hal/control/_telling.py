@@ -44,7 +44,9 @@ class Telling:
         self._keeps = [f"kept[{i}]" for i in size]
         self._lines = [part.line for _, part in description.ordered]
         self._allowed = [part.attempts for _, part in description.ordered]
-        self.values = {name: execution.value(name) for name in (*_SCALARS, *self._valves, *self._states, *self._keeps)}
+        self.values = {
+            name: execution.value(name) for name in (*_SCALARS, *self._valves, *self._states, *self._keeps)
+        }
         self.found: Mapping[str, bool] = {}
         self.adopted = False
         self.held = False
