@@ -471,6 +471,16 @@ def test_what_is_wrong_with_the_frames_is_told(machine: Machine) -> None:
     assert todo
 
 
+def test_a_channel_that_the_tool_does_not_use_is_no_matter(machine: Machine) -> None:
+    text = machine.path.read_text().replace("cylinder, top_vacuum]", "cylinder]")
+    start, end = text.index("  top_vacuum:\n"), text.index("tool_changer:\n")
+    machine.describe(text=text[:start] + text[end:])
+    with PtyPair(machine.port) as pty, Sender(pty, lambda number: frame(number, top=None)):
+        _, what, _ = machine.finding("link")
+    assert " frames" in what
+    assert "no value of" not in what
+
+
 def test_silence_noise_and_another_codec(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     from end_effector_hal.cli import _doctor_link
 
