@@ -47,7 +47,7 @@ def _(rig: Rig) -> str:
     return rig.action("unlock")
 
 
-@cell("IL-01", "service", r"^IL-01: Bottom vacuum shows feedback although it is not active")
+@cell("IL-01", "service", r"^IL-01: Bottom vacuum is not active, but its feedback is not proven to be gone")
 def _(rig: Rig) -> str:
     rig.odd["bottom"] = -30_000
     rig.until(lambda: rig.change.status.evidence[0] == 2)
@@ -206,7 +206,7 @@ no("IL-06", "socket", "refuses a new grip; a line is none")
 # IL-07: no grip with the link down, a channel invalid, or feedback present
 
 
-@cell("IL-07", "action", r"^IL-07: Top vacuum shows feedback although it is not active")
+@cell("IL-07", "action", r"^IL-07: Top vacuum is not active, but its feedback is not proven to be gone")
 def _(rig: Rig) -> str:
     rig.odd["top"] = -15_000
     rig.until(lambda: rig.grip.status.evidence[2] == 2)

@@ -30,8 +30,10 @@ def feedback(description: Description, senses: Senses) -> str:
     for name, level in zip(description.sequence, senses.evidence, strict=True):
         if level is Evidence.UNKNOWN:
             return f"{display_name(name)} has no valid reading."
-        if level is not Evidence.GONE:
+        if level is Evidence.CONFIRMED:
             return f"{display_name(name)} shows feedback although it is not active."
+        if level is Evidence.PARTIAL:
+            return f"{display_name(name)} is not active, but its feedback is not proven to be gone."
     return ""
 
 
