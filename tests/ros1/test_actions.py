@@ -122,16 +122,18 @@ def test_a_cancel_while_releasing_changes_nothing(system: Any) -> None:
 
 
 def test_unlock_and_lock(system: Any) -> None:
+    begun = len(system.states)
     status, why = system.run("UnlockToolChanger")
     assert status == SUCCEEDED, why.reason
-    assert system.state.tool_changer == 2
-    assert system.state.unlock_output
+    system.until(
+        "UNLOCKED",
+        lambda: any(each.tool_changer == 2 and each.unlock_output for each in system.states[begun:]),
+    )
     status, result = system.run("TriggerGrip")
     assert (status, result.reason[:5]) == (REJECTED, "IL-05")
     status, _ = system.run("LockToolChanger")
     assert status == SUCCEEDED
-    assert system.state.tool_changer == 1
-    assert not system.state.unlock_output
+    system.until("LOCKED", lambda: system.state.tool_changer == 1 and not system.state.unlock_output)
 
 
 def test_an_unlock_while_gripped_is_rejected(system: Any) -> None:

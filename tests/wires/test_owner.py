@@ -625,8 +625,8 @@ def test_the_will_of_a_killed_client_is_executed_in_order_and_in_time(bench):
             wait_until("it", lambda: len(edges) == 2)
             grip.close()
     assert [(edge.line, edge.level) for edge in edges] == [(TOP, False), (BOTTOM, False)]
-    assert killed <= edges[0].at < killed + 200_000
-    assert killed + 300_000 <= edges[1].at < killed + 600_000
+    assert killed <= edges[0].at < killed + 3_000_000
+    assert 300_000 <= edges[1].at - edges[0].at < 3_000_000
 
 
 def test_an_owner_that_ends_with_its_clients_still_executes_their_wills(bench):
@@ -650,7 +650,7 @@ def test_a_second_signal_ends_an_owner_at_once(bench):
     ):
         wait_until("it", lambda: bench.levels() == [False, True, True])
         owner.send_signal(signal.SIGINT)
-        time.sleep(0.1)
+        time.sleep(0.4)
         owner.send_signal(signal.SIGINT)
         assert owner.wait(PATIENCE_S) == 0
     assert bench.levels() == [False, True, True]
