@@ -17,9 +17,8 @@ from click.testing import CliRunner
 from rich.console import Console
 
 from end_effector_hal.cli._demo import command
-from end_effector_hal.demo import Report, judge, need_ros, print_table, run_demo, scenarios
+from end_effector_hal.demo import Report, fresh_folder, judge, need_ros, print_table, run_demo, scenarios
 from end_effector_hal.demo import _world as world_module
-from end_effector_hal.demo._demo import _fresh
 from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError, OwnerError, RosError, UsageError
 from end_effector_hal.testbench import Testbench, open_inputs, open_port
@@ -117,14 +116,14 @@ def test_what_no_demo_wrote_is_not_thrown_away(tmp_path: Path) -> None:
     (tmp_path / "nominal").mkdir()
     (tmp_path / "nominal" / "thesis.txt").write_text("four years")
     with pytest.raises(UsageError, match="holds something that no demo wrote"):
-        _fresh(tmp_path / "nominal")
+        fresh_folder(tmp_path / "nominal")
     assert (tmp_path / "nominal" / "thesis.txt").exists()
 
 
 def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="cannot be made"):
-        _fresh(tmp_path / "file" / "nominal")
+        fresh_folder(tmp_path / "file" / "nominal")
 
 
 def test_without_ros_it_names_the_packages_and_the_way_without(monkeypatch: pytest.MonkeyPatch) -> None:

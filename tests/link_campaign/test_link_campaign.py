@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from episode import Found
@@ -10,10 +11,11 @@ from summary import as_json, holds
 from virtual import in_virtual_time
 from wall import play_for
 
-from end_effector_hal.control._controller import Controller
+from end_effector_hal.control import Status
 from end_effector_hal.control._link_rules import LinkRules
 from end_effector_hal.control._readings import Readings
 from end_effector_hal.control._senses import Senses
+from end_effector_hal.control._telling import Telling
 from end_effector_hal.wires.codecs import _ees1_ascii, _ees1_cobs
 
 
@@ -54,13 +56,13 @@ def without_words(patch: pytest.MonkeyPatch) -> None:
 
 
 def with_a_drop_at_every_doubt(patch: pytest.MonkeyPatch) -> None:
-    outputs = Controller._outputs.fget
-    assert outputs
+    status = Telling.status
 
-    def dropping(self: Controller) -> tuple[bool, ...]:
-        return tuple(map(bool, outputs(self))) if all(self._senses.evidence) else (False,) * 3
+    def dropping(self: Telling, at: int) -> Status:
+        told = status(self, at)
+        return told if all(told.evidence) else replace(told, outputs=(False,) * 3)
 
-    patch.setattr(Controller, "_outputs", property(dropping))
+    patch.setattr(Telling, "status", dropping)
 
 
 @pytest.mark.parametrize(

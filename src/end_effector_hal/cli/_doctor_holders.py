@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from end_effector_hal.wires import program_name
+
 # As in the errors of the wires; the kernel shows other users' open files to root only.
 _PTMX = ("/dev/ptmx", "/dev/pts/ptmx")
 
@@ -35,19 +37,7 @@ def holders_of(path: str | Path) -> list[Holder]:
             found.add(pid)
         elif target in _PTMX and device == f"/dev/pts/{_tty_index(link)}":
             ends.add(pid)
-    return [Holder(pid, program_of(pid)) for pid in sorted(found - ends - {os.getpid()})]
-
-
-def program_of(pid: int) -> str:
-    """Its command line in short, without the interpreter; "?" when it has gone."""
-    try:
-        raw = Path(f"/proc/{pid}/cmdline").read_bytes()
-    except OSError:
-        return "?"
-    words = [word.decode(errors="replace") for word in raw.split(b"\0") if word]
-    if len(words) > 1 and Path(words[0]).name.startswith("python"):
-        words = words[1:]
-    return " ".join([Path(words[0]).name, *words[1:3]])[:80] if words else "?"
+    return [Holder(pid, program_name(pid)) for pid in sorted(found - ends - {os.getpid()})]
 
 
 def _open_files() -> Iterator[tuple[int, str, str]]:

@@ -3,6 +3,7 @@
 Pure, for those who must not touch a clock or a socket: `wires.frame`, `wires.codecs`, `wires.will`.
 """
 
+from end_effector_hal.wires._claim import program_name
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires._load import Fitting, fitting, load_tool
 from end_effector_hal.wires._steady import be_steady
@@ -69,6 +70,7 @@ __all__ = [
     "load_tool",
     "now_us",
     "open_port",
+    "program_name",
     "read_chip",
     "serve",
 ]
