@@ -54,7 +54,7 @@ def test_json() -> None:
     result = run("--model", "model.xml", "--json")
     assert result.exit_code == 4
     answer = json.loads(result.stdout)
-    assert set(answer) == {"requirements", "bounds"}
+    assert set(answer) == {"requirements", "bounds", "switched_off"}
     down, up, *_ = answer["requirements"]
     assert set(down) == {"id", "sentence", "query", "holds", "states", "seconds"}
     assert (down["id"], down["sentence"], down["holds"]) == ("down", "Soon up.", True)

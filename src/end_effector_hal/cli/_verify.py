@@ -23,7 +23,7 @@ _FAILED = 4
 @click.command(name="verify")
 @DESCRIPTION
 @MODEL
-@click.option("--json", "as_json", is_flag=True, help="Print {requirements, bounds} as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print {requirements, bounds, switched_off} as JSON.")
 @click.option(
     "-o",
     "--output",
@@ -63,8 +63,8 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
         click.echo(
             f"  {name.removesuffix('_s').replace('_', '-'):16} {worst!s:>9}  {worst.declared_ms / 1000:g} s"
         )
-    for note in proof.notes:
-        click.echo(f"note: {note}")
+    if proof.off:
+        click.echo(f"\n{len(proof.off)} edges are for other constants than these; --json lists them")
     for finding in proof.findings:
         if finding.trace is not None:
             _print_run(finding, files.get(finding.id, []))

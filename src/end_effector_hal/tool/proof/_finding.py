@@ -69,13 +69,13 @@ class Proof:
         findings: a requirement each, in the order of the file, then what no query says.
         states: symbolic states of the one exploration that most of them come from.
         seconds: in all.
-        notes: what is no fault and worth knowing.
+        off: edges that cannot fire with these constants, and could with others.
     """
 
     findings: tuple[Finding, ...]
     states: int
     seconds: float
-    notes: tuple[str, ...] = ()
+    off: tuple[str, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -88,7 +88,7 @@ class Proof:
         return {f"{f.id.replace('-', '_')}_s": f.worst for f in self.findings if f.worst is not None}
 
     def document(self) -> dict[str, object]:
-        """As JSON: requirements, and bounds in seconds."""
+        """As JSON: requirements, bounds in seconds, and edges that are switched off."""
         return {
             "requirements": [
                 {
@@ -102,6 +102,7 @@ class Proof:
                 for finding in self.findings
             ],
             "bounds": {name: worst.document() for name, worst in self.bounds.items()},
+            "switched_off": list(self.off),
         }
 
 

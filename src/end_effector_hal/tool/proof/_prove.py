@@ -54,8 +54,8 @@ class _Proving:
             for number, requirement in enumerate(self.requirements)
         ]
         findings += [check.finding(found.states, share) for check in extra]
-        notes = tuple(f"switched off by the constants: {edge}" for edge in found.missing.off)
-        return Proof(tuple(findings), found.states, perf_counter() - self.begun, notes)
+        off = tuple(map(str, found.missing.off))
+        return Proof(tuple(findings), found.states, perf_counter() - self.begun, off)
 
     def _finding(self, number: int, requirement: Requirement, found: Overview, share: float) -> Finding:
         """Of what the one exploration has answered."""
