@@ -149,7 +149,7 @@ def test_the_death_of_the_program_releases_what_is_declared_and_no_more(tmp_path
         left = {**NONE_ACTIVE, "SODIMM_208": True}
         wait_until("the will", lambda: levels(world) == left)
         with EndEffector.open(world.description) as tool:
-            assert tool.wait_ready(PATIENCE_S)
+            tool.wait_ready(PATIENCE_S)
             assert tool.status.ee == EndEffectorState.GRIP_ERROR
             assert levels(world) == left
             wait_until("a Drop", lambda: tool.drop().succeeded)

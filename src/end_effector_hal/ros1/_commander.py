@@ -14,8 +14,9 @@ from end_effector_hal.wires import now_us
 from ._node import service_class
 from ._table import Service
 
-VALID_S, ANSWER_S = 0.5, 3.0
-"""How long a command may be executed, and how long its answer is waited for: never executed once given up."""
+VALID_S, ANSWER_S = 0.5, 4.0
+"""How long a command may be begun, and how long its answer is waited for: longer than an unlock waits for its proof
+and the unit for its turn, so that nothing is executed once it was given up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ class Commander:
         self._jobs: queue.SimpleQueue[tuple[int, queue.SimpleQueue[Reply]]] | None = None
 
     def ask(self, command: int) -> Reply:
-        """Give a command of Table II and wait for the decision, at most 3 s."""
+        """Give a command of Table II and wait for the decision, at most 4 s."""
         with self._lock:
             if self._jobs is None:
                 self._jobs = queue.SimpleQueue()

@@ -7,13 +7,13 @@ from end_effector_hal.description import ToolChanger
 
 from ._newest import Newest
 
-PROOF_S = 0.1
-"""A few frames more than it takes."""
+FALL_S = 0.5
+"""What a vacuum that has just been told gone takes to fall below what IL-01 asks for, at the longest."""
 
 
 def await_venting(newest: Newest, changer: ToolChanger) -> None:
-    """Until it is proven or cannot be, for no longer than the proof takes (half a second)."""
-    newest.wait(_vented_or_hopeless, changer.vented_s + PROOF_S)
+    """Until it is proven or cannot be, for no longer than the fall and the proof take."""
+    newest.wait(_vented_or_hopeless, changer.vented_s + FALL_S)
 
 
 def _vented_or_hopeless(status: Status) -> bool:

@@ -34,9 +34,10 @@ class Ees1Decoder:
         return self._sequence.reboots
 
     def _is_new(self, seq: int, clock: int) -> bool:
-        new = self._sequence.is_new(seq, clock)
-        self.errors["duplicate"] += not new
-        return new
+        if self._sequence.is_new(seq, clock):
+            return True
+        self.errors["duplicate"] += 1
+        return False
 
     def _possible(self, pascal: int) -> int | None:
         """A pressure; None, and counted, where it is outside of what any sensor can mean."""
