@@ -85,6 +85,7 @@ def _tool(count: int) -> Network:
     constants = model_constants(description)
     if count:
         late = description.bounds.reaction_ms
+        constants |= {name: each[:1] * count for name, each in constants.items() if isinstance(each, list)}
         constants |= {
             "N": count,
             "ATTEMPTS": [ATTEMPTS] * count,
