@@ -7,22 +7,15 @@ from pathlib import Path
 
 import click
 
-from ._demo import chosen, console
+from ._demo import chosen, console, json_option, no_figures_option, only_option
 from ._signals import end_in_order
 
 
 @click.command("board")
 @click.argument("description", required=False, type=click.Path(path_type=Path))
 @click.option("--no-ros", is_flag=True, help="Without ROS: quicker, and the ROS messages are not needed.")
-@click.option(
-    "--only",
-    multiple=True,
-    default=["nominal"],
-    show_default=True,
-    metavar="NAME",
-    help="The scenario; may be given again.",
-)
-@click.option("--no-figures", is_flag=True, help="Record only; `eehal plot` draws.")
+@only_option(default=["nominal"], show_default=True)
+@no_figures_option
 @click.option(
     "-o",
     "--output",
@@ -34,7 +27,7 @@ from ._signals import end_in_order
 @click.option(
     "--build-only", is_flag=True, help="Fetch and build what the board is made of; print where it is."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON.")
+@json_option
 def command(
     description: Path | None,
     no_ros: bool,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,17 @@ if TYPE_CHECKING:
 
 WIDTH = 120
 NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
-ONLY = f"Only this scenario; may be given again. Of {', '.join(NAMES)} (with a tool changer)."
+
+# What `eehal board` takes as well.
+only_option = partial(
+    click.option,
+    "--only",
+    multiple=True,
+    metavar="NAME",
+    help=f"Only this scenario; may be given again. Of {', '.join(NAMES)} (with a tool changer).",
+)
+no_figures_option = click.option("--no-figures", is_flag=True, help="Record only; `eehal plot` draws.")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON.")
 
 
 @click.command("demo")
@@ -29,18 +40,13 @@ ONLY = f"Only this scenario; may be given again. Of {', '.join(NAMES)} (with a t
 @click.option(
     "--all", "everything", is_flag=True, help="Also a cancel, a release that fails, unlock and lock."
 )
-@click.option(
-    "--only",
-    multiple=True,
-    metavar="NAME",
-    help=ONLY,
-)
+@only_option()
 @click.option(
     "--own-wires",
     is_flag=True,
     help="On the lines and the port of DESCRIPTION: a testbench at their other end plays the scenario.",
 )
-@click.option("--no-figures", is_flag=True, help="Record only; `eehal plot` draws.")
+@no_figures_option
 @click.option(
     "-o",
     "--output",
@@ -49,7 +55,7 @@ ONLY = f"Only this scenario; may be given again. Of {', '.join(NAMES)} (with a t
     type=click.Path(path_type=Path),
     help="Folder of the runs.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON.")
+@json_option
 def command(
     description: Path | None,
     no_ros: bool,
