@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from by_hand import only_when_asked
 
 from end_effector_hal.board import board_parts
 
@@ -15,13 +16,8 @@ sys.path.insert(0, str(HERE.parent / "gpiochip"))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    asked = "EEHAL_BOARD" in os.environ
-    for item in items:
-        if item.path.parent == HERE and "parts" in getattr(item, "fixturenames", ()):
-            item.add_marker(pytest.mark.wall)
-            item.add_marker(pytest.mark.timeout(3600))
-            if not asked:
-                item.add_marker(pytest.mark.skip(reason="make test-board: it emulates a whole board"))
+    asked, reason = "EEHAL_BOARD" in os.environ, "make test-board: it emulates a whole board"
+    only_when_asked(items, HERE, {"parts"}, asked=asked, timeout_s=3600, reason=reason)
 
 
 @pytest.fixture(scope="session")

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from by_hand import only_when_asked
 
 from end_effector_hal.description import Description, load, profile_path
 
@@ -29,12 +30,8 @@ ASKED = os.environ.get("EEHAL_GPIOCHIP", "")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    for item in items:
-        if item.path.parent == HERE and {"kernel", "machine"} & set(getattr(item, "fixturenames", ())):
-            item.add_marker(pytest.mark.wall)
-            item.add_marker(pytest.mark.timeout(900))
-            if not ASKED:
-                item.add_marker(pytest.mark.skip(reason="make test-gpiochip: it boots a kernel of its own"))
+    reason = "make test-gpiochip: it boots a kernel of its own"
+    only_when_asked(items, HERE, {"kernel", "machine"}, asked=bool(ASKED), timeout_s=900, reason=reason)
 
 
 @pytest.fixture(scope="session")
