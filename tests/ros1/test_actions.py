@@ -162,3 +162,30 @@ def test_a_link_that_dies_while_gripped_releases_nothing(system: Any) -> None:
     assert not system.state.lift_allowed
     assert system.state.held
     assert system.edges()[edges:] == []
+
+
+OF_A_BUSY_MACHINE = """
+import time
+import actionlib, rospy
+from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal
+
+rospy.init_node("busy", anonymous=True)
+client = actionlib.SimpleActionClient("TriggerGrip", EndEffectorAction)
+assert client.wait_for_server(rospy.Duration(30))
+send = client.action_client.send_goal
+
+def is_sent_and_returns_late(*arguments):
+    handle = send(*arguments)
+    time.sleep(0.03)
+    return handle
+
+client.action_client.send_goal = is_sent_and_returns_late
+client.send_goal(EndEffectorGoal())
+print(client.wait_for_result(rospy.Duration(20)), client.get_state())
+"""
+
+
+def test_a_refusal_waits_until_a_simple_client_listens(system: Any) -> None:
+    system.grip()
+    client = system.cli("python3", "-c", OF_A_BUSY_MACHINE)
+    assert client.stdout.strip() == f"True {REJECTED}", client.stderr

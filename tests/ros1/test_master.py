@@ -37,17 +37,18 @@ def test_everything_moves_into_a_namespace(system: Any, tmp_path: Path) -> None:
 
     with World(load(profile_path()), "nominal", tmp_path) as world:
         launch = system.launch(world, name="cell", env={"ROS_NAMESPACE": "/cell_1"})
-        client = actionlib.SimpleActionClient("/cell_1/TriggerGrip", EndEffectorAction)
-        assert client.wait_for_server(rospy.Duration(30))
+        try:
+            client = actionlib.SimpleActionClient("/cell_1/TriggerGrip", EndEffectorAction)
+            assert client.wait_for_server(rospy.Duration(60))
 
-        def gripped() -> bool:
-            client.send_goal_and_wait(EndEffectorGoal())
-            return bool(client.get_state() == 3)
+            def gripped() -> bool:
+                return bool(client.send_goal_and_wait(EndEffectorGoal(), rospy.Duration(60)) == 3)
 
-        system.until("a grip", gripped)
-        assert system.state.state == 6, "the other tool has not moved"
-        names = {name for name, _ in rosgraph.Master("/tests").getTopicTypes()}
-        assert {"/cell_1/EndEffectorState", "/cell_1/PressureVacuumBottom", "/cell_1/grip/state"} <= names
-        services = {name for name, _ in rosgraph.Master("/tests").getSystemState()[2]}
-        assert {"/cell_1/SetBottomVacuum", "/cell_1/SetToolChanger"} <= services
-        launch.end(signal_number=signal.SIGINT, patience_s=20.0)
+            system.until("a grip", gripped)
+            assert system.state.state == 6, "the other tool has not moved"
+            names = {name for name, _ in rosgraph.Master("/tests").getTopicTypes()}
+            assert {"/cell_1/EndEffectorState", "/cell_1/PressureVacuumBottom", "/cell_1/grip/state"} <= names
+            services = {name for name, _ in rosgraph.Master("/tests").getSystemState()[2]}
+            assert {"/cell_1/SetBottomVacuum", "/cell_1/SetToolChanger"} <= services
+        finally:
+            launch.end(signal_number=signal.SIGINT, patience_s=20.0)

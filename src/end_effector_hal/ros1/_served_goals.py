@@ -24,6 +24,10 @@ _SERVERS = {
     Command.UNLOCK: TOOL_CHANGE,
 }
 
+_ANSWER_AFTER_S = 0.1
+"""``SimpleActionClient`` does not know its goal before ``send_goal`` has returned: of an answer that comes sooner it
+hears nothing, and waits for ever."""
+
 
 @dataclass(slots=True)
 class _Running:
@@ -80,14 +84,15 @@ class ServedGoals:
             busy, self._running = self._running, self._running or running
         if busy is not None:
             reason = f"{busy.action.name} is still running: one goal at a time."
-            handle.set_rejected(self._result(Outcome.REJECTED, reason, None), reason)
+            self._answer(running, handle.set_rejected, self._result(Outcome.REJECTED, reason, None), reason)
             return
         reply = self._commanders[node].ask(action.command)
         if not reply.accepted:
             with self._lock:
                 self._running = None
             outcome = Outcome.REJECTED if reply.reached else Outcome.UNREACHABLE
-            handle.set_rejected(self._result(outcome, reply.reason, None), reply.reason)
+            result = self._result(outcome, reply.reason, None)
+            self._answer(running, handle.set_rejected, result, reply.reason)
             return
         handle.set_accepted()
         running.count = reply.count
@@ -115,12 +120,16 @@ class ServedGoals:
             self._running = None
         result = self._result(outcome, reason, running)
         handle = running.handle
-        if outcome == Outcome.SUCCEEDED:
-            handle.set_succeeded(result, reason)
-        elif outcome == Outcome.CANCELLED:
-            handle.set_canceled(result, reason)
+        ends = {Outcome.SUCCEEDED: handle.set_succeeded, Outcome.CANCELLED: handle.set_canceled}
+        self._answer(running, ends.get(outcome, handle.set_aborted), result, reason)
+
+    @staticmethod
+    def _answer(running: _Running, end: Callable[[Any, str], None], result: Any, reason: str) -> None:
+        early_s = _ANSWER_AFTER_S - (now_us() - running.begun_us) / 1e6
+        if early_s > 0.0:
+            threading.Timer(early_s, end, (result, reason)).start()
         else:
-            handle.set_aborted(result, reason)
+            end(result, reason)
 
     def _on_cancel(self, handle: Any) -> None:
         running = self._running
