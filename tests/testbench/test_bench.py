@@ -259,3 +259,35 @@ def test_any_number_of_actuators(verdin: Description) -> None:
     values = bench.sample(2 * S)
     assert [n for n in range(32) if values[f"c{n}"] < -75_000] == list(range(31))  # type: ignore[operator]
     assert "locked" not in values
+
+
+def bits(bench: Bench, *names: str, at: float = 1.0) -> list[object]:
+    values = bench.sample(round(at * S))
+    return [values[name] for name in names]
+
+
+@pytest.mark.parametrize("bit", [False, True])
+def test_a_sensor_of_the_tool_changer_lies_until_another_scenario(make: MakeBench, bit: bool) -> None:
+    bench = make(f"unlocked-shows:tool_changer:{bit:d},locked-shows:tool_changer:{bit:d}")
+    assert bits(bench, "locked", "unlocked") == [bit, bit]
+    bench.line(CHANGER, True, 1 * S)
+    assert bits(bench, "locked", "unlocked", at=2) == [bit, bit], "wherever it is"
+    bench.choose("nominal", 2 * S)
+    assert bits(bench, "locked", "unlocked", at=2) == [False, True], "it has moved all the same"
+
+
+def test_the_sensor_of_the_stand_lies_and_no_other(make: MakeBench) -> None:
+    bench = make("stand-shows:tool_changer:0")
+    assert bits(bench, "in_stand", "tool_present", "locked", "unlocked") == [False, True, True, False]
+    bench.choose("not-in-stand,stand-shows:tool_changer:1", 1 * S)
+    assert bits(bench, "in_stand") == [True]
+    bench.choose("not-in-stand", 1 * S)
+    assert bits(bench, "in_stand") == [False]
+
+
+def test_the_stand_shows_on_the_bits_of_the_description(verdin: Description) -> None:
+    changer = verdin.tool_changer
+    assert changer
+    named = changer.model_copy(update={"stand_bit": "rack", "present_bit": "tool"})
+    bench = Bench(verdin.model_copy(update={"tool_changer": named}), "no-tool")
+    assert bits(bench, "rack", "tool") == [True, False]

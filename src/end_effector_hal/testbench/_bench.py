@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from end_effector_hal.description import Description
+from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import Value
 
@@ -153,12 +154,21 @@ class Bench:
                 places = {actuator.extended_bit: "extended", actuator.retracted_bit: "retracted"}
                 values |= {bit: device.bits[place] for bit, place in places.items() if bit}
         if description.tool_changer is not None:
-            bits = devices[TOOL_CHANGER].bits
-            values[description.tool_changer.locked_bit] = bits["locked"]
-            values[description.tool_changer.unlocked_bit] = bits["unlocked"]
+            values |= self._changer_bits(description.tool_changer, devices[TOOL_CHANGER].bits)
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
         self._swap(values)
         return values
+
+    def _changer_bits(self, changer: Changer, places: Mapping[str, bool]) -> dict[str, Value]:
+        """What the sensors of the tool changer and of its stand show while it is at ``places``."""
+        effect = self.scenario.effect(TOOL_CHANGER)
+        there = {
+            changer.present_bit: (self.scenario.tool_present, None),
+            changer.stand_bit: (self.scenario.in_stand, effect.stand_shows),
+            changer.locked_bit: (places["locked"], effect.locked_shows),
+            changer.unlocked_bit: (places["unlocked"], effect.unlocked_shows),
+        }
+        return {bit: real if shows is None else shows for bit, (real, shows) in there.items()}
 
     def _shown(self, name: str, channel: str, kpa: float, at: int) -> Value:
         """What the pressure sensor of a device shows while ``kpa`` is there."""

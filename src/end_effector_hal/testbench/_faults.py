@@ -9,16 +9,18 @@ from ._scenario import NEVER
 
 ANY = frozenset({"vacuum", "cylinder", "tool_changer"})
 AIR = frozenset({"vacuum", "cylinder"})
+CHANGER = frozenset({"tool_changer"})
 
 
 @dataclass(frozen=True)
 class Number:
-    """A number in a fault's text, with its limits; ``default``: it may be left out."""
+    """A number in a fault's text, with its limits; ``default``: it may be left out; ``whole``: no fraction."""
 
     name: str
     low: float
     high: float
     default: float | None = None
+    whole: bool = False
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class Fault:
 
 
 RATE = Number("rate", 0, 1)
+BIT = Number("bit", 0, 1, whole=True)
 
 
 def _micros(seconds: float) -> int:
@@ -61,7 +64,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("nominal", "nothing is wrong", lambda _: {}),
     Fault("fails-once", "its first activation has no effect", lambda _: {"dead_activations": 1}, ANY),
     Fault("fails", "its first activations have no effect", lambda n: {"dead_activations": int(n)}, ANY,
-          Number("times", 1, 1000)),
+          Number("times", 1, 1000, whole=True)),
     Fault("never-confirms", "no activation has any effect", lambda _: {"dead_activations": NEVER}, ANY),
     Fault("stuck-release", "its feedback stays after the deactivation", lambda _: {"stuck": True}, ANY),
     Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, frozenset({"vacuum"}),
@@ -76,6 +79,12 @@ FAULTS: tuple[Fault, ...] = (
     Fault("frozen-after", "its sensor stays at what it shows", lambda s: {"frozen_after_us": _micros(s)}, AIR,
           Number("seconds", 0, 86400)),
     Fault("swapped", "its sensor is exchanged with that of the next actuator", lambda _: {"swapped": True}, AIR),
+    Fault("locked-shows", "its sensor of locked shows this bit, whatever is there",
+          lambda b: {"locked_shows": bool(b)}, CHANGER, BIT),
+    Fault("unlocked-shows", "its sensor of unlocked shows this bit, whatever is there",
+          lambda b: {"unlocked_shows": bool(b)}, CHANGER, BIT),
+    Fault("stand-shows", "the sensor of the tool's stand shows this bit, wherever the tool is",
+          lambda b: {"stand_shows": bool(b)}, CHANGER, BIT),
     Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
           number=Number("kpa", 0, 2000)),
     Fault("silent-after", "the link falls silent", lambda s: {"silent_after_us": _micros(s)},

@@ -73,8 +73,9 @@ def _number(part: str, values: list[str], number: Number) -> float:
         value = float(values.pop(0))
     except (ValueError, IndexError):
         value = math.nan
-    if not number.low <= value <= number.high:
-        expected = f"Expected: {number.name}, a number from {number.low:g} to {number.high:g}."
+    if not number.low <= value <= number.high or (number.whole and not value.is_integer()):
+        kind = "a whole number" if number.whole else "a number"
+        expected = f"Expected: {number.name}, {kind} from {number.low:g} to {number.high:g}."
         raise UsageError(f"{part!r} needs a number.", todo=expected)
     return value
 

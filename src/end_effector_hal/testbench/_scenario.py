@@ -30,6 +30,12 @@ class Effect:
     """So long after the choice of the scenario its sensor stays at what it shows."""
     swapped: bool = False
     """Its sensor is exchanged with that of the next actuator of the sequence."""
+    locked_shows: bool | None = None
+    """The tool changer's sensor of "locked" shows this, whatever is there."""
+    unlocked_shows: bool | None = None
+    """The same of "unlocked"."""
+    stand_shows: bool | None = None
+    """The same of the tool's stand."""
 
 
 @dataclass(frozen=True)
