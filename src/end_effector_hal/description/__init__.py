@@ -20,10 +20,11 @@ from ._load import load
 from ._markdown import markdown
 from ._model import Description, camel_case
 from ._part import Part
-from ._paths import profile_path, run_directory, socket_path
+from ._paths import profile_path, run_directory
 from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
 from ._schema import schema, schema_path, schema_text
 from ._slow import slow
+from ._socket import socket_path
 from ._uses import used_channels
 
 __all__ = [

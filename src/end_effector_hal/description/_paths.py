@@ -1,15 +1,11 @@
-"""Where things stand on the machine: shipped profiles, the run directory, the line owner's socket."""
+"""Where things stand on the machine: shipped profiles, the run directory."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import UsageError
-
-if TYPE_CHECKING:
-    from ._model import Description
 
 PROFILES = Path(__file__).resolve().parent.parent / "profiles"
 
@@ -41,10 +37,3 @@ def run_directory() -> Path:
     if runtime := os.environ.get("XDG_RUNTIME_DIR"):
         return Path(runtime) / "eehal"
     return Path(f"/tmp/eehal-{os.getuid()}")
-
-
-def socket_path(description: Description) -> Path:
-    """The Unix socket of the line owner: the description's, or ``<name>.sock`` in the run directory."""
-    if description.lines.socket:
-        return Path(description.lines.socket)
-    return run_directory() / f"{description.name}.sock"

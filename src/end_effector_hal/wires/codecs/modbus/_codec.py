@@ -54,11 +54,13 @@ class ModbusRtu:
 
     def decoder(self) -> ModbusMaster:
         """A new one, which asks."""
-        return ModbusMaster(self)
+        return ModbusMaster(
+            self.reads, baudrate=self.baudrate, period_us=self.period_us, timeout_us=self.timeout_us
+        )
 
     def device(self) -> ModbusDevice:
         """All devices of the bus in one."""
-        return ModbusDevice(self)
+        return ModbusDevice(self.reads)
 
     def encode(self, frame: Frame) -> bytes:
         """All answers of one cycle, in the order of the reads."""

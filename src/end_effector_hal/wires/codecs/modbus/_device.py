@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
 
 from end_effector_hal.wires.codecs.modbus import _adu as adu
 from end_effector_hal.wires.codecs.modbus._read import Read
 from end_effector_hal.wires.frame import Value
 
-if TYPE_CHECKING:
-    from end_effector_hal.wires.codecs.modbus._codec import ModbusRtu
-
 
 class ModbusDevice:
-    """Answers the requests of its codec and no others; keeps at most one unfinished request."""
+    """Answers the requests for these reads and no others; keeps at most one unfinished request."""
 
-    def __init__(self, codec: ModbusRtu) -> None:
-        self._reads = {adu.request(read): read for read in codec.reads}
+    def __init__(self, reads: Iterable[Read]) -> None:
+        self._reads = {adu.request(read): read for read in reads}
         self._rest = b""
 
     def answer(self, data: bytes, values: Mapping[str, Value]) -> bytes:

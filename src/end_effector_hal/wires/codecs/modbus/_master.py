@@ -3,32 +3,34 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from end_effector_hal.wires.codecs._polled import Polled
 from end_effector_hal.wires.codecs.modbus import _adu as adu
 from end_effector_hal.wires.codecs.modbus._read import Read
 from end_effector_hal.wires.frame import Frame, Value
 
-if TYPE_CHECKING:
-    from end_effector_hal.wires.codecs.modbus._codec import ModbusRtu
-
 _BITS = 11  # of a byte on the line, at most: start, 8, parity, stop
 _SILENCE_BITS = int(3.5 * _BITS)  # between two frames, by the standard
 
 
 class ModbusMaster:
-    """Asks one read after the other; keeps at most the bytes since the last request that could be its answer."""
+    """Asks one read after the other; keeps at most the bytes since the last request that could be its answer.
 
-    def __init__(self, codec: ModbusRtu) -> None:
+    Args:
+        reads, baudrate, period_us, timeout_us: see `ModbusRtu`.
+    """
+
+    def __init__(self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int) -> None:
         self.bytes = 0
         self.frames = 0
         self.lost = 0
         self.reboots = 0
         self.errors: Counter[str] = Counter()
         self.due = 0
-        self._codec = codec
-        self._silence_us = max(1_750, _SILENCE_BITS * 1_000_000 // codec.baudrate)
+        self._reads, self._baudrate = reads, baudrate
+        self._period_us, self._timeout_us = period_us, timeout_us
+        self._silence_us = max(1_750, _SILENCE_BITS * 1_000_000 // baudrate)
         self._next = 0
         self._pending: Read | None = None
         self._cycle_at = 0
@@ -48,9 +50,9 @@ class ModbusMaster:
                 return Polled(b"", frames)
         if self._next == 0:
             self._cycle_at, self._values, self._heard_at = at, {}, None
-        self._pending, self._rest = self._codec.reads[self._next], b""
+        self._pending, self._rest = self._reads[self._next], b""
         request = adu.request(self._pending)
-        self.due = at + self._codec.timeout_us + len(request) * _BITS * 1_000_000 // self._codec.baudrate
+        self.due = at + self._timeout_us + len(request) * _BITS * 1_000_000 // self._baudrate
         return Polled(request, frames)
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
@@ -95,16 +97,18 @@ class ModbusMaster:
     def _end(self, at: int) -> tuple[Frame, ...]:
         """The pending read is over; the frame, if it was the last of the cycle and anybody has answered."""
         self._pending, self._rest = None, b""
-        self._next = (self._next + 1) % len(self._codec.reads)
+        self._next = (self._next + 1) % len(self._reads)
         self.due = at + self._silence_us
         if self._next:
             return ()
-        self.due = max(self.due, self._cycle_at + self._codec.period_us)
+        self.due = max(self.due, self._cycle_at + self._period_us)
         if self._heard_at is None:
             self.lost += 1
             return ()
         self.frames += 1
-        values = {channel: self._values.get(channel) for channel in self._codec.channels}
+        values = {
+            each.channel: self._values.get(each.channel) for read in self._reads for each in read.registers
+        }
         return (Frame(self._heard_at, None, None, values),)
 
 
