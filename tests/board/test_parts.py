@@ -14,6 +14,7 @@ import pytest
 from end_effector_hal.board import _parts as module
 from end_effector_hal.board import board_parts, need_its_wires
 from end_effector_hal.board._cpio import write_archive
+from end_effector_hal.board._kept import keep
 from end_effector_hal.board._root import write_root
 from end_effector_hal.cli._board import command
 from end_effector_hal.description import load, profile_path
@@ -50,6 +51,56 @@ def test_built_anew_when_it_is_made_of_something_else(recipe: Path) -> None:
     (recipe / "packages.txt").write_text("python3\nbash\n")
     assert board_parts() != place
     assert (place / "root.cpio").exists()
+
+
+def older(tmp_path: Path, name: str) -> Path:
+    place = tmp_path / "cache" / "end-effector-hal" / "board" / name
+    (place / "qemu").mkdir(parents=True)
+    (place / "root.cpio").touch()
+    return place
+
+
+IN_USE = """
+import pathlib, sys
+from end_effector_hal.board._kept import keep
+
+print(keep(pathlib.Path(sys.argv[1])), flush=True)
+input()
+"""
+
+
+def test_a_new_one_removes_those_before_it_but_not_one_in_use(recipe: Path, tmp_path: Path) -> None:
+    unused, used = older(tmp_path, "0000000000aa"), older(tmp_path, "0000000000bb")
+    cut_off = older(tmp_path, "0000000000cc.new")
+    said: list[str] = []
+    user = [sys.executable, "-c", IN_USE, str(used)]
+    with subprocess.Popen(user, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout
+        assert other.stdout.readline() == "True\n"
+        place = board_parts(said.append)
+        assert sorted(place.parent.iterdir()) == sorted([used, place, place.parent / "lock"])
+        other.communicate("\n")
+    assert not unused.exists()
+    assert not cut_off.exists()
+    assert said[-2:] == [f"removed {each.name}, an older one" for each in (unused, cut_off)]
+    (recipe / "packages.txt").write_text("python3\nbash\n")
+    newer = board_parts()
+    assert [path.is_dir() for path in (used, place, newer)] == [False, True, True], "this process uses both"
+
+
+def test_a_build_that_fails_removes_nothing(recipe: Path, tmp_path: Path) -> None:
+    before = older(tmp_path, "0000000000aa")
+    (recipe / "build.sh").write_text("exit 1\n")
+    with pytest.raises(BoardError):
+        board_parts()
+    assert (before / "root.cpio").exists()
+
+
+def test_what_was_removed_meanwhile_is_not_there(tmp_path: Path) -> None:
+    place = older(tmp_path, "0000000000aa")
+    (place / "root.cpio").unlink()
+    assert not keep(place)
+    assert not keep(tmp_path / "none")
 
 
 def test_a_build_that_was_cut_off_is_begun_anew(recipe: Path) -> None:

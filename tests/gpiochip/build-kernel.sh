@@ -53,4 +53,5 @@ if ! "$here/compile-kernel.sh" "$work" "$cache/new" >"$cache/build.log" 2>&1; th
     exit 1
 fi
 mv "$cache/new" "$kernel" # at once: what stands there is whole
+"$here/forget-others.sh" "$kernel"
 echo "$kernel"

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import subprocess
@@ -35,8 +36,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
-def kernel() -> Path:
-    """The User-Mode-Linux kernel; built when there is none."""
+def kernel() -> Iterator[Path]:
+    """The User-Mode-Linux kernel; built when there is none. Nobody removes it meanwhile (`forget-others.sh`)."""
     if ASKED == "gpio-sim":
         pytest.skip("EEHAL_GPIOCHIP=gpio-sim: no guest is booted.")
     if missing := [name for name in ("busybox", "taskset") if shutil.which(name) is None]:
@@ -46,7 +47,10 @@ def kernel() -> Path:
     if built.returncode == 3:
         pytest.skip(built.stderr.strip().splitlines()[-1])
     assert built.returncode == 0, built.stderr
-    return Path(built.stdout.strip())
+    path = Path(built.stdout.strip())
+    with path.open("rb") as used:
+        fcntl.flock(used, fcntl.LOCK_SH)
+        yield path
 
 
 @pytest.fixture(scope="session")

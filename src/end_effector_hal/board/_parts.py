@@ -16,6 +16,8 @@ from pathlib import Path
 
 from end_effector_hal.errors import BoardError
 
+from ._kept import forget_others, keep
+
 HERE = Path(__file__).parent
 DISTRIBUTION = "end-effector-hal"
 FOR_FIGURES = {"matplotlib"}
@@ -31,7 +33,8 @@ def cache() -> Path:
 def board_parts(say: Callable[[str], None] = lambda text: None) -> Path:
     """The folder with ``qemu/``, ``kernel``, ``board.dtb`` and ``root.cpio``; built when it is not there.
 
-    It is found by what it is made of, so that checkouts share it; who comes second waits for the first.
+    It is found by what it is made of, so that checkouts share it; who comes second waits for the first. Nobody
+    removes it until this process ends; when a new one was built, those before it go, but for what is in use.
 
     Raises:
         BoardError: something that is needed is missing, with its Debian package, or the build failed.
@@ -42,16 +45,19 @@ def board_parts(say: Callable[[str], None] = lambda text: None) -> Path:
         requirements,
     ]
     place = cache() / hashlib.sha256("\n".join(made_of).encode()).hexdigest()[:12]
-    if (place / "root.cpio").exists():
+    if keep(place):
         return place
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         with _alone(place.parent / "lock"):
-            if not (place / "root.cpio").exists():
+            if not keep(place):
                 say(f"building the emulated board once: some 250 MB of Debian packages, into {place}")
                 begun = time.monotonic()
                 _build(place, requirements)
                 say(f"built in {time.monotonic() - begun:.0f} s")
+                keep(place)
+                for old in forget_others(place):
+                    say(f"removed {old}, an older one")
     except OSError as error:
         if isinstance(error, BoardError):
             raise
