@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from end_effector_hal.cli._init import command
+from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import load, schema_text
 from end_effector_hal.errors import UsageError
 
@@ -42,3 +43,22 @@ def test_what_is_no_folder_is_a_sentence(tmp_path: Path, name: str) -> None:
     result = CliRunner().invoke(command, [str(tmp_path / name)])
     assert isinstance(result.exception, UsageError)
     assert "The folder cannot be made" in str(result.exception)
+
+
+@pytest.mark.parametrize(
+    "arguments", [["init", ""], ["demo", "--no-ros", "-o", ""], ["model", "export", "-o", ""]]
+)
+def test_an_empty_path_is_not_the_current_folder(
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(eehal, arguments)
+    assert result.exit_code == 2
+    assert "It is empty. Write '.' for the current folder." in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_current_folder_is_a_point(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert CliRunner().invoke(eehal, ["init", "."]).exit_code == 0
+    assert (tmp_path / "end_effector.yaml").exists()

@@ -19,7 +19,7 @@ from rich.console import Console
 from end_effector_hal.cli._demo import command
 from end_effector_hal.demo import Report, fresh_folder, judge, need_ros, print_table, run_demo, scenarios
 from end_effector_hal.demo import _world as world_module
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import EndEffectorError, OwnerError, RosError, UsageError
 from end_effector_hal.testbench import Testbench, open_inputs, open_port
 from end_effector_hal.trace import StatesLog, read_pressures, read_run, read_states
@@ -74,6 +74,19 @@ def test_the_nominal_scenario_without_ros(
     assert shown.getvalue().startswith("[1/1] nominal: starting\n")
     assert "[1/1] nominal: GRIPPED, Bottom vacuum ON, Cylinder EXTENDED, Top vacuum ON\n" in shown.getvalue()
     assert left() == set()
+
+
+@pytest.mark.wall
+def test_an_unlock_is_armed_first_where_the_codec_shows_no_stand(verdin: Description, tmp_path: Path) -> None:
+    # a codec that shows more often than each second: it is not the times that are tried here
+    assert verdin.tool_changer
+    blind = verdin.tool_changer.model_copy(update={"stand_bit": "none"})
+    tool = verdin.model_copy(update={"tool_changer": type(blind).model_validate(blind.model_dump())})
+    (scenario,) = (each for each in scenarios(tool, everything=True) if each.name == "unlock-lock")
+    (report,) = run_demo(tool, [scenario], tmp_path, ros=False, progress=Console(quiet=True), figures=False)
+    assert report.faults == ()
+    said = (tmp_path / "unlock-lock" / "tool.log").read_text()
+    assert said.splitlines() == ["arm: accepted", "unlock: succeeded, STAND_BY", "lock: succeeded, STAND_BY"]
 
 
 @pytest.mark.wall
@@ -264,3 +277,16 @@ def test_refused_options(played: Played, options: list[str], message: str) -> No
     done = CliRunner().invoke(command, options)
     assert message in str(done.exception)
     assert played.asked == {}
+
+
+def test_what_cannot_be_played_is_told_and_the_rest_is_played(played: Played, tmp_path: Path) -> None:
+    tool = tmp_path / "tool.yaml"
+    tool.write_text(profile_path().read_text().replace("ees1-ascii ", "modbus-rtu-transmitters "))
+    why = "unlock-lock is not played: modbus-rtu-transmitters does not carry locked, unlocked"
+    result = CliRunner().invoke(command, [str(tool), "--no-ros", "--all"])
+    assert why in result.stderr
+    assert "unlock-lock" not in played.asked["names"]
+    result = CliRunner().invoke(command, [str(tool), "--no-ros", "--only", "unlock-lock"])
+    assert isinstance(result.exception, UsageError)
+    assert f"{tool}:13:10: " in str(result.exception)
+    assert "unlock-lock cannot be played: modbus" in str(result.exception)

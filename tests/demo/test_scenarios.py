@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.declared import declared
 
-from end_effector_hal.demo import Scenario, culprit_of, scenarios
+from end_effector_hal.demo import Scenario, culprit_of, scenarios, unplayable
 from end_effector_hal.description import Description
 from end_effector_hal.testbench import parse_scenario
 from end_effector_hal.tool import read_script
@@ -100,3 +100,37 @@ def test_the_declared_endings_are_expected(holds: tuple[str, ...], after: list[E
     aborted = of(declared(**own), "never-confirms").expected
     error = EndEffectorState.GRIP_ERROR
     assert list(aborted.states[2:]) == (after if after == [error] else [error, *after])
+
+
+def with_codec(description: Description, codec: str) -> Description:
+    link = description.link.model_copy(update={"codec": codec})
+    return description.model_copy(update={"link": link})
+
+
+def test_an_unlock_is_armed_where_no_sensor_shows_the_stand(verdin: Description) -> None:
+    assert "arm" not in of(verdin, "unlock-lock").script
+    nibble = with_codec(verdin, "legacy-nibble")
+    scenario = of(nibble, "unlock-lock")
+    assert "; arm; unlock; wait 0.25; lock; " in scenario.script
+    assert [order.arm for order in read_script(scenario.script)].count(True) == 1
+    free = nibble.model_copy(update={"interlocks": nibble.interlocks.model_copy(update={"il_02": False})})
+    assert "arm" not in of(free, "unlock-lock").script
+
+
+@pytest.mark.parametrize(("longest_s", "waits_s"), [(3.0, 1.0), (1.0, 0.23), (0.3, 0.0)])
+def test_it_is_locked_again_before_il_03_ends_the_unlock(
+    verdin: Description, longest_s: float, waits_s: float
+) -> None:
+    changer = verdin.tool_changer
+    assert changer
+    other = changer.model_copy(update={"unlock_max_s": longest_s})
+    orders = of(verdin.model_copy(update={"tool_changer": other}), "unlock-lock").orders
+    assert orders[0].wait_s == pytest.approx(waits_s)
+
+
+def test_what_no_sensor_could_prove_is_not_played_and_why(verdin: Description) -> None:
+    blind = with_codec(verdin, "modbus-rtu-transmitters")
+    assert [each.name for each in scenarios(blind, everything=True)] == NAMES[:5]
+    why = "modbus-rtu-transmitters does not carry locked, unlocked, so that no unlock is accepted."
+    assert unplayable(blind) == {"unlock-lock": why}
+    assert unplayable(without_changer(blind)) == unplayable(verdin) == {}

@@ -8,11 +8,12 @@ from pathlib import Path
 import click
 
 from ._demo import chosen, console, json_option, no_figures_option, only_option
+from ._path_name import PathName
 from ._signals import end_in_order
 
 
 @click.command("board")
-@click.argument("description", required=False, type=click.Path(path_type=Path))
+@click.argument("description", required=False, type=PathName())
 @click.option("--no-ros", is_flag=True, help="Without ROS: quicker, and the ROS messages are not needed.")
 @only_option(default=["nominal"], show_default=True)
 @no_figures_option
@@ -21,7 +22,7 @@ from ._signals import end_in_order
     "--output",
     default="runs",
     show_default=True,
-    type=click.Path(path_type=Path),
+    type=PathName(),
     help="Gets a folder board-NAME for each.",
 )
 @click.option(
@@ -47,14 +48,14 @@ def command(
     DESCRIPTION: default is the shipped tool. Exit code 1: a scenario did not tell its story; 3: something is missing.
     """
     from end_effector_hal.board import BoardProgress, board_parts, need_its_wires, play_on_board
-    from end_effector_hal.demo import print_table, scenarios
+    from end_effector_hal.demo import print_table
     from end_effector_hal.description import profile_path
     from end_effector_hal.wires import load_tool
 
     end_in_order()
     loaded = load_tool(description or profile_path())
     need_its_wires(loaded)
-    picked = chosen(scenarios(loaded, everything=True), only)
+    picked = chosen(loaded, only, everything=True)
     progress = console(stderr=True)
     parts = board_parts(lambda text: progress.print(text, highlight=False, soft_wrap=True))
     if build_only:

@@ -14,6 +14,8 @@ import click
 from end_effector_hal.description import Description, examine, profile_path
 from end_effector_hal.errors import EndEffectorError, Told
 
+from ._path_name import PathName
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -21,7 +23,7 @@ BAD_DESCRIPTION = 2
 
 
 @click.command(name="check")
-@click.argument("file", type=click.Path(path_type=Path), required=False)
+@click.argument("file", type=PathName(), required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print {ok, exit_code, faults, ...} as JSON.")
 def command(file: Path | None, as_json: bool) -> None:
     """Check a description, its codec and its automata; FILE defaults to the shipped one.

@@ -12,12 +12,14 @@ import click
 
 from end_effector_hal.errors import UsageError
 
+from ._path_name import PathName
 from ._signals import end_in_order
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from end_effector_hal.demo import Scenario
+    from end_effector_hal.description import Description
 
 WIDTH = 120
 NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
@@ -35,7 +37,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print the re
 
 
 @click.command("demo")
-@click.argument("description", required=False, type=click.Path(path_type=Path))
+@click.argument("description", required=False, type=PathName())
 @click.option("--no-ros", is_flag=True, help="The same core, testbench and wires, without ROS.")
 @click.option(
     "--all", "everything", is_flag=True, help="Also a cancel, a release that fails, unlock and lock."
@@ -52,7 +54,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print the re
     "--output",
     default="runs/demo",
     show_default=True,
-    type=click.Path(path_type=Path),
+    type=PathName(),
     help="Folder of the runs.",
 )
 @json_option
@@ -73,18 +75,20 @@ def command(
     the tool itself) is at their other end already. DESCRIPTION: default is the shipped tool. Exit code 1: a
     scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
     """
-    from end_effector_hal.demo import print_table, run_demo, scenarios
+    from end_effector_hal.demo import print_table, run_demo, unplayable
     from end_effector_hal.description import profile_path
     from end_effector_hal.wires import load_tool
 
     end_in_order()
     loaded = load_tool(description or profile_path())
-    picked = chosen(scenarios(loaded, everything=everything or bool(only)), only)
+    picked = chosen(loaded, only, everything=everything)
     if own_wires and len({scenario.bench for scenario in picked}) > 1:
         raise UsageError(
             "on its own wires one scenario of the testbench is played at a time.", todo="Give --only NAME."
         )
     progress = console(stderr=True)
+    for name, why in unplayable(loaded).items() if everything and not only else ():
+        progress.print(f"{name} is not played: {why}", highlight=False, soft_wrap=True)
     reports = list(
         run_demo(
             loaded,
@@ -104,10 +108,15 @@ def command(
         raise click.exceptions.Exit(1)
 
 
-def chosen(known: Sequence[Scenario], names: Sequence[str]) -> list[Scenario]:
-    """Those of these names, all without a name; raises UsageError."""
-    by_name = {scenario.name: scenario for scenario in known}
+def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[Scenario]:
+    """Those of these names; without a name the paper's three, or all. Raises UsageError."""
+    from end_effector_hal.demo import scenarios, unplayable
+
+    known = scenarios(description, everything=everything or bool(names))
+    by_name, left_out = {scenario.name: scenario for scenario in known}, unplayable(description)
     if unknown := [name for name in names if name not in by_name]:
+        if why := [f"{name} cannot be played: {left_out[name]}" for name in unknown if name in left_out]:
+            raise UsageError(why[0], where=description.where("link", "codec"))
         raise UsageError(
             f"there is no scenario {', '.join(unknown)}.", todo=f"There are: {', '.join(by_name)}."
         )

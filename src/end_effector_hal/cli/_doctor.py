@@ -12,6 +12,7 @@ import click
 from end_effector_hal.description import Description, examine, profile_path
 
 from ._doctor_finding import Finding, Findings, Level, Part
+from ._path_name import PathName
 
 PARTS = ("python", "description", "ros", "lines", "owner", "link", "machine")
 _STYLE = {Level.OK: "green", Level.WARNING: "yellow", Level.MISSING: "red"}
@@ -26,7 +27,7 @@ def _parts(_context: click.Context, _parameter: click.Parameter, value: str | No
 
 
 @click.command(name="doctor")
-@click.argument("file", metavar="[DESCRIPTION]", type=click.Path(path_type=Path), required=False)
+@click.argument("file", metavar="[DESCRIPTION]", type=PathName(), required=False)
 @click.option("--only", callback=_parts, metavar="PART,...", help=f"Of {', '.join(PARTS)}.")
 @click.option("--passive", is_flag=True, help="Do not listen to the sensor port, even if nobody has it.")
 @click.option("--json", "as_json", is_flag=True, help="Print {ok, exit_code, findings} as JSON.")

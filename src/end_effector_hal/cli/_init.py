@@ -11,10 +11,11 @@ from end_effector_hal.description import profile_path, schema_path
 from end_effector_hal.errors import UsageError
 
 from ._model_source import the_folder, write_whole
+from ._path_name import PathName
 
 
 @click.command(name="init")
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=PathName())
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
 def command(folder: Path, as_json: bool) -> None:
     """Write a description to start from into FOLDER: that of the paper's tool, with every line to be changed.

@@ -10,6 +10,8 @@ from end_effector_hal.cli._model_check import check
 from end_effector_hal.cli._model_simulate import simulate
 from end_effector_hal.cli._model_source import DESCRIPTION, MODEL, open_source, the_folder, write_whole
 
+from ._path_name import PathName
+
 
 @click.group(name="model")
 def command() -> None:
@@ -24,7 +26,7 @@ def command() -> None:
     "--output",
     default="runs/model",
     show_default=True,
-    type=click.Path(path_type=Path),
+    type=PathName(),
     help="Folder of the drawings.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
@@ -67,7 +69,7 @@ def _file_names(names: list[str]) -> list[str]:
 
 @command.command(name="export", short_help="Write the network with the constants of a description.")
 @DESCRIPTION
-@click.option("-o", "--output", metavar="FILE", type=click.Path(path_type=Path), help="Default: stdout.")
+@click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
 def export_network(description: Path | None, output: Path | None) -> None:
     """Write the network with the constants of a description, for UPPAAL.
 

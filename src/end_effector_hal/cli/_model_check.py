@@ -12,13 +12,15 @@ import click
 
 from end_effector_hal.errors import EndEffectorError
 
+from ._path_name import PathName
+
 if TYPE_CHECKING:
     from end_effector_hal.automata import Network
     from end_effector_hal.automata.check import Ends
 
 
 @click.command(short_help="Type-check a UPPAAL file and list what it holds.")
-@click.argument("file", metavar="[FILE|DESCRIPTION]", type=click.Path(path_type=Path), required=False)
+@click.argument("file", metavar="[FILE|DESCRIPTION]", type=PathName(), required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print the faults, or what the file holds, as JSON.")
 def check(file: Path | None, as_json: bool) -> None:
     """Type-check a UPPAAL file, or that of a description with its constants put in.

@@ -20,6 +20,8 @@ from end_effector_hal.cli._model_source import (
 )
 from end_effector_hal.errors import UsageError
 
+from ._path_name import PathName
+
 if TYPE_CHECKING:
     from end_effector_hal.automata.explore import Trace, TraceStep
     from end_effector_hal.trace import RunInfo
@@ -39,7 +41,7 @@ _LONGEST_S = 1e7
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=PathName(),
     help="Folder for run.txt, states.csv, run.json and the timeline figure.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the run as JSON.")

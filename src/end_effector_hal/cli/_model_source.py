@@ -11,14 +11,14 @@ import click
 
 from end_effector_hal.errors import UsageError
 
+from ._path_name import PathName
+
 if TYPE_CHECKING:
     from end_effector_hal.automata import Network
     from end_effector_hal.description import Description
 
-DESCRIPTION = click.argument("description", type=click.Path(path_type=Path), required=False)
-MODEL = click.option(
-    "--model", metavar="FILE", type=click.Path(path_type=Path), help="A UPPAAL file as it stands."
-)
+DESCRIPTION = click.argument("description", type=PathName(), required=False)
+MODEL = click.option("--model", metavar="FILE", type=PathName(), help="A UPPAAL file as it stands.")
 
 
 @dataclass(frozen=True)

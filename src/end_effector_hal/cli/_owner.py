@@ -9,15 +9,15 @@ import click
 from end_effector_hal.description import profile_path
 from end_effector_hal.wires import load_tool
 
+from ._path_name import PathName
+
 
 @click.command()
-@click.argument("description", type=click.Path(path_type=Path), default=None, required=False)
-@click.option(
-    "--socket", type=click.Path(path_type=Path), help="Unix socket to serve; default: the description's."
-)
+@click.argument("description", type=PathName(), default=None, required=False)
+@click.option("--socket", type=PathName(), help="Unix socket to serve; default: the description's.")
 @click.option(
     "--journal",
-    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    type=PathName(file_okay=False, exists=True),
     help="Folder that survives a loss of power; default: $STATE_DIRECTORY, else that of the socket.",
 )
 @click.option("--group", help="Whose members may command the lines; default: the group of this process.")

@@ -26,13 +26,15 @@ from end_effector_hal.trace import (
     timeline,
 )
 
+from ._path_name import PathName
+
 STYLES = ("timeline", "paper")
 
 
 @click.command(name="plot")
-@click.argument("recording", metavar="STATES.csv", type=click.Path(path_type=Path))
+@click.argument("recording", metavar="STATES.csv", type=PathName())
 @click.option("--style", type=click.Choice([*STYLES, "both"]), default="timeline", show_default=True)
-@click.option("-o", "--output", metavar="FILE.(png|svg)|DIR", type=click.Path(path_type=Path))
+@click.option("-o", "--output", metavar="FILE.(png|svg)|DIR", type=PathName())
 @click.option("--json", "as_json", is_flag=True, help="Print the story and the files as JSON.")
 def command(recording: Path, style: str, output: Path | None, as_json: bool) -> None:
     """Draw a recording: STATES.csv, or the folder of a run.

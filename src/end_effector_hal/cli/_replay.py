@@ -8,16 +8,20 @@ from typing import TYPE_CHECKING
 
 import click
 
+from end_effector_hal.errors import UsageError
+
+from ._path_name import PathName
+
 if TYPE_CHECKING:
     from end_effector_hal.tool.replay import Review
 
 
 @click.command(name="replay")
-@click.argument("recording", metavar="TRACE.mcap|FOLDER", type=click.Path(path_type=Path))
+@click.argument("recording", metavar="TRACE.mcap|FOLDER", type=PathName())
 @click.option(
     "--description",
     metavar="FILE",
-    type=click.Path(path_type=Path),
+    type=PathName(),
     help="Replay with this tool and its automata instead of those that were recorded.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
@@ -26,22 +30,38 @@ def command(recording: Path, description: Path | None, as_json: bool) -> None:
 
     Says whether the controller decides the same, with the first difference, and whether what was recorded is a run of
     the automata: guards, synchronisation, order, time, and the requirements that can be judged on a run. A reaction
-    bound that was missed and told is shown and is no difference.
+    bound that was missed and told is shown and is no difference. A trace of a folder that cannot be read is told, and
+    the others are judged all the same.
 
-    Exit code 0: the same, and a run of its network; 1: not; 2: not a recording.
+    Exit code 0: the same, and a run of its network; 1: not; 2: no recording, or a trace of it cannot be read.
     """
     from end_effector_hal.tool.replay import load_trace, review, traces_of
     from end_effector_hal.wires import load_tool
 
     tool = load_tool(description) if description is not None else None
-    reviews = [review(load_trace(path), tool) for path in traces_of(recording)]
+    paths = traces_of(recording)
+    reviews: list[Review] = []
+    refused: list[dict[str, object]] = []
+    for path in paths:
+        try:
+            reviews.append(review(load_trace(path), tool))
+        except UsageError as error:
+            if len(paths) == 1:
+                raise
+            refused.append(
+                {"trace": str(path), "ok": False, "faults": [each.as_json() for each in error.told]}
+            )
+            click.echo(str(error), err=True)
+        else:
+            if not as_json:
+                _tell(reviews[-1])
     if as_json:
-        click.echo(json.dumps([each.as_json() for each in reviews], indent=2, ensure_ascii=False))
-    else:
-        for each in reviews:
-            _tell(each)
+        found = [*(each.as_json() for each in reviews), *refused]
+        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
     if not all(each.ok for each in reviews):
         raise click.exceptions.Exit(1)
+    if refused:
+        raise click.exceptions.Exit(UsageError.exit_code)
 
 
 def _tell(review: Review) -> None:

@@ -15,6 +15,7 @@ import click
 
 from end_effector_hal.errors import NotReadyError, UsageError
 
+from ._path_name import PathName
 from ._signals import end_in_order
 
 if TYPE_CHECKING:
@@ -27,9 +28,9 @@ READY_S = 10.0
 
 
 @click.command("run")
-@click.argument("description", type=click.Path(path_type=Path))
+@click.argument("description", type=PathName())
 @click.option("--script", help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.")
-@click.option("--record", type=click.Path(path_type=Path), help="Folder for the recording of the run.")
+@click.option("--record", type=PathName(), help="Folder for the recording of the run.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines: states, alarms, results.")
 def command(description: Path, script: str | None, record: Path | None, as_json: bool) -> None:
     """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, quit.

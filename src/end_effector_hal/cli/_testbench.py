@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from ._path_name import PathName
+
 
 def _list_faults(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
     if not value or context.resilient_parsing:
@@ -19,7 +21,7 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
 
 
 @click.command("testbench")
-@click.argument("description", required=False, type=click.Path(path_type=Path))
+@click.argument("description", required=False, type=PathName())
 @click.option("--scenario", default="nominal", metavar="S", help="What goes wrong; several with commas.")
 @click.option(
     "--list",
@@ -44,12 +46,8 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
     "[default: a pty at the description's port; rpi3: /dev/serial0]",
 )
 @click.option("--power-cycle", is_flag=True, help="Make the virtual chip anew: all lines inputs.")
-@click.option(
-    "--events", metavar="FILE", type=click.Path(path_type=Path), help="Write edges and frames, JSON lines."
-)
-@click.option(
-    "--record", metavar="FILE", type=click.Path(path_type=Path), help="Write the true sensor values, CSV."
-)
+@click.option("--events", metavar="FILE", type=PathName(), help="Write edges and frames, JSON lines.")
+@click.option("--record", metavar="FILE", type=PathName(), help="Write the true sensor values, CSV.")
 @click.option("--verbose", is_flag=True, help="Print each edge.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(

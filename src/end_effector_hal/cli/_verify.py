@@ -13,6 +13,8 @@ import click
 
 from end_effector_hal.cli._model_source import DESCRIPTION, MODEL, Source, open_source
 
+from ._path_name import PathName
+
 if TYPE_CHECKING:
     from end_effector_hal.tool.proof import Finding, Proof
     from end_effector_hal.trace import RunInfo
@@ -28,7 +30,7 @@ _FAILED = 4
     "-o",
     "--output",
     metavar="DIR",
-    type=click.Path(path_type=Path),
+    type=PathName(),
     help="Write each counterexample there: text, states.csv, timeline.",
 )
 def command(description: Path | None, model: Path | None, as_json: bool, output: Path | None) -> None:

@@ -10,7 +10,7 @@ from ._replayed import replayed
 from ._report import Report
 from ._ros import need_ros
 from ._scenario import Expected, Order, Scenario
-from ._scenarios import culprit_of, scenarios
+from ._scenarios import culprit_of, scenarios, unplayable
 from ._table import print_table
 from ._world import EEHAL
 
@@ -34,4 +34,5 @@ __all__ = [
     "replayed",
     "run_demo",
     "scenarios",
+    "unplayable",
 ]

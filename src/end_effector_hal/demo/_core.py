@@ -71,6 +71,9 @@ class _Play:
 
     def give(self, order: Order) -> None:
         """Give an order, and wait for its outcome if it is not in the background."""
+        if order.arm:
+            answer = self._tool.arm()
+            self._say(f"arm: {'accepted' if answer.accepted else answer.reason}")
         if order.command is Command.CANCEL:
             answer = self._tool.cancel()
             self._say(f"cancel: {'accepted' if answer.accepted else answer.reason}")

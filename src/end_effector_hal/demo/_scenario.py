@@ -13,12 +13,14 @@ from end_effector_hal.trace import Command, EndEffectorState
 class Order:
     """One command to the end-effector, then a wait.
 
-    ``wait_s``: seconds before the next order; ``background``: counted from the command, not from its outcome.
+    ``wait_s``: seconds before the next order; ``background``: counted from the command, not from its outcome;
+    ``arm``: an unlock that is armed first (IL-02).
     """
 
     command: Command
     wait_s: float = 0.0
     background: bool = False
+    arm: bool = False
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ class Scenario:
         """The orders as the Supervisor takes them."""
         steps = [f"wait {self.rest_s:g}"]
         for order in self.orders:
+            steps += ["arm"] if order.arm else []
             steps.append(order.command.name.lower() + (" &" if order.background else ""))
             steps += [f"wait {order.wait_s:g}"] if order.wait_s else []
         return "; ".join([*steps, "quit"])

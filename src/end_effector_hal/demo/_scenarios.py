@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from end_effector_hal.description import Description
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.wires.codecs import codec_of
 
 from ._scenario import Expected, Order, Scenario
 
+UNLOCK_LOCK = "unlock-lock"
 HOLD_S = 2.0
 REST_S = 0.5
 """What a recording shows of the state that it ends in."""
+UNLOCKED_S = 1.0
+TRAVEL_S = 0.4
+"""A tool changer, with its valve, takes less."""
 
 State = EndEffectorState
 _LOCK = Order(Command.LOCK, REST_S)
@@ -30,7 +36,20 @@ def scenarios(description: Description, *, everything: bool = False) -> tuple[Sc
     if not everything:
         return paper
     more = (_cancelled(description), _stuck_release(description))
-    return (*paper, *more, _unlock_and_lock()) if description.tool_changer else (*paper, *more)
+    changer = description.tool_changer
+    if changer is None or UNLOCK_LOCK in unplayable(description):
+        return (*paper, *more)
+    return (*paper, *more, _unlock_and_lock(description, changer))
+
+
+def unplayable(description: Description) -> dict[str, str]:
+    """Scenarios that the tool would have, but for its codec: name, and why in a sentence."""
+    changer, carried = description.tool_changer, codec_of(description).channels
+    bits = (changer.locked_bit, changer.unlocked_bit) if changer else ()
+    if missing := [bit for bit in bits if bit not in carried]:
+        codec = description.link.codec
+        return {UNLOCK_LOCK: f"{codec} does not carry {', '.join(missing)}, so that no unlock is accepted."}
+    return {}
 
 
 def _nominal(description: Description) -> Scenario:
@@ -144,15 +163,24 @@ def _stuck_release(description: Description) -> Scenario:
     )
 
 
-def _unlock_and_lock() -> Scenario:
+def _unlock_and_lock(description: Description, changer: ToolChanger) -> Scenario:
+    constants = model_constants(description)
+    arm = bool(constants["IL_02"]) and not constants["STAND"]
     return Scenario(
-        name="unlock-lock",
-        title="unlock and lock",
+        name=UNLOCK_LOCK,
+        title="armed, unlock and lock" if arm else "unlock and lock",
         bench="nominal",
-        orders=(Order(Command.UNLOCK, 1.0), _LOCK),
+        orders=(Order(Command.UNLOCK, _unlocked_s(description, changer), arm=arm), _LOCK),
         rest_s=2 * REST_S,  # the cups have to be seen vented for half a second first (IL-01)
         expected=Expected((State.STAND_BY,), (Command.UNLOCK, Command.LOCK)),
     )
+
+
+def _unlocked_s(description: Description, changer: ToolChanger) -> float:
+    """How long it stays unlocked: less than IL-03 leaves once a slow link has proven it."""
+    shown_s = TRAVEL_S + changer.proven_s + 2 * codec_of(description).period_us / 1e6
+    left_s = 2 * UNLOCKED_S if changer.latching else changer.unlock_max_s - shown_s
+    return min(UNLOCKED_S, max(0.0, left_s / 2))
 
 
 def _first(description: Description) -> tuple[Order, ...]:

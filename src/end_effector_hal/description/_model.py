@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr
 from ._actuators import Actuator, VacuumActuator
 from ._devices import EStop, Lines, Link, Supply, ToolChanger
 from ._endings import Endings
-from ._part import Name, Names, Part
+from ._part import Name, Names, Part, Word
 from ._paths import profile_path
 from ._places import Place, Places
 from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
@@ -21,7 +21,7 @@ class Description(Part):
     """A whole end-effector."""
 
     name: Name = Field(description="of the tool; names its socket and its recordings")
-    summary: str = Field(default="", description="one sentence, for people")
+    summary: Word = Field(default="", description="one sentence, for people")
     lines: Lines = Field(default=Lines(), description="how the output lines are reached")
     link: Link = Field(description="the sensor link")
     sequence: Names = Field(min_length=1, description="actuators in the order of a grip")

@@ -52,7 +52,9 @@ def wrong_form(path: Keys, error: ErrorDetails, place: Place) -> Fault:
     context = error.get("ctx", {})
     if context.get("pattern") == PRINTABLE:
         what = f"{_label(path)} holds a character that is not printed"
-        return Fault.at(place, "EE-211", what, expected="text in one line")
+        folded = str(error["input"]).rstrip("\n").isprintable()
+        hint = "end a folded text without a line break: >-" if folded else ""
+        return Fault.at(place, "EE-211", what, expected="text in one line", hint=hint)
     if "pattern" in context:
         expected, hint = _name(str(error["input"]), context["pattern"])
         return Fault.at(place, "EE-211", f"{_label(path)} is not a name", expected=expected, hint=hint)

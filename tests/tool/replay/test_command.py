@@ -97,6 +97,28 @@ def test_one_that_is_cut_within_its_header_says_so(folder: Path, tmp_path: Path)
         assert f"The trace ends after {length} bytes, before its header" in str(result.exception)
 
 
+def test_a_trace_without_a_header_does_not_keep_the_others_from_being_judged(folder: Path) -> None:
+    (folder / "a_cut.mcap").write_bytes((folder / "grip.mcap").read_bytes()[:100])
+    result = run(folder)
+    assert result.exit_code == 2
+    assert f"{folder}/a_cut.mcap: The trace ends after 100 bytes, before its header" in result.stderr
+    assert result.stdout.count("decides the same") == 2
+    found = json.loads(run(folder, "--json").stdout)
+    assert [(Path(each["trace"]).name, each["ok"]) for each in found] == [
+        ("grip.mcap", True),
+        ("tool_change.mcap", True),
+        ("a_cut.mcap", False),
+    ]
+    assert "before its header" in found[2]["faults"][0]["message"]
+
+
+def test_one_that_differs_tells_more_than_one_that_cannot_be_read(folder: Path, tmp_path: Path) -> None:
+    (folder / "a_cut.mcap").write_bytes(b"")
+    other = tmp_path / "end_effector.yaml"
+    other.write_text(profile_path().read_text().replace("confirmed_kpa: 55.0", "confirmed_kpa: 75.0"))
+    assert run(folder, "--description", other).exit_code == 1
+
+
 def test_a_trace_may_end_in_the_middle_of_a_decision(gripped: ProgramTrace) -> None:
     (command,) = numbers(gripped, "command", lambda content: content["name"] == "drop")
     for end in range(command, command + 5):
