@@ -55,6 +55,14 @@ def test_a_valid_description_is_told_in_short(check: Check) -> None:
     ]
 
 
+@pytest.mark.parametrize(("codec", "baud"), [("ees1-ascii", 115_200), ("legacy-nibble", 9_600)])
+def test_a_baud_rate_that_is_not_given_is_told_as_that_of_the_codec(
+    check: Check, codec: str, baud: int
+) -> None:
+    result = check(replace={"  baudrate: 115200\n": "", "codec: ees1-ascii ": f"codec: {codec} "})
+    assert f"/dev/verdin-uart1, {codec}, {baud} baud\n" in result.stdout
+
+
 def test_without_a_file_it_is_the_shipped_one() -> None:
     result = CliRunner().invoke(_check.command, ["--json"], catch_exceptions=False)
     assert result.exit_code == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 from virtual_tool import VirtualTool
@@ -160,6 +161,21 @@ def test_stale_while_gripped_freezes_and_tells(description: Description) -> None
     tool.link = True
     tool.run(1.0)
     assert tool.status.lift_allowed
+
+
+def test_a_channel_that_the_tool_does_not_use_is_not_told_stale(tmp_path: Path) -> None:
+    file = tmp_path / "cups.yaml"
+    file.write_text(
+        "name: cups\nlink: {port: /dev/ttyS0}\nsequence: [front]\n"
+        "actuators: {front: {kind: vacuum, line: A0, channel: bottom}}\n"
+    )
+    tool = VirtualTool(load(file))
+    tool.run(1.0)
+    assert {"cylinder", "top"} <= set(tool.codec.channels)
+    assert tool.status.stale == ()
+    tool.link = False
+    tool.run(1.0)
+    assert tool.status.stale == ("bottom", "supply")
 
 
 def test_stale_while_gripping_confirms_nothing(description: Description) -> None:

@@ -67,7 +67,9 @@ def test_a_second_goal_is_rejected_with_a_reason_and_the_first_goes_on(system: A
     for action in ("TriggerGrip", "Drop", "LockToolChanger"):
         status, result = system.run(action)
         assert (status, result.outcome) == (REJECTED, OUTCOME_REJECTED)
-        assert result.reason == "TriggerGrip is still running: one goal at a time."
+        assert result.reason == (
+            "TriggerGrip is still running: one goal at a time. Cancel it, or wait for its end."
+        )
     assert first.result()[0] == SUCCEEDED
 
 

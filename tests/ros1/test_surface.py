@@ -63,6 +63,24 @@ def test_actions(graph: Any, action: Any) -> None:
         assert f"/{action.server}" in dict(side)[name]
 
 
+def test_a_remap_of_an_action_moves_all_its_topics(system: Any, graph: Any) -> None:
+    child = system.start(
+        "remapped", "rosrun", "end_effector_hal", "hal_main", "__ns:=other", "TriggerGrip:=Grasp",
+        f"_description:={system.world.description_path}",
+    )  # fmt: skip
+
+    def of(name: str) -> set[str]:
+        """Parts that HALMain has there; the graph is read while other nodes come and go."""
+        publishers, subscribers, _ = graph.getSystemState()
+        ours = (topic for topic, nodes in [*publishers, *subscribers] if "/other/HALMain" in nodes)
+        return {topic.rpartition("/")[2] for topic in ours if topic.startswith(f"/other/{name}/")}
+
+    # the last action is up: all have been put on the graph
+    system.until("the actions", lambda: of("Grasp") == of(ACTIONS[-1].name) == set(PARTS))
+    assert of("TriggerGrip") == set()
+    child.end()
+
+
 def test_nothing_else_is_published_or_served(graph: Any) -> None:
     publishers, _, served = graph.getSystemState()
     ours = {f"/{name}" for name in HAL_NODES}

@@ -114,6 +114,8 @@ def _actuators(description: Description) -> Table:
 
 def _rest(description: Description) -> Iterator[str]:
     """Tool changer and wires, a line each."""
+    from end_effector_hal.wires import get_codec
+
     link, lines = description.link, description.lines
     if changer := description.tool_changer:
         pin = f", {changer.pin}" if changer.pin else ""
@@ -121,6 +123,5 @@ def _rest(description: Description) -> Iterator[str]:
         at_most = "latching" if changer.latching else f"unlock at most {changer.unlock_max_s:g} s"
         yield f"changer   {changer.line}{pin}; {proof}; {at_most}"
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
-    baud = f"{link.baudrate} baud" if link.baudrate else "the baud rate of its codec"
-    yield f"link      {link.port}, {link.codec}, {baud}"
+    yield f"link      {link.port}, {link.codec}, {link.baudrate or get_codec(link.codec).baudrate} baud"
     yield f"automata  {description.automata_path}"

@@ -43,6 +43,11 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
     figure is written beside the recording, as PNG and as SVG.
     """
     states = recording / "states.csv" if recording.is_dir() else recording
+    if recording.is_dir() and not states.exists():
+        todo = (
+            "Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote."
+        )
+        raise UsageError("There is no recording here.", where=str(recording), todo=todo)
     styles = STYLES if style == "both" else (style,)
     log = read_states(states)
     info = read_run(states.parent)

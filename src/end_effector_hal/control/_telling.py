@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from end_effector_hal.automata import Execution, Step
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, used_channels
 from end_effector_hal.trace import Command, EndEffectorState
 
 from ._changer_reasons import explain_changer
@@ -43,6 +43,7 @@ class Telling:
         self._valves, self._states = [f"valve[{i}]" for i in size], [f"actuator[{i}]" for i in size]
         self._keeps = [f"kept[{i}]" for i in size]
         self._lines = [part.line for _, part in description.ordered]
+        self._used = used_channels(description)
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {
             name: execution.value(name) for name in (*_SCALARS, *self._valves, *self._states, *self._keeps)
@@ -146,7 +147,9 @@ class Telling:
         if seen != self._seen:
             self._seen, senses = seen, self._senses
             self._evidence = tuple([int(level) for level in senses.evidence])
-            self._link_up, self._stale = senses.readings.link_up(at), senses.readings.stale(at)
+            stale = senses.readings.stale(at)
+            self._link_up = senses.readings.link_up(at)
+            self._stale = tuple([channel for channel in stale if channel in self._used])
             self._notices = senses.notices(at, held=self.held)
 
     def _alarms(self) -> tuple[str, ...]:

@@ -18,8 +18,9 @@ def action_server(action: Action, on_goal: Callable[[Any], None], on_cancel: Cal
         action.name, message_class(action.type + "Action"), on_goal, on_cancel, auto_start=False
     )
     # rospy keeps one connection per topic: what is said of it first holds for the server's own use
+    name = rospy.remap_name(action.name)  # as the server does: a remap names the action, not its topics
     for part, kind in (("result", server.ActionResult), ("feedback", server.ActionFeedback)):
-        rospy.Publisher(f"{action.name}/{part}", kind, tcp_nodelay=True, queue_size=50)
-    rospy.Subscriber(f"{action.name}/goal", server.ActionGoal, tcp_nodelay=True)
+        rospy.Publisher(f"{name}/{part}", kind, tcp_nodelay=True, queue_size=50)
+    rospy.Subscriber(f"{name}/goal", server.ActionGoal, tcp_nodelay=True)
     server.start()
     return server

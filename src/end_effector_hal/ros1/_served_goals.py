@@ -83,7 +83,8 @@ class ServedGoals:
         with self._lock:
             busy, self._running = self._running, self._running or running
         if busy is not None:
-            reason = f"{busy.action.name} is still running: one goal at a time."
+            todo = "Cancel it, or wait" if busy.action.command is Command.GRIP else "Wait"
+            reason = f"{busy.action.name} is still running: one goal at a time. {todo} for its end."
             self._answer(running, handle.set_rejected, self._result(Outcome.REJECTED, reason, None), reason)
             return
         reply = self._commanders[node].ask(action.command)
