@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, MutableSequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
@@ -16,7 +16,7 @@ from end_effector_hal.automata._types import Type
 from end_effector_hal.automata._unit import Unit
 from end_effector_hal.errors import UsageError
 
-Update = Callable[[list[int], list[tuple[int, int]]], None]
+Update = Callable[[MutableSequence[int], list[tuple[int, int]]], None]
 
 
 class State(NamedTuple):
@@ -67,7 +67,7 @@ class Edge:
         direction: ``!`` sends, ``?`` receives, empty without synchronisation.
         channel: its number, or a function of the values; None without synchronisation.
         channels: all that it can be.
-        update: changes a list of values in place and appends ``(clock, value)`` for each clock that it sets.
+        update: changes values (a list or an array) in place and appends ``(clock, value)`` for each clock that it sets.
         resets: clocks that the update sets in every state.
         selected: values of the names of ``select``.
         asks: the variables and clocks that guard and channel read.

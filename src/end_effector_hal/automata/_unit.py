@@ -42,7 +42,7 @@ class Unit:
             "_shr": self._shr,
             "_endless": self._endless,
             "_missing": self._missing,
-            "__builtins__": {"all": all, "any": any, "sum": sum, "range": range, "min": min, "max": max},
+            "__builtins__": {each.__name__: each for each in (all, any, enumerate, max, min, range, sum)},
         }
 
     def name(self, prefix: str) -> str:

@@ -1,6 +1,7 @@
 """Compiling updates: assignments, resets of clocks, calls for what they do.
 
-Generated code changes the list ``v`` of values in place and appends the clocks that it sets to the list ``r``.
+Generated code changes the values ``v`` (a list or an array) in place and appends the clocks that it sets to the list
+``r``.
 """
 
 from __future__ import annotations
@@ -102,9 +103,9 @@ class Updates:
             raise fault(node.span, f"'{value.span.snippet}' is {source.type}, not {place.type}.")
         self.expressions.write(place.storage, node.span)
         self.expressions.read(source.storage)
-        start = self.unit.name("t")
-        self.emit(f"{start} = {place.start}")
-        self.emit(f"{place.storage.container}[{start}:{start} + {place.type.size}] = {source.slice}")
+        at, scalar = self.unit.name("t"), self.unit.name("t")
+        self.emit(f"for {at}, {scalar} in enumerate({source.slice}, {place.start}):")
+        self.emit(f" {place.storage.container}[{at}] = {scalar}")
 
     def _set_clock(self, term: Indexed, op: str, value: ast.Expression, node: ast.Node) -> None:
         if term.type.kind != "clock":

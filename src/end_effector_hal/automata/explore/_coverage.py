@@ -90,7 +90,7 @@ class Survey:
         reached: set[tuple[str, int]] = set()
         for place in self.search.space.places:
             if place.passed:
-                locations = zip(self.network.processes, place.discrete.state.locations, strict=True)
+                locations = zip(self.network.processes, place.discrete.stand.locations, strict=True)
                 reached.update((process.template, at) for process, at in locations)
         for process in _one_of_each(self.network):
             for location in process.locations:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.automata.explore._bound import INFINITY
-from end_effector_hal.automata.explore._discrete import Move
-from end_effector_hal.automata.explore._symbolic import Place
+from end_effector_hal.automata.explore._symbolic import Place, Step
 from end_effector_hal.automata.explore._zone import (
     Constraint,
     Zone,
@@ -18,22 +17,22 @@ from end_effector_hal.automata.explore._zone import (
 Way = tuple[Constraint, ...]
 
 
-def enabling(place: Place, move: Move) -> tuple[Constraint, ...] | None:
+def enabling(place: Place, step: Step) -> tuple[Constraint, ...] | None:
     """What the clocks must satisfy at the instant of a move: guard, invariant here, invariant there."""
+    _, target, move = step
     found = [*place.constraints(move.guard), *place.invariant]
-    if move.target is not None:
-        for clock, op, value in move.target.invariant:
-            if clock not in move.resets:
-                found += place.constraints(((clock, op, value),))  # type: ignore[arg-type]
-            elif not (move.resets[clock] < value or (op == "<=" and move.resets[clock] == value)):
-                return None
+    for clock, op, value in target.discrete.invariant if move.error is None else ():
+        if clock not in move.resets:
+            found += place.constraints(((clock, op, value),))  # type: ignore[arg-type]
+        elif not (move.resets[clock] < value or (op == "<=" and move.resets[clock] == value)):
+            return None
     return tuple(found)
 
 
-def enabling_key(place: Place, move: Move) -> object:
+def enabling_key(place: Place, step: Step) -> object:
     """All that the above depends on, and whether time passes."""
-    after = () if move.target is None else move.target.invariant
-    return move.label, place.shape, place.invariant, place.discrete.delays, after
+    _, target, move = step
+    return move.label, place.form, target.form if move.error is None else None
 
 
 class Deadlocks:
@@ -47,14 +46,14 @@ class Deadlocks:
         """Zones, as constraints, from which a transition is taken now or later."""
         found = self._ways.get(place)
         if found is None:
-            ways = {way for move in place.discrete.moves if (way := self._way(place, move)) is not None}
+            ways = {way for step in place.steps if (way := self._way(place, step)) is not None}
             found = self._ways[place] = ((),) if () in ways else tuple(ways)
         return found
 
-    def _way(self, place: Place, move: Move) -> Way | None:
-        key = enabling_key(place, move)
+    def _way(self, place: Place, step: Step) -> Way | None:
+        key = enabling_key(place, step)
         if key not in self._known:
-            needed, n = enabling(place, move), place.n
+            needed, n = enabling(place, step), place.n
             zone = None if needed is None else constrained(everything(n), n, needed)
             if zone is not None and place.discrete.delays:
                 zone = down(zone, n)

@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
 from end_effector_hal.automata._network import Edge, Network, State
+from end_effector_hal.automata._semantics import Transition
+from end_effector_hal.automata.explore._firing import Firing, Label
 from end_effector_hal.automata.explore._listening import ListeningSemantics
-from end_effector_hal.automata.explore._resting import Resting
+from end_effector_hal.automata.explore._packing import Packing
+from end_effector_hal.automata.explore._stand import Stand, Stands
 from end_effector_hal.errors import RangeError
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Label:
-    """What a transition does to clocks, and who takes part; one object for all transitions that are alike.
-
-    Attributes:
-        edges: participants, the sender first.
-        channel: number of the channel; None without synchronisation.
-        guard: what the clocks must satisfy.
-        resets: what they are set to.
-    """
-
-    edges: tuple[Edge, ...]
-    channel: int | None
-    guard: tuple[Bound, ...]
-    resets: Mapping[int, int]
 
 
 class Move(NamedTuple):
@@ -61,30 +46,56 @@ class Move(NamedTuple):
         return self.label.resets
 
 
+Arc = tuple[Label, "Discrete | None", RangeError | None]
+
+
 class Discrete:
     """A discrete state with its moves, and whether time may pass in it."""
 
-    __slots__ = ("_moves", "_space", "_transitions", "delays", "invariant", "state")
+    __slots__ = ("_moves", "_packed", "_space", "_transitions", "delays", "invariant", "stand")
 
-    def __init__(self, space: DiscreteSpace, state: State) -> None:
-        self._space, self.state = space, state
-        self.delays, self.invariant = space.resting.at(state)
+    def __init__(self, space: DiscreteSpace, stand: Stand, packed: bytes) -> None:
+        self._space, self.stand, self._packed = space, stand, packed
         self._moves: tuple[Move, ...] | None = None
-        self._transitions = None
+        self.invariant = (
+            stand.invariant if stand.invariant is not None else space.invariant(self.state, stand)
+        )
+        self.delays = stand.delays
+        self._transitions: list[Transition] | None = None  # found already
         if self.delays and space.urgent:
-            self._transitions = tuple(space.semantics.transitions(state))
+            self._transitions = list(space.semantics.transitions(self.state))
             self.delays = not any(channel in space.urgent for _, _, channel in self._transitions)
+
+    @property
+    def state(self) -> State:
+        """Locations and values."""
+        return State(self.stand.locations, self._space.packing.unpack(self._packed))
 
     @property
     def moves(self) -> tuple[Move, ...]:
         """All transitions, whatever the clocks say; those into a violated data invariant left out."""
         if self._moves is None:
-            space = self._space
-            transitions = self._transitions or space.semantics.transitions(self.state)
-            moves = [space.move(self.state, *transition) for transition in transitions]
-            self._moves = tuple(move for move in moves if move is not None)
-            self._transitions = None
+            self._moves = tuple(Move(*arc) for arc in self.arcs())
         return self._moves
+
+    def arcs(self) -> Iterator[Arc]:
+        """The same, as plain tuples that are not kept: label, target and error of a move."""
+        space, stand, packed = self._space, self.stand, self._packed
+        firings, transitions = space.firings, self._transitions
+        self._transitions = None
+        for edges, bounds, channel in transitions or space.semantics.transitions(self.state):
+            firing = firings.get(edges) or space.firing(edges)
+            try:
+                after, values, resets = firing(stand, packed)
+            except RangeError as error:
+                yield firing.label(bounds, channel, ()), None, error
+                continue
+            try:
+                target = after.states[values]
+            except KeyError:
+                target = space.met(after, values)
+            if target is not None:
+                yield firing.label(bounds, channel, resets), target, None
 
     def forget(self) -> None:
         """Let go of the moves; they are computed again when they are asked for."""
@@ -98,9 +109,9 @@ class DiscreteSpace:
         self.network = network
         self.semantics = semantics or ListeningSemantics(network)
         self.urgent = {number for number, channel in enumerate(network.channels) if channel.urgent}
-        self.resting = Resting(network)
-        self._states: dict[State, Discrete | None] = {}
-        self._labels: dict[object, Label] = {}
+        self.packing, self.stands = Packing(network), Stands(network)
+        self.firings: dict[tuple[Edge, ...], Firing] = {}
+        self._invariants: dict[tuple[Bound, ...], tuple[Bound, ...]] = {}
         self._checked = any(
             location.invariant.data is not None or location.invariant.never
             for process in network.processes
@@ -108,38 +119,36 @@ class DiscreteSpace:
         )
 
     def __len__(self) -> int:
-        return len(self._states)
+        return sum(len(stand.states) for stand in self.stands)
 
     def forget(self) -> None:
         """Let go of all states."""
-        for discrete in self._states.values():
-            if discrete is not None:
-                discrete.forget()
-        self._states.clear()
+        for stand in self.stands:
+            for discrete in stand.states.values():
+                if discrete is not None:
+                    discrete.forget()
+            stand.states.clear()
 
     def at(self, state: State) -> Discrete | None:
         """A discrete state, None if the data part of an invariant does not hold in it."""
-        try:
-            return self._states[state]
-        except KeyError:
-            state = self.resting.shared(state)
-            allowed = not self._checked or self.semantics.allowed(state)
-            discrete = self._states[state] = Discrete(self, state) if allowed else None
-            return discrete
+        stand, packed = self.stands.at(state.locations), self.packing.pack(state.values)
+        return stand.states[packed] if packed in stand.states else self.met(stand, packed)
 
-    def move(
-        self, state: State, edges: tuple[Edge, ...], bounds: tuple[Bound, ...], channel: int | None
-    ) -> Move | None:
-        """What a transition leads to; None if the data part of an invariant does not hold there."""
-        try:
-            after, resets = self.semantics.fire(state, edges)
-        except RangeError as error:
-            return Move(Label(edges, channel, bounds, {}), None, error)
-        target = self.at(after)
-        if target is None:
-            return None
-        key = (edges, channel, bounds, resets)
-        label = self._labels.get(key)
-        if label is None:
-            label = self._labels[key] = Label(edges, channel, bounds, dict(resets))
-        return Move(label, target)
+    def met(self, stand: Stand, packed: bytes) -> Discrete | None:
+        """The same for one that was not met before."""
+        discrete: Discrete | None = None
+        if not self._checked or self.semantics.allowed(State(stand.locations, self.packing.unpack(packed))):
+            discrete = Discrete(self, stand, packed)
+        stand.states[packed] = discrete
+        return discrete
+
+    def firing(self, edges: tuple[Edge, ...]) -> Firing:
+        """Of edges that were not taken together before."""
+        firing = Firing(edges, self.stands, self.packing, self.semantics.fixed)
+        self.firings[edges] = firing
+        return firing
+
+    def invariant(self, state: State, stand: Stand) -> tuple[Bound, ...]:
+        """Upper bounds of clocks in a discrete state; equal ones are one object."""
+        bounds = stand.invariant_at(state.values)
+        return self._invariants.setdefault(bounds, bounds)

@@ -65,8 +65,10 @@ def taken(places: Iterator[Place]) -> Iterator[Taken]:
     for place in places:
         zones = [node.zone for node in place.passed]
         for plan, target, move in place.steps if zones else ():
-            if any(plan(zone) is not None for zone in zones):
-                yield place, target, move
+            for zone in zones:
+                if plan(zone) is not None:
+                    yield place, target, move
+                    break
 
 
 def zeno_run(search: Search, arcs: list[Taken]) -> Trace | None:

@@ -2,12 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 
-from end_effector_hal.automata._network import Edge, State
-from end_effector_hal.automata._semantics import Fired
+from end_effector_hal.automata._constraints import Bound
+from end_effector_hal.automata._network import Edge
+from end_effector_hal.automata.explore._packing import Packing
+from end_effector_hal.automata.explore._stand import Stand, Stands
 
 Fixed = Sequence[tuple[str, int, int]]
+Resets = tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Label:
+    """What a transition does to clocks, and who takes part; one object for all transitions that are alike.
+
+    Attributes:
+        edges: participants, the sender first.
+        channel: number of the channel; None without synchronisation.
+        guard: what the clocks must satisfy.
+        resets: what they are set to.
+    """
+
+    edges: tuple[Edge, ...]
+    channel: int | None
+    guard: tuple[Bound, ...]
+    resets: Mapping[int, int]
 
 
 class Firing:
@@ -15,37 +36,45 @@ class Firing:
 
     Args:
         edges: them, the sender first.
+        stands: of the network.
+        packing: of its values.
         fixed: variable, offset and value of what nobody reads: it stays as it is.
     """
 
-    __slots__ = ("_after", "_fixed", "_targets", "_updates")
+    __slots__ = ("_after", "_edges", "_fixed", "_labels", "_packing", "_stands", "_targets", "_updates")
 
-    def __init__(self, edges: Sequence[Edge], fixed: Fixed) -> None:
+    def __init__(self, edges: tuple[Edge, ...], stands: Stands, packing: Packing, fixed: Fixed) -> None:
         written: Collection[str] = {name for edge in edges for name in edge.effects.writes}
+        self._edges, self._stands, self._packing = edges, stands, packing
         self._targets = [(edge.process, edge.target) for edge in edges]
         self._updates = [edge.update for edge in edges if edge.update is not None]
         self._fixed = [(offset, value) for name, offset, value in fixed if name in written]
-        self._after: dict[tuple[int, ...], tuple[int, ...]] = {}
+        self._after: dict[Stand, Stand] = {}
+        self._labels: dict[object, Label] = {}
 
-    def __call__(self, state: State) -> Fired:
-        """The next state, and the clocks that are set.
+    def __call__(self, stand: Stand, packed: bytes) -> tuple[Stand, bytes, Resets]:
+        """The next discrete state, and the clocks that are set, in order, with their values.
 
         Raises:
             RangeError: an assignment is out of range.
         """
-        locations, values = state
-        after = self._after.get(locations)
+        after = self._after.get(stand)
         if after is None:
-            moved = list(locations)
-            for process, target in self._targets:
-                moved[process] = target
-            after = self._after[locations] = tuple(moved)
+            after = self._after[stand] = self._stands.moved(stand, self._targets)
+        if not self._updates:
+            return after, packed, ()
         resets: list[tuple[int, int]] = []
-        if self._updates:
-            changed = list(values)
-            for update in self._updates:
-                update(changed, resets)
-            for offset, value in self._fixed:
-                changed[offset] = value
-            values = tuple(changed)
-        return Fired(State(after, values), tuple(resets))
+        values = self._packing.open(packed)
+        for update in self._updates:
+            update(values, resets)
+        for offset, value in self._fixed:
+            values[offset] = value
+        return after, values.tobytes(), tuple(resets)
+
+    def label(self, guard: tuple[Bound, ...], channel: int | None, resets: Resets) -> Label:
+        """Of a transition with these edges."""
+        key = (guard, channel, resets)
+        found = self._labels.get(key)
+        if found is None:
+            found = self._labels[key] = Label(self._edges, channel, guard, dict(resets))
+        return found

@@ -22,11 +22,11 @@ class GoesOn:
 
     def __call__(self, place: Place) -> bool:
         """Sufficient, not necessary: several transitions may do so together."""
-        for move in place.discrete.moves:
-            key = enabling_key(place, move)
+        for step in place.steps:
+            key = enabling_key(place, step)
             always = self._known.get(key)
             if always is None:
-                needed = enabling(place, move)
+                needed = enabling(place, step)
                 always = needed is not None and _always(
                     place.n, place.discrete.delays, place.invariant, needed
                 )

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from operator import itemgetter
 from typing import Any, NamedTuple
 
 from end_effector_hal.automata._constraints import Bound, Values
 from end_effector_hal.automata._network import Edge, Network, State
-from end_effector_hal.automata._semantics import Fired, Semantics, Transition
-from end_effector_hal.automata.explore._firing import Firing, Fixed
+from end_effector_hal.automata._semantics import Semantics, Transition
+from end_effector_hal.automata.explore._firing import Fixed
 
 _MOST_KNOWN = 20_000  # of one location; what a process sees may hardly ever be the same
 _NOBODY: tuple[tuple[tuple[()], tuple[()]], ...] = (((), ()),)
@@ -78,8 +78,7 @@ class ListeningSemantics(Semantics):
         self._hearing = [
             [(process, self._leaving[process]) for process in listeners] for listeners in self._listeners
         ]
-        self._fixed: Fixed = ()
-        self._firings: dict[tuple[Edge, ...], Firing] = {}
+        self.fixed: Fixed = ()
         self._here = [[_Here(network, leaving.active) for leaving in process] for process in self._leaving]
 
     def transitions(self, state: State) -> Iterator[Transition]:
@@ -95,16 +94,6 @@ class ListeningSemantics(Semantics):
                 elif channel is not None:
                     for receivers, bounds in self._answers(state, channel, process):
                         yield Transition((edge, *receivers), own + bounds, channel)
-
-    def fire(self, state: State, edges: Sequence[Edge], writes: Mapping[int, int] | None = None) -> Fired:
-        """Take a transition."""
-        if writes:
-            return super().fire(state, edges, writes)
-        key = tuple(edges)
-        firing = self._firings.get(key)
-        if firing is None:
-            firing = self._firings[key] = Firing(key, self._fixed)
-        return firing(state)
 
     def _committed(self, state: State) -> Iterator[Transition]:
         """Where a process is in a committed location, few edges can start anything."""

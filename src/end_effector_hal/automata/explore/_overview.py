@@ -156,8 +156,9 @@ class _Exploration:
             place = node.place
             concerned: tuple[int, ...] | None = place.note
             if concerned is None:
-                self._happened.update(self._watch(place.discrete.state))
-                concerned = place.note = concern(place.discrete.state)
+                state = place.discrete.state
+                self._happened.update(self._watch(state))
+                concerned = place.note = concern(state)
                 if not self._goes_on(place):
                     self._doubtful.add(place)
             for number in concerned:
@@ -196,7 +197,7 @@ class _Exploration:
         arcs = [] if self._ended else list(taken(iter(self.space.places)))
         labels = {move.label for _, _, move in arcs}
         fired = {id(edge.drawn) for label in labels for edge in label.edges}
-        visited = (place.discrete.state.locations for place in self.space.places if place.passed)
+        visited = (place.discrete.stand.locations for place in self.space.places if place.passed)
         return Overview(
             states=self.search.states,
             answers=tuple(map(self._answer, range(len(self.queries)))),

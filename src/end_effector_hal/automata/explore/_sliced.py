@@ -23,7 +23,7 @@ class SlicedSemantics(ListeningSemantics):
         super().__init__(network)
         self.unread = unread(network, queries)
         first = network.initial.values
-        self._fixed = [
+        self.fixed = [
             (variable.name, offset, first[offset])
             for variable in network.variables
             if variable.name in self.unread

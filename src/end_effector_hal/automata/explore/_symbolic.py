@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
-from end_effector_hal.automata.explore._discrete import Discrete, DiscreteSpace, Label, Move
-from end_effector_hal.automata.explore._extrapolation import widening
+from end_effector_hal.automata.explore._discrete import Discrete, DiscreteSpace, Move
+from end_effector_hal.automata.explore._extrapolation import Widening, widening
+from end_effector_hal.automata.explore._firing import Label
 from end_effector_hal.automata.explore._limits import Limit, Limits
 from end_effector_hal.automata.explore._plan import Plan, as_constraints
 from end_effector_hal.automata.explore._zone import Constraint, Zone
@@ -22,8 +23,8 @@ class Step(NamedTuple):
     move: Move
 
 
-class Shape:
-    """The active clocks of some discrete states, and how to widen their zones; equal ones are one object.
+class Form:
+    """What the zones of some discrete states have in common; equal ones are one object.
 
     Attributes:
         limits: of the active clocks.
@@ -31,41 +32,34 @@ class Shape:
         index: the number of each active clock in the zones.
         n: the size of the zones.
         widening: what ``extrapolated`` takes.
+        invariant: on the zones.
+        delays: whether time passes.
     """
 
-    __slots__ = ("clocks", "index", "limits", "n", "widening")
+    __slots__ = ("clocks", "delays", "index", "invariant", "limits", "n", "widening")
 
-    def __init__(self, limits: dict[int, Limit]) -> None:
-        self.limits, self.clocks = limits, tuple(limits)
+    def __init__(
+        self, limits: dict[int, Limit], widening: Widening, bounds: tuple[Bound, ...], delays: bool
+    ) -> None:
+        self.limits, self.clocks, self.widening, self.delays = limits, tuple(limits), widening, delays
         self.index = {clock: place for place, clock in enumerate(self.clocks, start=1)}
-        self.n, self.widening = len(self.clocks) + 1, widening(limits.values())
+        self.n, self.invariant = len(self.clocks) + 1, as_constraints(bounds, self.index)
 
 
 class Place:
-    """A discrete state inside one analysis: its active clocks, and what the analysis notes about it.
+    """A discrete state inside one analysis, and what the analysis notes about it.
 
     Attributes:
         discrete: the discrete state.
-        shape: of its zones.
-        invariant: on its zones.
+        form: of its zones.
         passed: nodes that wait or are done, for the user.
         note: for the user.
     """
 
-    __slots__ = (
-        "_space",
-        "_steps",
-        "discrete",
-        "invariant",
-        "note",
-        "passed",
-        "shape",
-    )
+    __slots__ = ("_space", "_steps", "discrete", "form", "note", "passed")
 
     def __init__(self, space: SymbolicSpace, discrete: Discrete) -> None:
-        self._space, self.discrete = space, discrete
-        self.shape = space.shape(discrete.state.locations)
-        self.invariant = space.invariant(self.shape, discrete.invariant)
+        self._space, self.discrete, self.form = space, discrete, space.form(discrete)
         self.passed: list[Any] = []
         self.note: Any = None
         self._steps: tuple[Any, ...] | None = None  # side by side: a tuple for each is most of all memory
@@ -73,31 +67,33 @@ class Place:
     @property
     def n(self) -> int:
         """The size of its zones."""
-        return self.shape.n
+        return self.form.n
 
     @property
     def clocks(self) -> tuple[int, ...]:
         """The active clocks."""
-        return self.shape.clocks
+        return self.form.clocks
 
     @property
     def limits(self) -> dict[int, Limit]:
         """Of the active clocks."""
-        return self.shape.limits
+        return self.form.limits
 
     @property
     def index(self) -> dict[int, int]:
         """The number of each active clock in its zones."""
-        return self.shape.index
+        return self.form.index
+
+    @property
+    def invariant(self) -> tuple[Constraint, ...]:
+        """On its zones."""
+        return self.form.invariant
 
     @property
     def steps(self) -> Iterable[Step]:
         """All moves that lead to a state. A move whose update leaves a range has a plan and leads to itself."""
         if self._steps is None:
-            step = self._space.step
-            self._steps = tuple([part for move in self.discrete.moves for part in step(self, move)])
-            if self._space.frugal:
-                self.discrete.forget()
+            self._steps = tuple(self._space.steps(self))
         parts = iter(self._steps)
         return zip(parts, parts, parts, strict=True)  # type: ignore[return-value]
 
@@ -107,7 +103,7 @@ class Place:
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
         """Clock constraints over the zones of this place."""
-        return as_constraints(bounds, self.shape.index)
+        return as_constraints(bounds, self.form.index)
 
 
 class SymbolicSpace:
@@ -125,10 +121,10 @@ class SymbolicSpace:
         self._shared: dict[Label, Move] = {}
         self._places: dict[Discrete, Place] = {}
         self._plans: dict[object, Plan] = {}
-        self._planned: dict[object, Plan] = {}
-        self._located: dict[tuple[int, ...], Shape] = {}
-        self._shapes: dict[tuple[tuple[int, Limit], ...], Shape] = {}
-        self._invariants: dict[object, tuple[Constraint, ...]] = {}
+        self._planned: dict[tuple[Label, Form, Form], Plan] = {}
+        self._formed: dict[object, Form] = {}
+        self._forms: dict[object, Form] = {}
+        self._widenings: dict[object, Widening] = {}
         self._unique: dict[Zone, Zone] | None = {} if delays else None
 
     def __len__(self) -> int:
@@ -145,24 +141,18 @@ class SymbolicSpace:
             place.forget()
         self._places.clear()
 
-    def shape(self, locations: tuple[int, ...]) -> Shape:
-        """The active clocks where the processes are in these locations."""
-        found = self._located.get(locations)
+    def form(self, discrete: Discrete) -> Form:
+        """What the zones of a discrete state are like."""
+        seen = (discrete.stand, discrete.invariant, discrete.delays)
+        found = self._formed.get(seen)
         if found is None:
-            limits = self.limits.at(locations)
-            key = tuple(limits.items())
-            found = self._shapes.get(key) or self._shapes.setdefault(key, Shape(limits))
-            self._located[locations] = found
-        return found
-
-    def invariant(self, shape: Shape, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
-        """An invariant as constraints; equal ones are one object."""
-        if not bounds:
-            return ()
-        key = (shape, bounds)
-        found = self._invariants.get(key)
-        if found is None:
-            found = self._invariants[key] = as_constraints(bounds, shape.index)
+            limits = self.limits.at(discrete.stand.locations)
+            key = (tuple(limits.items()), *seen[1:])
+            found = self._forms.get(key)
+            if found is None:
+                wide = self._widenings.setdefault(key[0], widening(limits.values()))
+                found = self._forms[key] = Form(limits, wide, discrete.invariant, discrete.delays)
+            self._formed[seen] = found
         return found
 
     def place(self, discrete: Discrete) -> Place:
@@ -182,7 +172,7 @@ class SymbolicSpace:
         zone = None
         if discrete is not None:
             place = self.place(discrete)
-            zone = self._plan(1, (), ((0, 0),) * place.n, place)((1,))
+            zone = self._plan(1, (), ((0, 0),) * place.n, place.form)((1,))
         if zone is None:
             raise self._outside()
         return place, zone
@@ -204,46 +194,53 @@ class SymbolicSpace:
     def step(self, source: Place, move: Move) -> Step:
         """The move with its plan."""
         target = source if move.target is None else self.place(move.target)
-        key = (
-            move.label,
-            source.shape,
-            source.invariant,
-            target.shape,
-            target.invariant,
-            target.discrete.delays,
-        )
+        return Step(self._way(source, move.label, target, move.error), target, move)
+
+    def steps(self, source: Place) -> Iterator[object]:
+        """Plan, target and move of each step, one after the other."""
+        if self.frugal:
+            shared, planned, places, form = self._shared, self._planned, self._places, source.form
+            for label, discrete, error in source.discrete.arcs():
+                if discrete is None:
+                    yield from self.step(source, Move(label, None, error))
+                    continue
+                target = places.get(discrete) or self.place(discrete)
+                yield planned.get((label, form, target.form)) or self._way(source, label, target)
+                yield target
+                yield shared.get(label) or shared.setdefault(label, Move(label, None))
+        else:
+            for move in source.discrete.moves:
+                yield from self.step(source, move)
+
+    def _way(self, source: Place, label: Label, target: Place, error: object = None) -> Plan:
+        if error is not None:
+            unchanged = tuple((place, 0) for place in range(source.n))
+            return self._plan(source.n, self.guard(source, label), unchanged, source.form)
+        key = (label, source.form, target.form)
         plan = self._planned.get(key)
         if plan is None:
-            plan = self._planned[key] = self._follow(source, move, target)
-        if self.frugal and move.error is None:
-            move = self._shared.get(move.label) or self._shared.setdefault(move.label, Move(move.label, None))
-        return Step(plan, target, move)
+            index, resets = source.index, label.resets
+            sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in target.clocks]
+            guard = self.guard(source, label)
+            plan = self._planned[key] = self._plan(source.n, guard, ((0, 0), *sources), target.form)
+        return plan
 
-    def _follow(self, source: Place, move: Move, target: Place) -> Plan:
-        guard, index = self.guard(source, move), source.index
-        if move.target is None:
-            sources = tuple((place, 0) for place in range(source.n))
-        else:
-            sources = (
-                (0, 0),
-                *(
-                    (0, move.resets[clock]) if clock in move.resets else (index[clock], 0)
-                    for clock in target.clocks
-                ),
-            )
-        return self._plan(source.n, guard, sources, target)
-
-    def guard(self, source: Place, move: Move) -> tuple[Constraint, ...]:
+    def guard(self, source: Place, label: Label) -> tuple[Constraint, ...]:
         """What the zones of a place must satisfy for a move."""
-        return source.constraints(move.guard)
+        return source.constraints(label.guard)
 
     def _plan(
-        self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Place
+        self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Form
     ) -> Plan:
-        delays = self.delays and target.discrete.delays
-        limits = target.shape.widening if self.widens else None
+        """The one for zones of size ``n``; see :class:`Plan`."""
+        delays = self.delays and target.delays
+        limits = target.widening if self.widens_in(target) else None
         key = (n, guard, sources, delays, target.invariant, id(limits))
         plan = self._plans.get(key)
         if plan is None:
             plan = self._plans[key] = Plan(n, guard, sources, delays, target.invariant, limits, self._unique)
         return plan
+
+    def widens_in(self, form: Form) -> bool:
+        """Whether zones are widened there."""
+        return self.widens

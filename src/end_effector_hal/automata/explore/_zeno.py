@@ -13,7 +13,8 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from end_effector_hal.automata.explore._components import components
-from end_effector_hal.automata.explore._discrete import Label, Move
+from end_effector_hal.automata.explore._discrete import Move
+from end_effector_hal.automata.explore._firing import Label
 from end_effector_hal.automata.explore._symbolic import Place
 
 Taken = tuple[Place, Place, Move]  # from, to, by
