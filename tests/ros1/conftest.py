@@ -149,9 +149,12 @@ class System:
         return self.send(action).result()
 
     def grip(self) -> None:
-        """Grip, and have it."""
+        """Grip, and have it: the result and the state come over two connections, in any order."""
+        begun = len(self.states)
         status, result = self.run("TriggerGrip")
         assert status == 3, result.reason
+        gripped = EndEffectorState.GRIPPED
+        wait_until("GRIPPED", lambda: any(message.state == gripped for message in self.states[begun:]))
 
     def edges(self) -> list[tuple[str, int]]:
         """Every write to the lines so far, from the log of the virtual chip."""

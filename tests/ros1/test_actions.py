@@ -34,7 +34,7 @@ def test_grip_and_drop_with_feedback_and_result(system: Any) -> None:
     waits = [seconds for seconds in left if not math.isnan(seconds)]  # nan: it has just been confirmed
     assert len(waits) >= 3
     assert all(0.0 < seconds <= 5.0 for seconds in waits), left
-    assert system.state.lift_allowed
+    system.until("the state, over another connection", lambda: system.state.lift_allowed)
     assert system.state.held
 
     status, result = system.run("Drop")

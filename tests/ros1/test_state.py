@@ -25,6 +25,30 @@ def test_it_comes_at_10_hz_while_nothing_changes(system: Any) -> None:
     assert 1.6 < stamps[-1] - stamps[0] < 10.0  # a busy machine leaves ticks out, it adds none
 
 
+@pytest.mark.parametrize(
+    "topics", [("PressureVacuumBottom", "PressureCylinder"), ("PositionCylinder", "PositionToolStand")]
+)
+def test_what_one_frame_brought_has_one_stamp(system: Any, topics: tuple[str, str]) -> None:
+    """The exact synchronizer of message_filters finds what belongs together by equal stamps."""
+    import rospy
+
+    heard: list[list[bytes]] = [[], []]
+    subscribers = [
+        rospy.Subscriber(
+            topic,
+            rospy.AnyMsg,
+            # a header begins with its number, seconds and nanoseconds
+            lambda message, stamps=stamps: stamps.append(message._buff[4:12]),
+        )
+        for topic, stamps in zip(topics, heard, strict=True)
+    ]
+    try:
+        system.until("equal stamps", lambda: len(set(heard[0]) & set(heard[1])) >= 5)
+    finally:
+        for subscriber in subscribers:
+            subscriber.unregister()
+
+
 def test_its_constants_are_those_of_table_ii() -> None:
     from end_effector_msgs.msg import Command as CommandMsg
     from end_effector_msgs.msg import CylinderState as CylinderMsg

@@ -77,12 +77,13 @@ class PositionNode:
             self._publish(at, every=True)
 
     def _publish(self, at: int, *, every: bool) -> None:
+        when = stamp(at)
         for output in self._outputs:
             position = output.read(at)
             if every or self._known.get(output.name) != position:
                 self._known[output.name] = position
                 message = output.kind(position=position)
-                message.header.stamp = stamp(at)
+                message.header.stamp = when
                 output.publish(message)
 
     def _cylinder(self, index: int) -> Callable[[int], int]:

@@ -56,9 +56,10 @@ class PressureNode:
             self._silent = False
             self._senses.frame(frame)
             readings = self._senses.readings
-            for channel, publish in self._pressures:
-                value = readings.get(channel, frame.at) if readings.arrived(channel) else None
-                self._tell(publish, channel, value, frame.at)
+            self._tell(
+                stamp(frame.at),
+                lambda channel: readings.get(channel, frame.at) if readings.arrived(channel) else None,
+            )
 
     def _tick(self) -> None:
         with self._lock:
@@ -67,13 +68,14 @@ class PressureNode:
             if self._silent or self._senses.readings.fresh(at):
                 return
             self._silent = True
-            for channel, publish in self._pressures:
-                self._tell(publish, channel, None, at)
+            self._tell(stamp(at), lambda _: None)
 
-    def _tell(self, publish: Callable[[Any], None], channel: str, value: Value, at: int) -> None:
-        message = FluidPressure(fluid_pressure=absolute_pa(value))
-        message.header.stamp, message.header.frame_id = stamp(at), channel
-        publish(message)
+    def _tell(self, when: Any, value: Callable[[str], Value]) -> None:
+        """All pressures; one stamp for what one frame brought, so that they can be put together again."""
+        for channel, publish in self._pressures:
+            message = FluidPressure(fluid_pressure=absolute_pa(value(channel)))
+            message.header.stamp, message.header.frame_id = when, channel
+            publish(message)
 
     def _on_change(self, health: LinkHealth) -> None:
         if health.state is LinkState.DOWN:
