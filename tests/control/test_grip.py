@@ -198,6 +198,7 @@ def test_release_error_is_latched_until_a_drop_succeeds(description: Description
     tool.command("drop")
     tool.run(5.0)
     assert tool.status.ee == RELEASE_ERROR
+    assert tool.status.reason == "Everything is deactivated, but Bottom vacuum still shows feedback."
     assert not any(tool.levels.values())  # nothing is left on
     assert not tool.command("grip").accepted
     assert tool.command("drop").accepted

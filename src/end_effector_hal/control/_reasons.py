@@ -6,7 +6,7 @@ from end_effector_hal.description import Actuator, Description, VacuumActuator
 from end_effector_hal.trace import EndEffectorState, display_name
 
 from ._changer_reasons import changer_refusal, feedback
-from ._levels import Cause, ToolEvidence
+from ._levels import Cause, Evidence, ToolEvidence
 from ._senses import Senses
 from ._status import Status
 
@@ -25,7 +25,7 @@ def explain(description: Description, cause: int, cause_at: int, senses: Senses,
         Cause.NONE: "",
         Cause.LOST: f"{who} was lost.",
         Cause.CANCELLED: "The grip was cancelled.",
-        Cause.STILL_PRESENT: "Everything is deactivated, but a sensor still shows feedback.",
+        Cause.STILL_PRESENT: f"Everything is deactivated, but {_present(description, senses)} feedback.",
         Cause.NOT_PROVEN: "Everything is deactivated, but a reading is not valid: it is not proven that all is gone.",
         Cause.UNPROVEN_AT_START: "Outputs were active at the start and the sensors do not confirm a grip.",
         Cause.RELEASED_AT_START: "Outputs were active at the start; they are deactivated, as declared.",
@@ -52,6 +52,14 @@ def not_by_hand(state: EndEffectorState, *, held: bool) -> str:
     if state is EndEffectorState.STAND_BY:
         return ""
     return f"IL-12: outputs are driven by hand in STAND_BY only; the end-effector is {_name(state)}."
+
+
+def _present(description: Description, senses: Senses) -> str:
+    """Whose sensors show that something is gripped."""
+    there = (Evidence.PARTIAL, Evidence.CONFIRMED)
+    pairs = zip(description.sequence, senses.evidence, strict=True)
+    names = [display_name(name) for name, level in pairs if level in there]
+    return f"{', '.join(names) or 'a sensor'} still show{'' if len(names) > 1 else 's'}"
 
 
 def _shown(actuator: Actuator, senses: Senses, at: int) -> str:
