@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.control import Evidence, Senses, ToolEvidence
+from end_effector_hal.control import Evidence, Predicates, Senses, ToolEvidence
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.wires import Frame, get_codec
 
@@ -122,9 +122,46 @@ def test_what_was_confirmed_before_a_silence_is_confirmed_again_and_not_lost(fee
     feed(4)
     feed.senses.advance(feed.at + 150_000)
     feed.at += 200_000
-    assert feed(2, bottom=-52_000) == ["gone[2]"]
-    assert feed(bottom=-52_000) == ["confirmed[0]"]
-    assert "partial[1]" not in feed(6)
+    assert feed(5, bottom=-52_000) == ["gone[2]"]
+    assert "confirmed[0]" in feed(), "as soon as the lock is proven again (100 ms)"
+    assert "partial[1]" not in feed(3)
+
+
+@pytest.mark.parametrize("il_05", [True, False])
+def test_after_a_silence_nothing_is_confirmed_before_the_lock_is(il_05: bool) -> None:
+    """Else the next activation is asked for when IL-05 still refuses it, and a short silence ends a grip."""
+    shipped = load(profile_path())
+    locks = shipped.interlocks.model_copy(update={"il_05": il_05})
+    feed = Feed(shipped.model_copy(update={"interlocks": locks}))
+    guard = Predicates(shipped, get_codec("ees1-ascii"))
+    feed(12)
+    feed.senses.advance(feed.at + 150_000)
+    feed.at += 1_000_000
+    feed.values["bottom"] = -80_000
+    proven = []
+    for _ in range(8):
+        said = guard.frame(Frame(feed.at + PERIOD, None, None, feed.values))["locked"]
+        proven.append((said, "confirmed[0]" in feed()))
+    assert [said for said, _ in proven] == [False] * 5 + [True] * 3
+    assert [confirmed for _, confirmed in proven].index(True) == (5 if il_05 else 2)
+
+
+def test_bits_that_stay_away_do_not_keep_a_confirmation_back(feed: Feed) -> None:
+    feed(12)
+    feed.senses.advance(feed.at + 150_000)
+    feed.at += 1_000_000
+    feed(2, bottom=-80_000, locked=None, unlocked=None)
+    assert "confirmed[0]" in feed()
+
+
+def test_bits_that_contradict_each_other_do_not_either(feed: Feed) -> None:
+    feed(12)
+    feed.senses.advance(feed.at + 150_000)
+    feed.at += 1_000_000
+    feed(25, bottom=-80_000, unlocked=True)
+    assert feed.senses.evidence[0] is Evidence.PARTIAL
+    assert "confirmed[0]" in feed(1)
+    assert feed.senses.tool is ToolEvidence.FAULTY
 
 
 def test_what_fell_during_a_silence_is_lost_at_the_first_samples(feed: Feed) -> None:

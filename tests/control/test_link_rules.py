@@ -102,8 +102,10 @@ def test_after_a_reboot_nothing_is_known_until_it_is_fresh(description: Descript
     raw.seq = raw.uptime_ms = -1  # without any silence, and with readings that are still fresh
     raw(1)
     assert raw.senses.evidence == [Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE]
-    raw(2)
-    assert raw.senses.evidence[0] is Evidence.CONFIRMED  # three samples of the new life
+    raw(4)
+    assert raw.senses.evidence[0] is Evidence.UNKNOWN
+    raw(1)
+    assert raw.senses.evidence[0] is Evidence.CONFIRMED  # 100 ms of the new life, in which the lock is proven
     assert raw.notices == ("The device that reads the sensors began anew: all was read anew.",)
 
 

@@ -46,6 +46,9 @@ class Senses:
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None
         self._stand = (changer.stand_bit, changer.present_bit) if changer else None
+        bits = (changer.locked_bit, changer.unlocked_bit) if changer and description.interlocks.il_05 else ()
+        self._lock_bits = bits if all(bit in codec.channels for bit in bits) else ()
+        self._was_clear = False
         self._vented = VentedDetector(description, codec)
         self.supply = SupplyDetector(description.supply)
         self.evidence = [Evidence.UNKNOWN] * len(self._detectors)
@@ -118,21 +121,30 @@ class Senses:
     def _sample(self, at: int) -> list[Event]:
         self.looked += 1
         self.supply.sample(self.readings, at)
+        tool = self._tool.sample(self.readings, at) if self._tool else self.tool
+        self._was_clear = self._was_clear or tool is not ToolEvidence.UNCLEAR
+        too_early = self._was_clear and tool is ToolEvidence.UNCLEAR and self._lock_is_read(at)
         events: list[tuple[int, Event]] = []
         for index, detector in enumerate(self._detectors):
             level = detector.sample(self.readings, at)
+            if level is Evidence.CONFIRMED and too_early:
+                # what follows a confirmation needs the lock (IL-05): after silence it is proven a little later
+                level = self.evidence[index]
             if level is not self.evidence[index]:
                 self.evidence[index] = level
                 event = Event(f"{_EVIDENCE_CHANNELS[level]}[{index}]", {f"evidence[{index}]": int(level)})
                 events.append((_RANK.index(level), event))
         said = [event for _, event in sorted(events, key=lambda each: each[0])]
-        tool = self._tool.sample(self.readings, at) if self._tool else self.tool
         if tool is not self.tool:
             self.tool = tool
             said.append(Event(f"tool_is[{int(tool)}]", {"tool": int(tool)}))
         self.vented = self._vented.sample(self.readings, self.evidence, at)
         self.parked = self._is_parked(at)
         return said
+
+    def _lock_is_read(self, at: int) -> bool:
+        """Whether there are fresh readings of what IL-05 asks."""
+        return bool(self._lock_bits) and all(self.readings.get(bit, at) is not None for bit in self._lock_bits)
 
     def _is_parked(self, at: int) -> bool:
         """IL-02: in its stand, or there is none; without a fresh reading, neither."""
