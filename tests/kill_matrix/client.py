@@ -23,7 +23,7 @@ from end_effector_msgs.msg import (
 )
 
 ACTIONS = {"lock": "LockToolChanger", "unlock": "UnlockToolChanger", "grip": "TriggerGrip", "drop": "Drop"}
-STATE_FIELDS = ("state", "command", "actuator", "held", "tool_changer", "link_up", "at_us")
+STATE_FIELDS = ("state", "command", "actuator", "held", "lift_allowed", "tool_changer", "link_up", "at_us")
 PERIOD_S = 0.05
 
 

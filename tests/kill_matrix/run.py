@@ -22,18 +22,20 @@ from table import show
 from waiting import Late, Stopped, stopping
 
 from end_effector_hal.demo import need_ros
-from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.description import Description, profile_path
+from end_effector_hal.errors import EndEffectorError, UsageError
+from end_effector_hal.wires import load_tool
 
 console = Console(width=190, highlight=False)
 
 
 def main() -> int:
     arguments = _arguments()
-    description = load(profile_path())
-    cells = list(full(description) if arguments.full else telling(description))
-    if arguments.cells:
-        cells = chosen(arguments.cells, description)
+    try:
+        description, cells = _asked(arguments)
+    except EndEffectorError as error:
+        print(error, file=sys.stderr)
+        return error.exit_code
     if arguments.list:
         console.print("\n".join(map(str, cells)))
         return 0
@@ -45,7 +47,7 @@ def main() -> int:
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, lambda *_: stopping.set())
     begun, folder = time.monotonic(), Path(mkdtemp(prefix="eehal-kill-"))
-    rows = Matrix(cells, folder, arguments.systems).run()
+    rows = Matrix(description, cells, folder, arguments.systems).run()
     rows.sort(key=lambda row: cells.index(row.cell))
     show(console, rows)
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
@@ -70,8 +72,8 @@ class Matrix:
     Such a cell is played once more, for these are processes on a shared machine; the row keeps what came before.
     """
 
-    def __init__(self, cells: list[Cell], folder: Path, systems: int) -> None:
-        self._folder, self._total = folder, len(cells)
+    def __init__(self, description: Description, cells: list[Cell], folder: Path, systems: int) -> None:
+        self._description, self._folder, self._total = description, folder, len(cells)
         self._left: queue.SimpleQueue[Cell] = queue.SimpleQueue()
         # those that take longest first
         for cell in sorted(cells, key=lambda cell: (cell.process != "roscore", cell.state)):
@@ -96,7 +98,7 @@ class Matrix:
         try:
             while again or not self._left.empty():
                 count += 1
-                with System(self._folder / f"{number}-{count}") as system:
+                with System(self._folder / f"{number}-{count}", self._description) as system:
                     again = self._play(system, again)
         except Stopped:
             return
@@ -134,9 +136,32 @@ class Matrix:
             return None
 
 
+def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
+    """The tool, and its cells that are to be played; raises EndEffectorError."""
+    description = load_tool(arguments.description)
+    if description.tool_changer is None:
+        raise UsageError(
+            "The matrix kills a node ToolChange as well: it takes a tool with a tool changer.",
+            where=str(arguments.description),
+        )
+    if not arguments.cells:
+        return description, list(full(description) if arguments.full else telling(description))
+    cells = chosen(arguments.cells, description)
+    if not cells:
+        raise UsageError(f"No cell is {' or '.join(arguments.cells)}.", todo="--list --full names them all.")
+    return description, cells
+
+
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--full", action="store_true", help="all cells")
+    parser.add_argument(
+        "--description",
+        type=Path,
+        default=profile_path(),
+        metavar="FILE",
+        help="another tool, with other endings (default: the shipped one)",
+    )
     parser.add_argument("--systems", type=int, default=2, metavar="N", help="systems at once (default 2)")
     parser.add_argument("--list", action="store_true", help="list the cells, play none")
     parser.add_argument("-o", "--output", type=Path, default=Path("runs/kill-matrix.json"), metavar="FILE")
