@@ -32,6 +32,9 @@ class _Lines:
     def levels(self) -> Mapping[str, bool]:
         return {}
 
+    def overtaken(self) -> bool:
+        return False
+
     def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:
         del levels, will
         return lambda: None

@@ -26,6 +26,11 @@ class Owner:
         self.error: OSError | None = None
         self.will: tuple[WillStep, ...] = ()
         self.parting: tuple[WillStep, ...] | None = None
+        self.took_for_dead = False
+
+    def overtaken(self) -> bool:
+        told, self.took_for_dead = self.took_for_dead, False
+        return told
 
     def levels(self) -> Mapping[str, bool]:
         if self.error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.control import Status
-from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.errors import EndEffectorError, LineRefusedError, OwnerError
 from end_effector_hal.tool._outputs import Outputs
 from end_effector_hal.wires import WillStep
 
@@ -19,7 +19,8 @@ class Lines:
     def __init__(self) -> None:
         self.asked: list[tuple[dict[str, bool], tuple[WillStep, ...]]] = []
         self.waited = 0
-        self.error: LineRefusedError | None = None
+        self.error: EndEffectorError | None = None
+        self.active: dict[str, bool] = {}
 
     def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:
         self.asked.append((dict(levels), tuple(will)))
@@ -29,16 +30,22 @@ class Lines:
         self.waited += 1
         if self.error:
             raise self.error
+        self.active |= self.asked[-1][0]
 
     def levels(self) -> Mapping[str, bool]:
-        return {}
+        return self.active
+
+    def overtaken(self) -> bool:
+        return False
 
     def close(self, will: Sequence[WillStep]) -> None:
         del will
 
 
-def status(at: int, a: bool, b: bool, *, held: bool = False) -> Status:
-    return Status(at=at, ee=0, command=0, actuators=(), outputs=(a, b), evidence=(), held=held)
+def status(at: int, a: bool, b: bool, *, held: bool = False, attempt: int = 0) -> Status:
+    return Status(
+        at=at, ee=0, command=0, actuators=(), outputs=(a, b), evidence=(), held=held, attempt=attempt
+    )
 
 
 def outputs_of(lines: Lines) -> Outputs:
@@ -93,3 +100,41 @@ def test_a_refusal_is_known_once_it_was_waited_for() -> None:
     outputs.finish()
     assert outputs.objected
     assert outputs.refused == "IL-05: no."
+
+
+def activation_that_found_no_owner(lines: Lines) -> Outputs:
+    outputs = outputs_of(lines)
+    for each in (status(1, True, False, attempt=1), status(2, True, True, attempt=1)):
+        lines.error = OwnerError("the line owner was lost.") if each.outputs[1] else None
+        outputs.begin([each])
+        outputs.finish()
+    assert outputs.lost
+    lines.error = None
+    assert outputs.agree(3)
+    lines.asked.clear()
+    return outputs
+
+
+def test_an_activation_that_was_lost_with_the_owner_comes_with_the_next_attempt() -> None:
+    """Of an actuator that stays active between its attempts (`timeout: hold`), whose output does not change."""
+    lines = Lines()
+    outputs = activation_that_found_no_owner(lines)
+    outputs.begin([status(4, True, True, attempt=1)])
+    outputs.finish()
+    assert all(not levels for levels, _ in lines.asked), "not by itself (IL-11)"
+    for at in (5, 6):
+        outputs.begin([status(at, True, True, attempt=2)])
+        outputs.finish()
+    assert [levels for levels, _ in lines.asked if levels] == [{B: True}]
+    outputs.begin([status(7, True, True, attempt=3)])
+    outputs.finish()
+    assert [levels for levels, _ in lines.asked if levels] == [{B: True}], "it was heard"
+
+
+def test_what_was_lost_and_is_not_wanted_any_more_does_not_come() -> None:
+    lines = Lines()
+    outputs = activation_that_found_no_owner(lines)
+    for at, active, attempt in ((4, False, 1), (5, False, 2)):
+        outputs.begin([status(at, True, active, attempt=attempt)])
+        outputs.finish()
+    assert not any(levels.get(B) for levels, _ in lines.asked)

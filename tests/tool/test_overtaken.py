@@ -6,8 +6,9 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from lone_unit import BOTTOM, LINES, OFF, ON, TOP, Tool
+from lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 
+from end_effector_hal.control import Evidence
 from end_effector_hal.errors import LineBusyError, OwnerError
 from end_effector_hal.trace import EndEffectorState as State
 
@@ -61,6 +62,30 @@ def test_lines_that_did_not_move_change_nothing(tool: Tool) -> None:
     tool.until(lambda status: status.ee == State.GRIPPED)
     assert State.OFF not in tool.states()[1:]
     assert tool.owner.will == ()
+
+
+def test_a_program_that_was_taken_for_dead_does_not_go_on_with_its_grip(tool: Tool) -> None:
+    """Also where its will has left every line as it was: the goal was given up meanwhile."""
+    tool.grip_to(1)
+    tool.owner.took_for_dead = True
+    tool.unit.lost(OwnerError("the lease ended."))
+    status = tool.until(lambda status: status.ee == State.GRIP_ERROR)
+    assert tool.states()[-2:] == [State.OFF, State.GRIP_ERROR]
+    tool.confirmed[CYLINDER] = ON
+    tool.until(lambda status: status.evidence[1] == Evidence.CONFIRMED)
+    assert tool.owner.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}, "nothing is activated by itself (IL-11)"
+    assert status.held
+
+
+def test_what_is_held_is_held_also_by_a_program_that_was_taken_for_dead(tool: Tool) -> None:
+    tool.grip_to(2)
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: status.ee == State.GRIPPED)
+    tool.owner.took_for_dead = True
+    tool.unit.lost(OwnerError("the lease ended."))
+    tool.until(lambda status: not tool.owner.took_for_dead and not status.alarms)
+    assert tool.states()[-1] == State.GRIPPED
+    assert State.OFF not in tool.states()[1:]
 
 
 def test_gripped_is_not_claimed_before_the_owner_has_the_will_that_holds(tool: Tool) -> None:

@@ -308,6 +308,7 @@ def test_a_lease_that_is_not_renewed_ends(bench):
         with pytest.raises(OwnerError, match="the lease ended"):
             grip.set({TOP: True})
         assert grip.set({TOP: True}).levels[TOP]
+        assert [grip.overtaken(), grip.overtaken()] == [True, False], "told once"
 
 
 def test_a_lost_owner_is_told_once_and_found_again(bench):

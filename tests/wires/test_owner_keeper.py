@@ -274,6 +274,17 @@ def test_a_refused_write_leaves_the_will_as_it_was():
     assert owner.changer.will == ()
 
 
+def test_who_was_taken_for_dead_is_told_once():
+    owner = Owner()
+    assert not owner.grip.overtaken
+    owner.die(owner.grip)
+    back = owner.hello("grip", GRIP)
+    assert back.overtaken
+    owner.alive.remove(back)
+    owner.keeper.bye(back, (), owner.now)
+    assert not owner.hello("grip", GRIP).overtaken, "it left in order"
+
+
 def test_the_will_of_a_hello_counts():
     owner = Owner(bottom=True)
     owner.die(owner.grip)

@@ -144,7 +144,9 @@ class Senses:
 
     def _lock_is_read(self, at: int) -> bool:
         """Whether there are fresh readings of what IL-05 asks."""
-        return bool(self._lock_bits) and all(self.readings.get(bit, at) is not None for bit in self._lock_bits)
+        return bool(self._lock_bits) and all(
+            self.readings.get(bit, at) is not None for bit in self._lock_bits
+        )
 
     def _is_parked(self, at: int) -> bool:
         """IL-02: in its stand, or there is none; without a fresh reading, neither."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from end_effector_hal.control import Status, will_of
 from end_effector_hal.description import Description
+from end_effector_hal.trace import EndEffectorState
 from end_effector_hal.wires import WillStep
 
 from ._maintenance import Maintenance
@@ -38,6 +39,10 @@ class Duties:
                 return ()
             return (WillStep(changer.line),)  # an inactive line is locked
         return self._maintenance.will or will_of(self._description, status, on=on)
+
+    def grips(self, status: Status) -> bool:
+        """Whether a grip is at work here, with activations to come."""
+        return not self._changes and status.ee == EndEffectorState.GRIPPING
 
     def seen(self, status: Status) -> Status:
         """A status with what is active by hand."""

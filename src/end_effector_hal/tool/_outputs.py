@@ -19,6 +19,9 @@ class LineWriter(Protocol):
     def levels(self) -> Mapping[str, bool]:
         """The level of every line."""
 
+    def overtaken(self) -> bool:
+        """Whether the line owner took this program for dead since this was asked last."""
+
     def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
         """Begin to write levels, and what to do should this program die; what is returned waits until it is done."""
 
@@ -59,6 +62,8 @@ class Outputs:
         self._said: tuple[WillStep, ...] | None = None
         self._undone: dict[str, bool] = {}
         self._written: dict[str, bool] = {}
+        self._unheard: set[str] = set()
+        self._attempt = 0
         self._asked: _Asked | None = None
         self.lost = False
         self.retry_at: int | None = None
@@ -76,7 +81,7 @@ class Outputs:
         """
         for number, status in enumerate(statuses):
             wanted, will = self._of(status), self._will(status)
-            changes = self._changes(wanted)
+            changes = self._changes(wanted) | self._once_more(wanted, status)
             self._wanted = wanted
             if not changes and (
                 will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
@@ -110,12 +115,17 @@ class Outputs:
         self._ask(self._undone, self._will(status), at)
         self.finish()
 
-    def agree(self, at: int) -> bool:
-        """Whether the lines are as they were written; raises WireError while nobody knows."""
+    def agree(self, at: int, *, gripping: bool = False) -> bool:
+        """Whether the lines are as they were written; raises WireError while nobody knows.
+
+        ``gripping``: and the owner has not taken this program for dead. What was given up then must not go on by
+        itself, whatever the will has left (IL-11).
+        """
         self.retry_at = at + RETRY_US
         levels = self._lines.levels()
-        self.lost = False
-        return all(levels.get(line) == level for line, level in self._written.items())
+        self.lost, overtaken = False, self._lines.overtaken()
+        same = all(levels.get(line) == level for line, level in self._written.items())
+        return same and not (gripping and overtaken)
 
     def drive(self, line: str, active: bool, will: tuple[WillStep, ...]) -> None:
         """Write one line by hand; raises WireError."""
@@ -132,6 +142,12 @@ class Outputs:
         """Deactivate lines that were driven by hand; tried again until it is done."""
         self._ask({**self._undone, **dict.fromkeys(lines, False)}, (), at)
         self.finish()
+
+    def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
+        """What was to be activated when the owner was lost comes with the next attempt, if it stays active between."""
+        before, self._attempt = self._attempt, status.attempt
+        again = {line: True for line in sorted(self._unheard) if wanted.get(line)}
+        return again if status.attempt > before else {}
 
     def _changes(self, wanted: Mapping[str, bool]) -> dict[str, bool]:
         before = self._wanted
@@ -158,6 +174,8 @@ class Outputs:
 
     def _fail(self, changes: Mapping[str, bool]) -> None:
         self._said = None
+        if self.lost:
+            self._unheard |= {line for line, level in changes.items() if level}
         self._undone = {line: False for line, level in changes.items() if not level}
 
     def _end(self, changes: Mapping[str, bool], wait: Callable[[], object]) -> None:
@@ -170,6 +188,7 @@ class Outputs:
                 self._written.pop(line, None)  # perhaps it was executed: either level is right
             raise
         self._written |= changes
+        self._unheard -= changes.keys()
         if any(changes.values()):
             self.refused = ""
 

@@ -41,8 +41,8 @@ class Unit:
     There ``on_status`` is called, once for each step of the automata, in order, after the lines are written. Trouble
     never leaves the unit: it becomes an alarm.
 
-    A unit that the line owner took for dead is dead: when the lines are not as it left them it begins anew, and
-    adopts what it finds. Until it knows, it claims no grip.
+    A unit that the line owner took for dead is dead: in the middle of a grip, or when the lines are not as it left
+    them, it begins anew, and adopts what it finds. Until it knows, it claims no grip.
     """
 
     def __init__(
@@ -207,7 +207,7 @@ class Unit:
         at = now_us()
         if at >= (self._outputs.retry_at or 0):
             try:
-                if not self._outputs.agree(at):
+                if not self._outputs.agree(at, gripping=self._duties.grips(self._controller.status())):
                     return self._begin_anew(OVERTAKEN)
                 self._outputs.retry(self._controller.status(), at)
             except LineBusyError as error:

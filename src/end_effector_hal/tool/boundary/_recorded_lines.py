@@ -31,6 +31,10 @@ class RecordedLines:
             self._put("owner", at := now_us(), OwnerSeen(at, there=True))
         return levels
 
+    def overtaken(self) -> bool:
+        """Whether the line owner took this program for dead since this was asked last."""
+        return self._lines.overtaken()
+
     def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
         """Begin to write levels, and what to do should this program die."""
         at = now_us()

@@ -67,6 +67,7 @@ class OwnerClient:
         self._ended = threading.Event()
         self._owner = Conversation(str(socket_path), timeout_s)
         self._lost: OwnerError | None = None
+        self._overtaken = False
         self._connect_patiently(patience_s)
         self._thread = threading.Thread(target=self._renew_for_ever, name=f"lease of {client}", daemon=True)
         if self._lines:
@@ -93,6 +94,12 @@ class OwnerClient:
     def levels(self) -> dict[str, bool]:
         """Of all lines of the owner, read back: they prove the claim, not the actuator."""
         return dict(self._call("levels")["levels"])
+
+    def overtaken(self) -> bool:
+        """Whether the owner took this client for dead, and did its will, since this was asked last."""
+        with self._lock:
+            told, self._overtaken = self._overtaken, False
+        return told
 
     def set(
         self, levels: Mapping[str, bool], will: Iterable[WillStep | Mapping[str, object]] | None = None
@@ -269,7 +276,10 @@ class OwnerClient:
         if self._lines:
             try:
                 will = [step.as_json() for step in self._will]
-                self._owner.exchange("hello", {"client": self._client, "lines": self._lines, "will": will})
+                said = self._owner.exchange(
+                    "hello", {"client": self._client, "lines": self._lines, "will": will}
+                )
+                self._overtaken = self._overtaken or bool(said.get("overtaken"))
             except EndEffectorError:
                 self._owner.close()
                 raise

@@ -37,6 +37,7 @@ class Keeper:
         self.sensed = Sensed(needs, policy.fresh_us, memory.faults)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
+        self._dead: deque[tuple[str, int]] = deque(maxlen=100)
         self._backend = backend
         self.levels = backend.request(list(policy.lines))
         self._changed = dict.fromkeys(policy.lines, at)
@@ -93,6 +94,8 @@ class Keeper:
             )
         session = Session(client, pid, frozenset(lines), (), at + self.policy.lease_us, program)
         self._bequeath(session, will)
+        session.overtaken = (client, pid) in self._dead
+        self._dead = deque((each for each in self._dead if each != (client, pid)), maxlen=100)
         self.sessions.append(session)
         _log.info("%s (pid %d) writes %s", client, pid, ", ".join(lines))
         return session
@@ -152,6 +155,7 @@ class Keeper:
             Write(due, {name: level for name, level in w.items() if not level}) for due, w in session.queue
         ]
         session.queue = deque(write for write in waiting if write.levels)
+        self._dead.append((session.client, session.pid))
         self._end_session(session, will, at)
 
     def expire(self, at: int) -> list[Session]:

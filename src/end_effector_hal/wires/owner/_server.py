@@ -235,8 +235,9 @@ class LineOwner:
             if session:
                 raise OwnerError(f"{session.client} has said hello already.")
             pid, will = connection.pid, request.will or ()
-            connection.session = keeper.hello(request.client, pid, request.lines, will, at, program_name(pid))
-            return {}
+            session = keeper.hello(request.client, pid, request.lines, will, at, program_name(pid))
+            connection.session = session
+            return {"overtaken": session.overtaken}
         if session is None:
             raise OwnerError("say hello first.")
         if request.op == "set":

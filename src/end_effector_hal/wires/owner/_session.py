@@ -31,7 +31,7 @@ class Session:
     """One client that writes lines.
 
     ``ended``: it has gone, what is queued is still to be done. ``absent``: an owner before this one knew it, and it
-    was not heard of since; it has a lease's time to come back.
+    was not heard of since; it has a lease's time to come back. ``overtaken``: it was taken for dead and has come back.
     """
 
     client: str
@@ -42,4 +42,5 @@ class Session:
     program: str = ""
     ended: bool = False
     absent: bool = False
+    overtaken: bool = False
     queue: deque[Write] = field(default_factory=deque)
