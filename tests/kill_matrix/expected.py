@@ -86,6 +86,8 @@ def expected(description: Description, cell: Cell) -> Expected:
             moved = _off([*at_once, *later])
             why = "unwound" if moved else "held"
             after = {_adopted(description, engaged, moved, State.GRIP_ERROR)}
+            if len(engaged) == len(lines) and not moved:
+                after = {State.GRIP_ERROR, State.GRIPPED}  # as the last one is confirmed by then, or not
     active = {line for line, level in (*((line, True) for line in engaged), *moved) if level}
     active -= {line for line, level in moved if not level}
     locked = frozenset({ChangerState.LOCKED})

@@ -21,7 +21,8 @@ from end_effector_hal.trace import EndEffectorState as State
 
 SETTLED_S = 30.0
 NOTICED_S = 2.5
-"""HALMain takes a node that is silent for 1 s for gone; on a busy machine a little later."""
+"""HALMain takes a node that is silent for 1 s for gone; on a busy machine a little later. An owner that is stopped
+does nothing before it goes on."""
 SUCCEEDED = 0
 
 
@@ -196,10 +197,11 @@ class Play:
         return said["state"] == State.GRIPPED and (said["lift_allowed"] or not was_there)
 
     def _said(self) -> list[dict[str, Any]]:
-        """What was told since; not what HALMain repeats of a grip until it notices that Grip is silent."""
-        told, limit = self.system.hands.changes[self.seen :], (self.hit_at + NOTICED_S) * 1e6
+        """What was told since; not what is told of a grip that was there, until its end is noticed."""
+        told = self.system.hands.changes[self.seen :]
         if self.cell.state != GRIPPED:
             return told
+        limit = (self.hit_at + NOTICED_S + (0.0 if self.cell.ends else STOPPED_S)) * 1e6
         return list(dropwhile(lambda each: each["state"] == State.GRIPPED and each["at_us"] < limit, told))
 
     def _moved(self, lines: tuple[str, ...]) -> tuple[Switch, ...]:

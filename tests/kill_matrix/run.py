@@ -34,7 +34,7 @@ def main() -> int:
     try:
         description, cells = _asked(arguments)
     except EndEffectorError as error:
-        print(error, file=sys.stderr)
+        Console(stderr=True, highlight=False, soft_wrap=True).print(error, markup=False)
         return error.exit_code
     if arguments.list:
         console.print("\n".join(map(str, cells)))

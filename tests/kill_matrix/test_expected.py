@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 from cells import PROCESSES, SIGNALS, Cell, full, states, telling
 from expected import expected
@@ -65,6 +69,52 @@ def test_each_actuator_has_its_own_ending() -> None:
     assert (held.states, held.active) == ({State.GRIP_ERROR}, {TOP})
     told = expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder"))
     assert (told.gripping, told.first_s, told.states) == (((BOTTOM, False),), None, {State.GRIP_ERROR})
+
+
+@pytest.mark.parametrize(
+    ("cell", "state", "moved", "active"),
+    [
+        ("Grip:SIGKILL:GRIPPING cylinder", State.GRIP_ERROR, [CYLINDER], [BOTTOM]),
+        ("Grip:SIGTERM:GRIPPING cylinder", State.GRIP_ERROR, [], [BOTTOM, CYLINDER]),
+        ("Grip:SIGTERM:GRIPPING top_vacuum", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
+        ("Grip:SIGSTOP:GRIPPED", State.GRIP_ERROR, [CYLINDER, TOP], [BOTTOM]),
+        ("Grip:SIGTERM:GRIPPED", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
+        ("LineOwner:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [UNLOCK], []),
+    ],
+)
+def test_mixed_endings(cell: str, state: State, moved: list[str], active: list[str]) -> None:
+    """Of the description that the matrix is played with by hand."""
+    mixed = load(Path(__file__).with_name("mixed_endings.yaml"))
+    want = expected(mixed, Cell(*cell.split(":")))
+    assert (want.states, want.active) == ({state}, set(active))
+    assert [*want.unlock, *want.gripping] == [(line, False) for line in moved]
+
+
+def test_what_is_held_whole_may_be_confirmed_by_the_next_start() -> None:
+    holds = declared({"gripping": {"process_death": "hold"}})
+    want = expected(holds, Cell("Grip", "SIGKILL", "GRIPPING top_vacuum"))
+    assert want.states == {State.GRIPPED, State.GRIP_ERROR}
+    assert want.gripping == ()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nobody"], "No cell is nobody."),
+        (["--description", "changerless.yaml"], "it takes a tool with a tool changer"),
+        (["--description", "none.yaml"], "none.yaml"),
+    ],
+)
+def test_what_cannot_be_played_is_a_sentence(tmp_path: Path, arguments: list[str], said: str) -> None:
+    text = Path(__file__).with_name("mixed_endings.yaml").read_text()
+    changer = text.index("tool_changer:")
+    (tmp_path / "changerless.yaml").write_text(text[:changer] + text[text.index("interlocks:") :])
+    program = [sys.executable, str(Path(__file__).with_name("run.py")), *arguments]
+    run = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert said in run.stderr
+    assert "Traceback" not in run.stderr
 
 
 def test_every_cell_is_there_once_and_enough_are_told_in_five_minutes(description: Description) -> None:
