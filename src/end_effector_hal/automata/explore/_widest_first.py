@@ -16,7 +16,8 @@ class WidestFirst(Search):
     """Finds the same states as :class:`Search`, not by the shortest runs, and does not keep the runs.
 
     Where none of the clocks runs yet comes before all else: it leads to where they do. Where time stands still comes
-    before where it passes: what is reached there by many ways is then followed once.
+    before where it passes: what is reached there by many ways is then followed once. A discrete state that is met again
+    waits until all new ones are followed: what overtakes it may be overtaken itself.
 
     Args:
         space: as for :class:`Search`.
@@ -27,8 +28,9 @@ class WidestFirst(Search):
     def __init__(self, space: SymbolicSpace, clocks: Sequence[int], told: Told | None = None) -> None:
         super().__init__(space, told)
         self._clocks = tuple(clocks)
-        self._heap: list[tuple[int, bool, int, Node]] = []
+        self._heap: list[tuple[bool, int, bool, int, Node]] = []
         self._still: deque[Node] = deque()
+        self._again = False
         self._uppers: dict[Form, list[int]] = {}
 
     def _put(self, node: Node) -> None:
@@ -39,7 +41,8 @@ class WidestFirst(Search):
             self._uppers[form] = uppers
         if uppers:
             zone = node.zone
-            heappush(self._heap, (-max([zone[at] for at in uppers]), form.delays, self.states, node))
+            widest = max([zone[at] for at in uppers])
+            heappush(self._heap, (self._again, -widest, form.delays, self.states, node))
         elif form.delays:
             self._waiting.append(node)
         else:
@@ -53,4 +56,5 @@ class WidestFirst(Search):
         return heappop(self._heap)[-1] if self._heap else None
 
     def _found(self, place: Place, zone: Zone, parent: Node | None, move: Move | None) -> Node:
+        self._again = bool(place.passed)
         return super()._found(place, zone, None, None)
