@@ -6,8 +6,10 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import pytest
 from patience import PATIENCE_S, wait_until
 from tests.declared import declared
 
+from end_effector_hal.control import Status
 from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.tool import EndEffector
@@ -154,3 +157,32 @@ def test_the_death_of_the_program_releases_what_is_declared_and_no_more(tmp_path
             assert levels(world) == left
             wait_until("a Drop", lambda: tool.drop().succeeded)
             assert levels(world) == NONE_ACTIVE
+
+
+def test_no_status_is_told_after_the_one_that_follows_it(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tool changer moves while the gripping goes on, in another thread."""
+    with EndEffector.open(world.description) as tool:
+        tool.wait_ready(30.0)
+        told: list[int] = []
+        merged, reads, goes_on = tool._merged, threading.Event(), threading.Event()
+
+        def slowly(status: Status, at: int) -> Status:
+            state = merged(status, at)
+            if threading.current_thread().name == "late":
+                reads.set()
+                goes_on.wait(0.5)
+            return state
+
+        monkeypatch.setattr(tool, "_merged", slowly)
+        tool.subscribe(lambda status: told.append(status.ee))
+        late = threading.Thread(name="late", target=tool._changer_moved, args=(tool._change.status,))
+        late.start()
+        assert reads.wait(PATIENCE_S)
+        newer = replace(tool._grip.status, ee=EndEffectorState.GRIPPED)
+        tool._grip._newest.tell(newer)
+        tool._gripper_moved(newer)
+        goes_on.set()
+        late.join()
+        assert told[:2] == [EndEffectorState.STAND_BY, EndEffectorState.GRIPPED]

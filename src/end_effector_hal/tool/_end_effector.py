@@ -237,16 +237,18 @@ class EndEffector:
 
     def _gripper_moved(self, status: Status) -> None:
         self._change.tell(ee=status.ee)
-        self._publish(self._merged(status, status.at))
+        with self._lock:
+            self._publish(self._merged(status, status.at))
 
     def _changer_moved(self, status: Status) -> None:
         self._grip.tell(unlock_valve=int(status.unlock_output))
-        self._publish(self._merged(self._grip.status, status.at))
+        with self._lock:
+            # read under the lock: a status of the gripping must not be told after the one that follows it
+            self._publish(self._merged(self._grip.status, status.at))
 
     def _publish(self, status: Status) -> None:
-        with self._lock:
-            for listener in self._listeners:
-                listener(status)
+        for listener in self._listeners:
+            listener(status)
 
     def _frame_came(self, frame: Frame) -> None:
         self._witness.frame(frame)
