@@ -109,6 +109,18 @@ def test_cancel_while_gripping_unwinds(description: Description) -> None:
     assert released == [TOP, CYLINDER, BOTTOM][-len(released) :]
 
 
+@pytest.mark.parametrize("late_ms", range(5, 105, 10))
+def test_a_cancel_just_after_an_activation_ends_in_stand_by(description: Description, late_ms: int) -> None:
+    """Its feedback may come when the actuator is inactive again, and was taken for gone."""
+    tool = ready(description)
+    tool.command("grip")
+    tool.run(0.4 + late_ms / 1000)
+    assert [line for _, line, active in tool.edges if active] == [BOTTOM, CYLINDER]
+    assert tool.command("cancel").accepted
+    tool.run(2.5)
+    assert (tool.status.ee, tool.status.cause) == (STAND_BY, Cause.CANCELLED)
+
+
 def test_cancel_while_gripped_or_releasing_changes_nothing(description: Description) -> None:
     tool = gripped(description)
     answer = tool.command("cancel")
@@ -202,6 +214,10 @@ def test_release_error_is_latched_until_a_drop_succeeds(description: Description
     assert not any(tool.levels.values())  # nothing is left on
     assert not tool.command("grip").accepted
     assert tool.command("drop").accepted
+    assert tool.status.ee == RELEASING  # it may be gone in its time
+    tool.run(1.9)
+    assert tool.status.ee == RELEASING
+    tool.run(0.2)
     assert tool.status.ee == RELEASE_ERROR
     tool.bench.choose("nominal", tool.at)
     tool.run(2.0)
