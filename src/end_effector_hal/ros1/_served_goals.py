@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+import rospy
 from end_effector_msgs.msg import EndEffectorFeedback, EndEffectorResult, Outcome, State
 
 from end_effector_hal.trace import Command
@@ -126,11 +128,15 @@ class ServedGoals:
 
     @staticmethod
     def _answer(running: _Running, end: Callable[[Any, str], None], result: Any, reason: str) -> None:
+        def say() -> None:
+            with suppress(rospy.ROSException):  # the node has ended meanwhile, and its topics are closed
+                end(result, reason)
+
         early_s = _ANSWER_AFTER_S - (now_us() - running.begun_us) / 1e6
         if early_s > 0.0:
-            threading.Timer(early_s, end, (result, reason)).start()
+            threading.Timer(early_s, say).start()
         else:
-            end(result, reason)
+            say()
 
     def _on_cancel(self, handle: Any) -> None:
         running = self._running
