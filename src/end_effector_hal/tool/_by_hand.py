@@ -31,7 +31,7 @@ def drive(
 
 
 def proof(
-    newest: Newest, description: Description, name: str, *, active: bool, timeout_s: float | None = None
+    newest: Newest, description: Description, name: str, timeout_s: float | None, *, active: bool
 ) -> Answer:
     """Wait for it, by default as long as the actuator has in a grip or a release."""
     actuator, index = description.actuators[name], description.sequence.index(name)

@@ -117,9 +117,7 @@ class Unit:
             return answer, [self._controller.status()] if answer.accepted else []
 
         answer = self._ask(question, waits=True)
-        proven = answer.accepted and proof(
-            self._newest, self._description, name, active=active, timeout_s=timeout_s
-        )
+        proven = answer.accepted and proof(self._newest, self._description, name, timeout_s, active=active)
         return proven or answer
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
