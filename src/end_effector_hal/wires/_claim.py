@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import LineBusyError, WireError
@@ -41,8 +42,9 @@ class Claim:
                 where=str(path),
                 todo="Stop that process, or wait for its end.",
             ) from error
-        os.ftruncate(self._fd, 0)
-        os.pwrite(self._fd, f"pid {os.getpid()} ({program_name()})\n".encode(), 0)
+        with suppress(OSError):  # for people only: a full disk is no reason not to have it
+            os.ftruncate(self._fd, 0)
+            os.pwrite(self._fd, f"pid {os.getpid()} ({program_name()})\n".encode(), 0)
 
     @property
     def fd(self) -> int:

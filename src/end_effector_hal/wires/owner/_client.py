@@ -177,9 +177,7 @@ class OwnerClient:
         self._ended.set()
         try:
             if self._lines:
-                with self._lock:
-                    # Whatever was lost before: without a bye the owner would take this for a death.
-                    self._request("bye", will=[step.as_json() for step in steps])
+                self._say_bye(steps)
         except EndEffectorError:
             if steps:
                 raise
@@ -196,6 +194,18 @@ class OwnerClient:
             # No bye: an application that fails is dead, its will counts.
             self._ended.set()
             self._abandon()
+
+    def _say_bye(self, will: Will) -> None:
+        """Also to an owner that has followed the one it knew: without a bye that would take this for a death."""
+        fields = {"will": [step.as_json() for step in will]}
+        with self._lock:
+            was_connected = self._owner.connected
+            try:
+                self._request("bye", **fields)
+            except OwnerError:
+                if not was_connected:
+                    raise
+                self._request("bye", **fields)
 
     def _abandon(self) -> None:
         if self._thread.is_alive() and self._thread is not threading.current_thread():

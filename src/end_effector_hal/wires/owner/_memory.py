@@ -37,14 +37,20 @@ class Memory:
         faults: sentences by name, latched until a reset.
         clients: those that write lines, and those whose will runs.
         clean: the owner ended in order.
+        levels: of the lines; a line that is not in here is not compared with what is found.
+        dead: names and tokens of clients that were declared dead and have not come back.
+        doubt: why the wills of these clients must not be executed, a clause; empty: they may.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
     clients: tuple[Bequest, ...] = ()
     clean: bool = True
+    levels: Mapping[str, bool] = field(default_factory=dict)
+    dead: tuple[tuple[str, str], ...] = ()
+    doubt: str = ""
 
     def as_json(self) -> dict[str, object]:
-        """As it stands in the journal."""
+        """As it stands in the record of the sessions, without the doubt: that is found in reading."""
         return {
             "faults": dict(self.faults),
             "clients": [
@@ -52,6 +58,8 @@ class Memory:
                 for each in self.clients
             ],
             "clean": self.clean,
+            "levels": dict(self.levels),
+            "dead": self.dead,
         }
 
 
@@ -63,16 +71,27 @@ def read_memory(given: Any) -> Memory:
     """
     try:
         clients = tuple(_read_client(*client) for client in given["clients"])
-        faults = {str(name): str(why) for name, why in given["faults"].items()}
-        return Memory(faults, clients, bool(given["clean"]))
+        levels = {str(line): level is True for line, level in given["levels"].items()}
+        dead = tuple((str(client), str(token)) for client, token in given["dead"])
+        return Memory(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is no memory of a line owner: {error}.") from error
 
 
+def read_faults(given: Any) -> dict[str, str]:
+    """Sentences by name, from JSON.
+
+    Raises:
+        UsageError: it is no such object.
+    """
+    if not isinstance(given, dict):
+        raise UsageError("faults is an object of sentences by name.")
+    return {str(name): str(why) for name, why in given.items()}
+
+
 def _read_client(
-    client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object = 0
+    client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object
 ) -> Bequest:
-    """An owner before this version wrote the pid in the place of the token: such a client cannot come back."""
     known = token if is_token(token) else ""
     number = pid if type(pid) is int else 0
     return Bequest(str(client), known, tuple(map(str, lines)), read_will(will), bool(ended), number)

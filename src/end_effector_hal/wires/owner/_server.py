@@ -7,6 +7,7 @@ import os
 import selectors
 import socket
 import struct
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from end_effector_hal.errors import EndEffectorError, OwnerError, UsageError, Wi
 from end_effector_hal.wires._claim import Claim, program_name
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.lines import LineBackend
-from end_effector_hal.wires.owner._journal import Journal
+from end_effector_hal.wires.owner._journal import Journal, JournalThread
 from end_effector_hal.wires.owner._keeper import Keeper
 from end_effector_hal.wires.owner._policy import Policy
 from end_effector_hal.wires.owner._protocol import (
@@ -24,12 +25,21 @@ from end_effector_hal.wires.owner._protocol import (
     read_request,
     write_message,
 )
+from end_effector_hal.wires.owner._recall import recall
 from end_effector_hal.wires.owner._report import report
 from end_effector_hal.wires.owner._session import Session, WillRunsError
+from end_effector_hal.wires.owner._session_record import SessionRecord, this_boot
 from end_effector_hal.wires.owner._socket import listen, no_socket
+from end_effector_hal.wires.owner._storage import FileStorage
 
 _log = logging.getLogger("end_effector_hal.owner")
 MOST_CLIENTS = 64
+NO_RECORD = (
+    "The record of the sessions cannot be kept ({}): if the line owner dies, no last will is executed."
+)
+NO_JOURNAL = (
+    "The journal of the line owner cannot be written ({}): a loss of power would clear latched faults."
+)
 
 
 class _Connection:
@@ -48,7 +58,8 @@ class LineOwner:
         backend: not requested yet.
         socket_path: Unix socket (mode 0660); its directory is made, that of a dead owner replaced.
         policy: lines and interlocks.
-        journal: file in which it remembers what the next one must know; None: it does not.
+        journal: file that keeps latched faults through a loss of power; None: none does. What the next owner must
+            know of the clients stands beside the socket.
         group: whose members may open the socket; default: that of the process.
 
     Raises:
@@ -79,12 +90,15 @@ class LineOwner:
                 raise
             raise no_socket(self._path, error) from error
         try:
-            self._journal = Journal(journal)
-            before = self._journal.before
-            self._keeper = Keeper(backend, policy, now_us(), before)
-            if not before.clean:
+            boot = this_boot()
+            self._record = SessionRecord(FileStorage(Path(f"{self._path}.sessions"), durable=False), boot)
+            self._journal = JournalThread(Journal(_storage(journal), boot, now_us))
+            before = recall(self._record.read(), self._journal.read())
+            self._unclean = not before.clean
+            if self._unclean:
                 _log.warning("the line owner before this one did not end in order")
-            self._journal.keep(self._keeper.memory)
+            self._keeper = Keeper(backend, policy, now_us(), before, self._record.begin)
+            self._keep()
             self._listener = listen(self._path, group)
         except BaseException:
             backend.close()
@@ -107,7 +121,29 @@ class LineOwner:
                 self._serve(0)
                 self._end_leases(at)
             self._keeper.advance(now_us())
-            self._journal.keep(self._keeper.memory)
+            self._keep()
+
+    def _keep(self) -> None:
+        """What the next owner must know; trouble with it is a latched fault."""
+        if late := self._journal.late():
+            for name, why in late.faults.items():
+                self._keeper.sensed.latch(name, why)
+        for name, why in self._troubles().items():
+            self._keeper.sensed.latch(name, why)
+        memory = self._keeper.memory
+        self._record.keep(memory)
+        self._journal.keep(memory.faults)
+
+    def _troubles(self) -> dict[str, str]:
+        """What cannot be kept just now, as faults: sentences by name."""
+        return {
+            name: sentence.format(why)
+            for name, sentence, why in (
+                ("session record", NO_RECORD, self._record.trouble),
+                ("journal", NO_JOURNAL, self._journal.trouble),
+            )
+            if why
+        }
 
     def _serve(self, wait_s: float | None) -> None:
         # What the sensors say comes first: it was sent before any write that follows from it.
@@ -145,8 +181,11 @@ class LineOwner:
                 key.data.sock.close()
         self._listener.close()
         self._path.unlink(missing_ok=True)
+        memory = replace(self._keeper.memory, clean=True)
+        self._record.keep(memory)
         self._backend.close()
-        self._journal.close()
+        self._record.close()
+        self._journal.close(memory.faults)
         self._claim.release()
         self._close_ends()
 
@@ -200,7 +239,7 @@ class LineOwner:
             number = message.get("id")
             request = read_request(message)
             more = self._do(connection, request)
-            self._journal.keep(self._keeper.memory)  # before anybody is told
+            self._keep()  # before anybody is told
             if request.op == "tell" and number is None:
                 return None
         except EndEffectorError as error:
@@ -216,7 +255,7 @@ class LineOwner:
             return {
                 "status": {
                     "pid": os.getpid(),
-                    "unclean": not self._journal.before.clean,
+                    "unclean": self._unclean,
                     **report(keeper, at),
                 }
             }
@@ -229,7 +268,7 @@ class LineOwner:
             keeper.sensed.latch(request.fault, request.why)
             return {}
         if request.op == "reset":
-            keeper.reset(at)
+            keeper.reset(at, self._troubles())
             return {}
         if request.op == "hello":
             if session:
@@ -278,6 +317,10 @@ class LineOwner:
                 error = OwnerError("the lease ended: this client was not heard of, its will is executed.")
                 self._send(key.data, _error(None, error))
                 self._drop(key.data, "its lease ended")
+
+
+def _storage(journal: str | Path | None) -> FileStorage | None:
+    return FileStorage(Path(journal), durable=True) if journal else None
 
 
 def _writes(ready: tuple[selectors.SelectorKey, int]) -> bool:
