@@ -11,12 +11,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from zlib import crc32
 
 import pytest
-from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, POLICY, SENSING, TOP, UNLOCK, Lines, S
+from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, OTHER, POLICY, SENSING, TOKEN, TOP, UNLOCK, Lines, S
 from patience import PATIENCE_S
 
-from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.errors import LineBusyError, LineRefusedError
 from end_effector_hal.wires.owner import Keeper, WillStep
 from end_effector_hal.wires.owner import _journal as module
 from end_effector_hal.wires.owner._journal import Journal, read_journal
@@ -24,7 +25,7 @@ from end_effector_hal.wires.owner._memory import Bequest, Memory
 from end_effector_hal.wires.owner._session import WillRunsError
 
 UNWIND = (WillStep(TOP), WillStep(BOTTOM, after_us=2 * S))
-GRIPPING = Bequest("grip", 7, GRIP, UNWIND, ended=False)
+GRIPPING = Bequest("grip", TOKEN, GRIP, UNWIND, ended=False, pid=7)
 E_STOP = {"closed": "IL-13: the e-stop was opened."}
 # one after the other, as an owner lives: faults come and go, wills change, it ends
 LIFE = [
@@ -209,7 +210,7 @@ def keeper(*clients: Bequest, faults: dict[str, str] | None = None, **active: bo
 
 def test_a_client_that_comes_back_goes_on() -> None:
     new, lines = keeper(GRIPPING, bottom=True, top=True)
-    session = new.hello("grip", 7, GRIP, UNWIND, 500 * MS)
+    session = new.hello("grip", TOKEN, GRIP, UNWIND, 500 * MS)
     new.expire(1 * S)
     assert new.sessions == [session]
     assert lines.written == []
@@ -232,10 +233,40 @@ def test_a_client_that_does_not_come_back_is_dead_and_its_will_is_done() -> None
 def test_a_client_that_was_started_again_meanwhile_finds_the_will_executed() -> None:
     new, _ = keeper(GRIPPING, bottom=True, top=True)
     with pytest.raises(WillRunsError, match="the will of grip is being executed"):
-        new.hello("grip", 8, GRIP, (), 100 * MS)
+        new.hello("grip", OTHER, GRIP, (), 100 * MS)
     new.advance(2_100 * MS)
     assert not new.levels[BOTTOM]
-    new.hello("grip", 8, GRIP, (), 2_100 * MS)
+    new.hello("grip", OTHER, GRIP, (), 2_100 * MS)
+
+
+def test_a_pid_does_not_tell_who_comes_back() -> None:
+    """In PID namespaces of their own, as in containers, all clients have pid 0."""
+    new, _ = keeper(GRIPPING._replace(pid=0), bottom=True, top=True)
+    with pytest.raises(WillRunsError, match="the will of grip is being executed"):
+        new.hello("grip", OTHER, GRIP, (), 100 * MS, pid=0)
+    new.advance(2_100 * MS)
+    assert new.levels == dict.fromkeys(LINES, False)
+    session = new.hello("grip", OTHER, GRIP, UNWIND, 2_100 * MS, pid=0)
+    assert not session.overtaken
+    with pytest.raises(LineBusyError, match=r"belongs to grip \(in another container\)"):
+        new.hello("other", TOKEN, GRIP, (), 2_100 * MS, pid=0)
+
+
+def test_a_client_that_was_written_down_with_its_pid_alone_cannot_come_back(tmp_path: Path) -> None:
+    """As the version before this one did."""
+    text = b'{"faults":{},"clients":[["grip",7,["bottom"],[{"line":"bottom"}],false]],"clean":false}'
+    (tmp_path / "journal").write_bytes(b"%08x %s\n" % (crc32(text), text))
+    (old,) = read_journal(tmp_path / "journal").clients
+    assert old == Bequest("grip", "", ("bottom",), (WillStep(BOTTOM),), ended=False)
+    for token in (OTHER, "7"):
+        new, _ = keeper(old, bottom=True)
+        new.hello("changer", token, (UNLOCK,), (), 100 * MS)
+        assert new.levels[BOTTOM]
+        session = new.hello("grip", token, GRIP, (), 100 * MS)
+        assert not new.levels[BOTTOM], (
+            "its will was executed, as that of any program that another one follows"
+        )
+        assert not session.overtaken
 
 
 def test_what_was_held_stays_held_through_the_death_of_both() -> None:
@@ -243,19 +274,21 @@ def test_what_was_held_stays_held_through_the_death_of_both() -> None:
     new.expire(10 * S)
     new.advance(10 * S)
     assert lines.written == []
-    assert new.hello("grip", 8, GRIP, (), 10 * S)
+    assert new.hello("grip", OTHER, GRIP, (), 10 * S)
 
 
 def test_a_will_that_was_being_executed_is_executed_to_its_end() -> None:
     new, _ = keeper(GRIPPING._replace(ended=True), bottom=True)
     with pytest.raises(WillRunsError):
-        new.hello("grip", 7, GRIP, (), 0)
+        new.hello("grip", TOKEN, GRIP, (), 0)
     new.advance(2 * S)
     assert new.levels == dict.fromkeys(LINES, False)
 
 
 def test_lines_that_this_owner_has_not_are_forgotten() -> None:
-    elsewhere = Bequest("grip", 7, ("elsewhere", TOP), (WillStep("elsewhere"), WillStep(TOP)), ended=False)
+    elsewhere = Bequest(
+        "grip", TOKEN, ("elsewhere", TOP), (WillStep("elsewhere"), WillStep(TOP)), ended=False
+    )
     new, lines = keeper(elsewhere, top=True)
     new.expire(1 * S)
     new.advance(1 * S)
@@ -265,7 +298,7 @@ def test_lines_that_this_owner_has_not_are_forgotten() -> None:
 def test_faults_stay_latched_through_a_restart() -> None:
     new = Keeper(Lines(), SENSING, 0, Memory(E_STOP))
     new.sensed.tell({"free": True, "locked": True, "closed": True}, 0, 0)
-    session = new.hello("grip", 7, GRIP, (), 0)
+    session = new.hello("grip", TOKEN, GRIP, (), 0)
     with pytest.raises(LineRefusedError, match="the e-stop was opened; reset the faults first"):
         new.write(session, {BOTTOM: True}, None, 0)
     assert new.memory.faults == E_STOP
@@ -276,24 +309,23 @@ def test_faults_stay_latched_through_a_restart() -> None:
 
 def test_the_memory_is_what_the_next_one_needs() -> None:
     first = Keeper(Lines(), POLICY, 0)
-    session = first.hello("grip", 7, GRIP, (), 100 * MS)
+    session = first.hello("grip", TOKEN, GRIP, (), 100 * MS)
     first.write(session, {BOTTOM: True}, UNWIND, 100 * MS)
-    changer = first.hello("changer", 9, (UNLOCK,), (), 100 * MS)
+    changer = first.hello("changer", OTHER, (UNLOCK,), (), 100 * MS)
+    left = Bequest("grip", TOKEN, tuple(sorted(GRIP)), UNWIND, ended=False)
     assert first.memory == Memory(
-        {}, (Bequest("grip", 7, tuple(sorted(GRIP)), UNWIND, False), Bequest("changer", 9, (UNLOCK,), (), False)),
-        clean=False,
-    )  # fmt: skip
+        {}, (left, Bequest("changer", OTHER, (UNLOCK,), (), ended=False)), clean=False
+    )
     first.bye(changer, (), 200 * MS)
     first.dead(session, "killed", 200 * MS)
-    (left,) = first.memory.clients
-    assert (left.client, left.ended, left.will) == ("grip", True, UNWIND)
+    assert first.memory.clients == (left._replace(ended=True),)
     first.advance(9 * S)
     assert first.memory == Memory(clean=False)
 
 
 def test_il_03_is_told_until_a_reset_also_after_a_restart() -> None:
     first = Keeper(Lines(), POLICY, 0)
-    changer = first.hello("changer", 9, (UNLOCK,), (), 100 * MS)
+    changer = first.hello("changer", OTHER, (UNLOCK,), (), 100 * MS)
     first.write(changer, {UNLOCK: True}, None, 100 * MS)
     first.advance(100 * MS + 3 * S)
     faults = first.memory.faults
@@ -302,7 +334,7 @@ def test_il_03_is_told_until_a_reset_also_after_a_restart() -> None:
     }
     second = Keeper(Lines(), POLICY, 0, Memory(faults))
     assert second.memory.faults == faults
-    changer = second.hello("changer", 9, (UNLOCK,), (), 100 * MS)
+    changer = second.hello("changer", OTHER, (UNLOCK,), (), 100 * MS)
     second.write(changer, {UNLOCK: True}, None, 100 * MS)
     second.reset(200 * MS)
     assert second.memory.faults == {}

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, POLICY, SENSING, TOP, UNLOCK, Lines, S
+from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, POLICY, SENSING, TOKEN, TOP, UNLOCK, Lines, S
 
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.wires.owner import Exclusion, Keeper, Policy, WillStep
@@ -24,7 +24,7 @@ class Owner:
         self.changer = self.hello("changer", (UNLOCK,))
 
     def hello(self, client, lines, will=()):
-        session = self.keeper.hello(client, 7, lines, will, self.now)
+        session = self.keeper.hello(client, TOKEN, lines, will, self.now, pid=7)
         self.alive.append(session)
         return session
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from end_effector_hal.errors import EndEffectorError, OwnerError
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.owner._conversation import Conversation, WillStillRunsError
+from end_effector_hal.wires.owner._token import make_token
 from end_effector_hal.wires.will import Will, WillStep, read_will
 
 _log = logging.getLogger("end_effector_hal.owner")
@@ -56,7 +57,7 @@ class OwnerClient:
         timeout_s: float = 1.0,
         patience_s: float = 5.0,
     ) -> None:
-        self._client, self._lines = client, list(lines)
+        self._client, self._token, self._lines = client, make_token(), list(lines)
         self._will: Will = read_will(will)
         self._timeout_s = timeout_s
         self._alive: Callable[[], bool] = lambda: True
@@ -276,9 +277,8 @@ class OwnerClient:
         if self._lines:
             try:
                 will = [step.as_json() for step in self._will]
-                said = self._owner.exchange(
-                    "hello", {"client": self._client, "lines": self._lines, "will": will}
-                )
+                named = {"client": self._client, "token": self._token}
+                said = self._owner.exchange("hello", {**named, "lines": self._lines, "will": will})
                 self._overtaken = self._overtaken or bool(said.get("overtaken"))
             except EndEffectorError:
                 self._owner.close()

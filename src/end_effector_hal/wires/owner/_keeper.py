@@ -37,7 +37,7 @@ class Keeper:
         self.sensed = Sensed(needs, policy.fresh_us, memory.faults)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
-        self._dead: deque[tuple[str, int]] = deque(maxlen=100)
+        self._dead: deque[tuple[str, str]] = deque(maxlen=100)
         self._backend = backend
         self.levels = backend.request(list(policy.lines))
         self._changed = dict.fromkeys(policy.lines, at)
@@ -52,7 +52,7 @@ class Keeper:
     def memory(self) -> Memory:
         """What the owner after this one must know."""
         clients = (
-            Bequest(each.client, each.pid, tuple(sorted(each.lines)), each.will, each.ended)
+            Bequest(each.client, each.token, tuple(sorted(each.lines)), each.will, each.ended, each.pid)
             for each in self.sessions
         )
         return Memory(dict(self.sensed.faults), tuple(clients), clean=False)
@@ -60,9 +60,19 @@ class Keeper:
     # What clients ask for
 
     def hello(
-        self, client: str, pid: int, lines: Sequence[str], will: Will, at: int, program: str = ""
+        self,
+        client: str,
+        token: str,
+        lines: Sequence[str],
+        will: Will,
+        at: int,
+        *,
+        pid: int = 0,
+        program: str = "",
     ) -> Session:
-        """A client comes, to write these lines; ``program`` is how its process was called, for the sentences.
+        """A client comes, to write these lines; one with the same name and token has come back.
+
+        ``pid`` and ``program``, how its process was called, are for the sentences only.
 
         Raises:
             UsageError: there is no such line, or the will names another one.
@@ -76,7 +86,7 @@ class Keeper:
                 hint = f" (did you mean {close[0]}?)" if close else ""
                 raise UsageError(f"this owner has no line {line}{hint}; it has {', '.join(self.levels)}.")
         for other in [each for each in self.sessions if each.absent and not each.ended]:
-            if (other.client, other.pid) == (client, pid):
+            if (other.client, other.token) == (client, token):
                 self.sessions.remove(other)
             elif other.client == client or other.lines.intersection(lines):
                 self.dead(other, "it did not come back, another program did", at)
@@ -87,17 +97,16 @@ class Keeper:
             if other.ended:
                 left = max(0, self._end(other) - at)
                 raise WillRunsError(f"the will of {other.client} is being executed.", left)
-            who = f"pid {other.pid}{f', {other.program}' if other.program else ''}"
             raise LineBusyError(
-                f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} ({who}).",
+                f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} ({other.process}).",
                 todo="Stop that process: one program writes a line.",
             )
-        session = Session(client, pid, frozenset(lines), (), at + self.policy.lease_us, program)
+        session = Session(client, token, frozenset(lines), (), at + self.policy.lease_us, pid, program)
         self._bequeath(session, will)
-        session.overtaken = (client, pid) in self._dead
-        self._dead = deque((each for each in self._dead if each != (client, pid)), maxlen=100)
+        session.overtaken = (client, token) in self._dead
+        self._dead = deque((each for each in self._dead if each != (client, token)), maxlen=100)
         self.sessions.append(session)
-        _log.info("%s (pid %d) writes %s", client, pid, ", ".join(lines))
+        _log.info("%s (%s) writes %s", client, session.process, ", ".join(lines))
         return session
 
     def write(self, session: Session, levels: Mapping[str, bool], will: Will | None, at: int) -> int:
@@ -155,7 +164,7 @@ class Keeper:
             Write(due, {name: level for name, level in w.items() if not level}) for due, w in session.queue
         ]
         session.queue = deque(write for write in waiting if write.levels)
-        self._dead.append((session.client, session.pid))
+        self._dead.append((session.client, session.token))
         self._end_session(session, will, at)
 
     def expire(self, at: int) -> list[Session]:
@@ -198,7 +207,9 @@ class Keeper:
         """What an owner before this one knew; lines that this one has not are forgotten."""
         lines = frozenset(bequest.lines).intersection(self.levels)
         will = tuple(step for step in bequest.will if step.line in lines)
-        session = Session(bequest.client, bequest.pid, lines, will, at + self.policy.lease_us, absent=True)
+        session = Session(
+            bequest.client, bequest.token, lines, will, at + self.policy.lease_us, bequest.pid, absent=True
+        )
         self.sessions.append(session)
         if bequest.ended:
             _log.warning("the will of %s is executed anew: %s", session.client, _told(will))

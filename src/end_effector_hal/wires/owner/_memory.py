@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.owner._token import is_token
 from end_effector_hal.wires.will import Will, read_will
 
 
@@ -14,16 +15,18 @@ class Bequest(NamedTuple):
     """What one client has left.
 
     Attributes:
-        client, pid, lines: who, and what it writes.
+        client, token, lines: who, and what it writes; a token that is empty is nobody's.
         will: the one that is valid.
         ended: the client has gone, the will is being executed.
+        pid: for people only; another process may have it meanwhile.
     """
 
     client: str
-    pid: int
+    token: str
     lines: tuple[str, ...]
     will: Will
     ended: bool
+    pid: int = 0
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ class Memory:
         return {
             "faults": dict(self.faults),
             "clients": [
-                [each.client, each.pid, each.lines, [step.as_json() for step in each.will], each.ended]
+                [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid]
                 for each in self.clients
             ],
             "clean": self.clean,
@@ -59,11 +62,17 @@ def read_memory(given: Any) -> Memory:
         UsageError: it is none; perhaps of another version.
     """
     try:
-        clients = tuple(
-            Bequest(str(client), int(pid), tuple(map(str, lines)), read_will(will), bool(ended))
-            for client, pid, lines, will, ended in given["clients"]
-        )
+        clients = tuple(_read_client(*client) for client in given["clients"])
         faults = {str(name): str(why) for name, why in given["faults"].items()}
         return Memory(faults, clients, bool(given["clean"]))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is no memory of a line owner: {error}.") from error
+
+
+def _read_client(
+    client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object = 0
+) -> Bequest:
+    """An owner before this version wrote the pid in the place of the token: such a client cannot come back."""
+    known = token if is_token(token) else ""
+    number = pid if type(pid) is int else 0
+    return Bequest(str(client), known, tuple(map(str, lines)), read_will(will), bool(ended), number)

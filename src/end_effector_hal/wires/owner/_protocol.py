@@ -2,7 +2,8 @@ r"""Messages between the line owner and its clients: a JSON object per line, on 
 
 Requests have ``op``, and an ``id`` that the reply repeats::
 
-    {"id": 1, "op": "hello", "client": "grip", "lines": ["SODIMM_208"], "will": []}
+    {"id": 1, "op": "hello", "client": "grip", "token": "5be0cd191f83d9ab9b05688c2b3e6c1f",
+                           "lines": ["SODIMM_208"], "will": []}
     {"id": 2, "op": "set", "levels": {"SODIMM_208": true},
                            "will": [{"line": "SODIMM_208", "level": false, "after_us": 0}],
                            "until_us": 815000000}
@@ -14,7 +15,11 @@ Requests have ``op``, and an ``id`` that the reply repeats::
     {"id": 7, "op": "latch", "fault": "sensor_fault", "why": "IL-04: both bits of the tool changer are set."}
     {"id": 8, "op": "reset"}
 
-``hello`` names the lines that the client will write; each line has one writing client. It is answered with
+``hello`` names the lines that the client will write; each line has one writing client. ``token`` is 32 random
+digits from 0 to f, made once by the client: only one that says the same name and token again has come back, after
+a lost connection or a restart of the owner; any other is another program, and the will of the one before is
+executed. A pid would not tell them apart: in PID namespaces of their own, as in containers, all are pid 0 to the
+owner. Tokens are shown to nobody. ``hello`` is answered with
 the code EE-402 and ``retry_us`` while the will of the one before is executed: a will runs to its end first,
 so that the next client adopts lines that stand still. ``set`` is atomic, and leaves a will (left out: the one
 before stays valid); an empty will holds. After ``until_us`` (monotonic clock; left out: whenever it comes) it
@@ -44,6 +49,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.owner._token import is_token
 from end_effector_hal.wires.will import Will, read_will
 
 LONGEST = 1 << 16
@@ -57,6 +63,7 @@ class Request(NamedTuple):
     op: str
     id: int | str | None
     client: str = ""
+    token: str = ""
     lines: tuple[str, ...] = ()
     levels: Mapping[str, bool] = {}
     will: Will | None = None
@@ -90,10 +97,13 @@ def read_request(message: dict[str, Any]) -> Request:
     """
     op, number = message.get("op"), message.get("id")
     client, lines, levels = message.get("client", ""), message.get("lines", []), message.get("levels", {})
+    token = message.get("token", "")
     if op not in OPS:
         raise UsageError(f"op is one of {', '.join(OPS)}.")
     if op == "hello" and not (isinstance(client, str) and 0 < len(client) <= 64):
         raise UsageError("client is a name of at most 64 letters.")
+    if op == "hello" and not is_token(token):
+        raise UsageError("token is 32 random digits from 0 to f, the same in each hello of a client.")
     if op == "hello" and not (isinstance(lines, list) and lines and all(isinstance(n, str) for n in lines)):
         raise UsageError("lines is a list of line names.")
     if op == "set" and not (
@@ -110,7 +120,7 @@ def read_request(message: dict[str, Any]) -> Request:
     if op == "latch":
         return _read_latch(message)
     will = None if message.get("will") is None else read_will(message["will"])
-    return Request(op, number, client, tuple(lines) if op == "hello" else (), levels, will, until_us)
+    return Request(op, number, client, token, tuple(lines) if op == "hello" else (), levels, will, until_us)
 
 
 def _read_tell(message: dict[str, Any]) -> Request:

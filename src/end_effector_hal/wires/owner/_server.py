@@ -235,7 +235,10 @@ class LineOwner:
             if session:
                 raise OwnerError(f"{session.client} has said hello already.")
             pid, will = connection.pid, request.will or ()
-            session = keeper.hello(request.client, pid, request.lines, will, at, program_name(pid))
+            program = program_name(pid) if pid else ""
+            session = keeper.hello(
+                request.client, request.token, request.lines, will, at, pid=pid, program=program
+            )
             connection.session = session
             return {"overtaken": session.overtaken}
         if session is None:

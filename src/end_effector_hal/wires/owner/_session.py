@@ -30,17 +30,26 @@ class Write(NamedTuple):
 class Session:
     """One client that writes lines.
 
+    ``token``: by which it is known again when it comes back; empty: it never is. ``pid``: only for people, 0 where
+    the client runs in a PID namespace that the owner does not see, as in another container.
     ``ended``: it has gone, what is queued is still to be done. ``absent``: an owner before this one knew it, and it
     was not heard of since; it has a lease's time to come back. ``overtaken``: it was taken for dead and has come back.
     """
 
     client: str
-    pid: int
+    token: str
     lines: frozenset[str]
     will: Will
     lease_until: int
+    pid: int = 0
     program: str = ""
     ended: bool = False
     absent: bool = False
     overtaken: bool = False
     queue: deque[Write] = field(default_factory=deque)
+
+    @property
+    def process(self) -> str:
+        """Which process it is, for people."""
+        named = f", {self.program}" if self.program else ""
+        return f"pid {self.pid}{named}" if self.pid else "in another container"
