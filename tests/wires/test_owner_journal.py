@@ -346,7 +346,8 @@ OWNER = """
 import sys
 from end_effector_hal.wires import Policy, VirtualLines, serve
 chip, socket, journal, *lines = sys.argv[1:]
-serve(VirtualLines(chip), socket, Policy(lines), journal=journal, on_ready=lambda owner: print("ready", flush=True))
+policy = Policy(lines, faults=["sensor_fault"])
+serve(VirtualLines(chip), socket, policy, journal=journal, on_ready=lambda owner: print("ready", flush=True))
 """
 
 

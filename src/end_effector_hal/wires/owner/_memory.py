@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.wires._text import printable
 from end_effector_hal.wires.owner._token import is_token
 from end_effector_hal.wires.will import Will, read_will
 
@@ -63,7 +64,7 @@ def read_memory(given: Any) -> Memory:
     """
     try:
         clients = tuple(_read_client(*client) for client in given["clients"])
-        faults = {str(name): str(why) for name, why in given["faults"].items()}
+        faults = {printable(str(name)): printable(str(why)) for name, why in given["faults"].items()}
         return Memory(faults, clients, bool(given["clean"]))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is no memory of a line owner: {error}.") from error
@@ -72,7 +73,12 @@ def read_memory(given: Any) -> Memory:
 def _read_client(
     client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object = 0
 ) -> Bequest:
-    """An owner before this version wrote the pid in the place of the token: such a client cannot come back."""
+    """An owner before this version wrote the pid in the place of the token: such a client cannot come back.
+
+    It also took names that cannot be shown.
+    """
     known = token if is_token(token) else ""
     number = pid if type(pid) is int else 0
-    return Bequest(str(client), known, tuple(map(str, lines)), read_will(will), bool(ended), number)
+    return Bequest(
+        printable(str(client)), known, tuple(map(str, lines)), read_will(will), bool(ended), number
+    )
