@@ -20,7 +20,11 @@ def records(path: Path) -> RecordFile:
 
 
 def found(path: Path) -> Found:
-    return records(path).read()
+    kept = records(path)
+    try:
+        return kept.read()
+    finally:
+        kept.close()
 
 
 def test_the_last_one_counts(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import LineBusyError, WireError
+from end_effector_hal.wires._text import printable
 
 
 class Claim:
@@ -35,7 +36,9 @@ class Claim:
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            holder = os.pread(self._fd, 200, 0).decode(errors="replace").strip() or "another process"
+            holder = (
+                printable(os.pread(self._fd, 200, 0).decode(errors="replace").strip()) or "another process"
+            )
             os.close(self._fd)
             raise LineBusyError(
                 f"{what} is held by {holder}.",
@@ -69,4 +72,4 @@ def program_name(pid: int | str = "self") -> str:
         text = text[1:]
     if text[:1] == ["-c"]:  # its code says nothing to people
         text = ["python -c", *text[2:]]
-    return " ".join([Path(text[0]).name, *text[1:3]])[:80] if text else "?"
+    return printable(" ".join([Path(text[0]).name, *text[1:3]]), 80) if text else "?"

@@ -50,7 +50,7 @@ class Keeper:
         memory = memory or Memory()
         needs = [need for needs in policy.needs.values() for need in needs]
         self.policy = policy
-        self.sensed = Sensed(needs, policy.fresh_us, memory.faults)
+        self.sensed = Sensed(needs, policy.fresh_us, memory.faults, policy.faults)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._dead: deque[tuple[str, str]] = deque(memory.dead, maxlen=100)
@@ -158,7 +158,7 @@ class Keeper:
 
     def bye(self, session: Session, will: Will, at: int) -> None:
         """The client leaves in order; ``will`` is executed now, the one left before is void."""
-        self._own(session, {step.line: False for step in will})
+        self._bequeath(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
         self._end_session(session, will, at)
 
@@ -281,6 +281,7 @@ class Keeper:
 
     def _bequeath(self, session: Session, will: Will) -> None:
         self._own(session, {step.line: False for step in will})
+        self.policy.check_will(will)
         session.will = will
 
     def _check_activation(self, line: str, levels: Mapping[str, bool], at: int) -> None:

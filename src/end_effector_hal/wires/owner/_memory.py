@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.wires._text import printable
 from end_effector_hal.wires.owner._token import is_token
 from end_effector_hal.wires.will import Will, read_will
 
@@ -86,7 +87,7 @@ def read_faults(given: Any) -> dict[str, str]:
     """
     if not isinstance(given, dict):
         raise UsageError("faults is an object of sentences by name.")
-    return {str(name): str(why) for name, why in given.items()}
+    return {printable(str(name)): printable(str(why)) for name, why in given.items()}
 
 
 def _read_client(
@@ -94,4 +95,6 @@ def _read_client(
 ) -> Bequest:
     known = token if is_token(token) else ""
     number = pid if type(pid) is int else 0
-    return Bequest(str(client), known, tuple(map(str, lines)), read_will(will), bool(ended), number)
+    return Bequest(
+        printable(str(client)), known, tuple(map(str, lines)), read_will(will), bool(ended), number
+    )

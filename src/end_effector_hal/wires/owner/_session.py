@@ -19,6 +19,12 @@ class WillRunsError(LineBusyError):
         self.retry_us = retry_us
 
 
+def process_words(pid: int, program: str) -> str:
+    """A process for people: its pid and how it was called; pid 0: it runs where the owner does not see it."""
+    named = f", {program}" if program else ""
+    return f"pid {pid}{named}" if pid else "in another container"
+
+
 class Write(NamedTuple):
     """Levels that are applied together, not before ``due``."""
 
@@ -51,5 +57,4 @@ class Session:
     @property
     def process(self) -> str:
         """Which process it is, for people."""
-        named = f", {self.program}" if self.program else ""
-        return f"pid {self.pid}{named}" if self.pid else "in another container"
+        return process_words(self.pid, self.program)
