@@ -228,12 +228,10 @@ class Keeper:
     def _resume(self, memory: Memory, at: int) -> None:
         """What an owner before this one knew; in doubt every client holds."""
         doubt = memory.doubt or self._differing(memory.levels)
-        if doubt:
+        wills = any(bequest.will for bequest in memory.clients)
+        if doubt and (wills or (not memory.clients and any(self.levels.values()))):
             _log.error("no last will of the owner before this one is executed: %s", doubt)
-            if any(bequest.will for bequest in memory.clients) or (
-                not memory.clients and any(self.levels.values())
-            ):
-                self.sensed.latch(DOUBT, f"What was active at the start stays active: {doubt}.")
+            self.sensed.latch(DOUBT, f"What was active at the start stays active: {doubt}.")
         for bequest in memory.clients:
             self._come_back(bequest._replace(will=()) if doubt else bequest, at)
 

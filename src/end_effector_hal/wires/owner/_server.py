@@ -93,15 +93,19 @@ class LineOwner:
     def run(self) -> None:
         """Serve until `stop`; a will that runs is executed to its end, then the lines stay as they are."""
         while not self._is_over():
-            self._serve(self._patience())
-            at = now_us()
-            if any(session.lease_until <= at and not session.ended for session in self._keeper.sessions):
-                # An owner that was stopped for a while reads what came meanwhile first: it kills nobody.
-                self._serve(0)
-                self._end_leases(at)
-            self._end(self._connections.idle(at), f"it said nothing for {IDLE_US // 1_000_000} s")
-            self._keeper.advance(now_us())
-            self._records.keep(self._keeper)
+            self.step(self._patience())
+
+    def step(self, wait_s: float | None) -> None:
+        """One round: what came within ``wait_s`` (None: until something comes), and what is due."""
+        self._serve(wait_s)
+        at = now_us()
+        if any(session.lease_until <= at and not session.ended for session in self._keeper.sessions):
+            # An owner that was stopped for a while reads what came meanwhile first: it kills nobody.
+            self._serve(0)
+            self._end_leases(at)
+        self._end(self._connections.idle(at), f"it said nothing for {IDLE_US // 1_000_000} s")
+        self._keeper.advance(now_us())
+        self._records.keep(self._keeper)
 
     def _serve(self, wait_s: float | None) -> None:
         """One round; what one connection can have done in it is bounded, so that the others keep their leases."""
