@@ -22,7 +22,7 @@ executed once it was given up."""
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """What came back; ``count``: of the status after the acceptance; ``reached``: somebody answered."""
+    """What came back; ``count``: of the status after the acceptance; ``reached``: it was decided there."""
 
     accepted: bool
     reason: str
@@ -62,7 +62,7 @@ class Commander:
             command, until_us, replies = jobs.get()
             fresh = proxy is None
             proxy, reply = self._call(proxy, command, until_us)
-            if not reply.reached and not fresh and now_us() < until_us:
+            if proxy is None and not fresh and now_us() < until_us:
                 # its node was started again since the last call
                 proxy, reply = self._call(None, command, until_us)
             replies.put(reply)
@@ -78,4 +78,4 @@ class Commander:
             if proxy is not None:
                 proxy.close()
             return None, Reply(False, f"The node {self._service.server} cannot be reached.", reached=False)
-        return proxy, Reply(answer.accepted, answer.reason, answer.count)
+        return proxy, Reply(answer.accepted, answer.reason, answer.count, answer.decided)

@@ -25,6 +25,9 @@ from ._witness import Witness
 
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
+_NOT_SEEN = (
+    "The {} program has ended: what became of the command is unknown, what was held by then stays held."
+)
 _MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
 
 
@@ -203,15 +206,17 @@ class EndEffector:
         answer = self._grip.command(command)
         if not answer.accepted:
             return Outcome(False, EndEffectorState(self._grip.status.ee), answer.reason)
-        self._grip.wait(_is_over)
+        over = self._grip.wait(_is_over)
         status = self._grip.status
-        return Outcome(status.ee == wanted, EndEffectorState(status.ee), status.reason, status.steps)
+        state, reason = EndEffectorState(status.ee), status.reason if over else _NOT_SEEN.format("grip")
+        return Outcome(over and status.ee == wanted, state, reason, status.steps)
 
     def _run_change(self, command: str, wanted: ChangerState) -> Outcome:
         answer = self._change.command(command)
         if not answer.accepted:
             return Outcome(False, EndEffectorState(self.status.ee), answer.reason)
-        self._change.wait(lambda status: status.command == Command.NONE)
+        if not self._change.wait(lambda status: status.command == Command.NONE):
+            return Outcome(False, EndEffectorState(self.status.ee), _NOT_SEEN.format("tool_change"))
         status = self._change.status
         reached = ChangerState(status.changer)
         why = (
