@@ -160,9 +160,8 @@ class System:
     def pid_of(self, node: str) -> int:
         """The process of a node."""
         import rosgraph
-        import rosnode
 
-        proxy: Any = xmlrpc.client.ServerProxy(rosnode.get_api_uri(rosgraph.Master("/tests"), node))
+        proxy: Any = xmlrpc.client.ServerProxy(rosgraph.Master("/tests").lookupNode(node))
         return int(proxy.getPid("/tests")[2])
 
     def edges(self) -> list[tuple[str, int]]:

@@ -23,6 +23,9 @@ from ._table import Action
 OPEN, LISTED, LONGEST_ID = 10, 50, 500
 """Goals of one action that may wait for their answer at once, entries of its status list, characters of an id."""
 
+UNREAD = 1000
+"""Results kept for a reader that is slow: each is the last word about its goal."""
+
 ANSWER_AFTER_US = 100_000
 """``SimpleActionClient`` does not know its goal before ``send_goal`` has returned: of an answer that comes sooner it
 hears nothing, and waits for ever."""
@@ -69,13 +72,15 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         self._came: dict[str, int] = {}
         self._ended = ""
 
-    def start(self) -> None:
-        """Begin to listen, without waiting for Nagle: rospy keeps what is said first of a topic."""
+    def initialize(self) -> None:
+        """Begin to listen, without waiting for Nagle."""
+        # rospy keeps one connection per topic: what is said of it first holds for the server's own use
         name = rospy.remap_name(self._name)  # as actionlib does: a remap names the action, not its topics
         for part, kind in (("result", self.ActionResult), ("feedback", self.ActionFeedback)):
-            rospy.Publisher(f"{name}/{part}", kind, tcp_nodelay=True, queue_size=50)
+            rospy.Publisher(f"{name}/{part}", kind, tcp_nodelay=True, queue_size=UNREAD)
         rospy.Subscriber(f"{name}/goal", self.ActionGoal, tcp_nodelay=True)
-        super().start()
+        super().initialize()
+        self.result_pub.impl.set_queue_size(UNREAD)
 
     def close(self, reason: str) -> None:
         """Reject what comes from now on."""
