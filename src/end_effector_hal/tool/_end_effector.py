@@ -26,7 +26,9 @@ from ._witness import Witness
 
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
-ENDED = "The grip program ended before the command was over: what it was about to do is not known here."
+_NOT_SEEN = (
+    "The {} program has ended: what became of the command is unknown, what was held by then stays held."
+)
 _MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
 
 
@@ -229,14 +231,15 @@ class EndEffector:
             return Outcome(False, EndEffectorState(self._grip.status.ee), answer.reason)
         over, status = self._grip.wait(_is_over), self._grip.status
         reached = over and status.ee == wanted
-        reason = status.reason if over else f"{ENDED} {status.reason}".strip()
+        reason = status.reason if over else f"{_NOT_SEEN.format('grip')} {status.reason}".strip()
         return Outcome(reached, EndEffectorState(status.ee), reason, status.steps)
 
     def _run_change(self, command: str, wanted: ChangerState) -> Outcome:
         answer = self._change.command(command)
         if not answer.accepted:
             return Outcome(False, EndEffectorState(self.status.ee), answer.reason)
-        self._change.wait(lambda status: status.command == Command.NONE)
+        if not self._change.wait(lambda status: status.command == Command.NONE):
+            return Outcome(False, EndEffectorState(self.status.ee), _NOT_SEEN.format("tool_change"))
         status = self._change.status
         reached = ChangerState(status.changer)
         why = (

@@ -296,4 +296,4 @@ class Unit:
         if self._newest.ended:
             return Answer(False, f"The {self._program} program has ended.")
         answer = ask(self._relay, question, self._acted, waits=waits)
-        return answer or Answer(False, f"The {self._program} program does not answer.")
+        return answer or Answer(False, f"The {self._program} program does not answer.", decided=False)
