@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 from end_effector_hal.automata import Event
-from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.description import Description, VacuumActuator, used_channels
 from end_effector_hal.trace import display_name
 from end_effector_hal.wires.codecs import Codec
 from end_effector_hal.wires.frame import Frame
 
-from ._constants import channels_of, used_channels
+from ._constants import channels_of
 from ._cylinder_detector import CylinderDetector
 from ._levels import Evidence, ToolEvidence
 from ._link_rules import LinkRules
