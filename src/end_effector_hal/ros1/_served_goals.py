@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -17,6 +18,7 @@ from end_effector_hal.wires import now_us
 from ._action_server import action_server
 from ._commander import Commander
 from ._judgement import is_over, judge
+from ._node import constant_name
 from ._table import ACTIONS, GRIP, GRIP_COMMAND, TOOL_CHANGE, TOOL_CHANGE_COMMAND, Action
 
 _SERVERS = {
@@ -26,6 +28,7 @@ _SERVERS = {
     Command.UNLOCK: TOOL_CHANGE,
 }
 
+_log = logging.getLogger(__name__)
 _ANSWER_AFTER_S = 0.1
 """``SimpleActionClient`` does not know its goal before ``send_goal`` has returned: of an answer that comes sooner it
 hears nothing, and waits for ever."""
@@ -128,6 +131,10 @@ class ServedGoals:
 
     @staticmethod
     def _answer(running: _Running, end: Callable[[Any, str], None], result: Any, reason: str) -> None:
+        _log.info(
+            "%s: %s", running.action.name, f"{constant_name(Outcome(), result.outcome)}. {reason}".rstrip()
+        )
+
         def say() -> None:
             with suppress(rospy.ROSException):  # the node has ended meanwhile, and its topics are closed
                 end(result, reason)
