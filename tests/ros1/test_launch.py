@@ -108,6 +108,14 @@ def test_every_node_needs_a_tool(system: Any) -> None:
         assert "\n" not in said
 
 
+def test_an_argument_that_is_no_parameter_is_a_sentence(system: Any) -> None:
+    tool = f"_description:={system.world.description_path}"
+    child = system.start("bad", "rosrun", "end_effector_hal", "position", "__ns:=bad", tool, "_other:=[1")
+    assert child.wait_for_end(timeout_s=PATIENCE_S) == 2
+    assert child.text().startswith("position: invalid command-line parameters:")
+    assert "Traceback" not in child.text()
+
+
 @pytest.fixture
 def second(system: Any, tmp_path: Path) -> Iterator[World]:
     """Another tool, with hardware of its own."""

@@ -12,7 +12,7 @@ pytest.importorskip("rospy")
 
 from end_effector_hal.errors import RosError
 from end_effector_hal.ros1._logging import BURST, PER_S, Allowance
-from end_effector_hal.ros1._peers import Publishers
+from end_effector_hal.ros1._peers import Publishers, nodes_of
 from end_effector_hal.ros1._strangers import TOLD_FOR_S, Strangers
 
 TRUE, FORGED = "http://127.0.0.1:1/", "http://127.0.0.1:2/"
@@ -112,6 +112,27 @@ def test_the_alarm_ends_with_what_it_is_about_and_the_count_stays() -> None:
     assert graph.strangers.counts() == {"/sensor_frame": 1}
     graph.publishers.admit(message)
     assert len(graph.told) == 2
+
+
+@pytest.mark.parametrize(
+    ("place", "nodes", "known"),
+    [
+        ("/sensor_frame", {}, "/Pressure"),
+        ("/cell/sensor_frame", {}, "/cell/Pressure"),
+        ("/elsewhere/frames", {}, "/mine/Pressure"),
+        ("/cell/sensor_frame", {"Pressure": "/mine/Other"}, "/mine/Other"),
+    ],
+    ids=["the root", "another namespace", "another name", "another node"],
+)
+def test_a_remap_leads_to_the_nodes_there(
+    monkeypatch: pytest.MonkeyPatch, place: str, nodes: dict[str, str], known: str
+) -> None:
+    import rospy
+
+    remapped = {"sensor_frame": place, **nodes}
+    monkeypatch.setattr(rospy, "get_namespace", lambda: "/mine/")
+    monkeypatch.setattr(rospy, "resolve_name", lambda name: remapped.get(name, f"/mine/{name}"))
+    assert nodes_of("sensor_frame", ("Pressure",)) == {known}
 
 
 def test_lines_have_a_bounded_rate_and_what_is_left_out_is_counted() -> None:

@@ -88,6 +88,27 @@ def test_a_forged_status_is_no_state(system: Any, forge: Any) -> None:
     assert dropped(system, "ToolChange", "/grip/state") > 0
 
 
+def test_a_remap_leads_to_the_nodes_in_that_namespace(system: Any) -> None:
+    """A node in a namespace of its own that hears the frames of the root namespace."""
+    import rospy
+    from end_effector_msgs.msg import CylinderPosition
+
+    seen: list[int] = []
+    subscriber = rospy.Subscriber(
+        "/mirror/PositionCylinder", CylinderPosition, lambda message: seen.append(message.position)
+    )
+    child = system.start(
+        "mirror", "rosrun", "end_effector_hal", "position", "__ns:=mirror", "sensor_frame:=/sensor_frame",
+        f"_description:={system.world.description_path}",
+    )  # fmt: skip
+    try:
+        system.until("frames", lambda: CylinderPosition.RETRACTED in seen)
+    finally:
+        subscriber.unregister()
+        child.end()
+    assert "does not count" not in child.text()
+
+
 def test_a_command_that_does_not_come_from_hal_main_is_refused(system: Any) -> None:
     edges = len(system.edges())
     done = system.cli("rosservice", "call", "/grip/command", "{command: 2, until_us: 0}")

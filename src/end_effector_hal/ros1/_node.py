@@ -12,7 +12,7 @@ from typing import Any
 import rospy
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import EndEffectorError, RosError
+from end_effector_hal.errors import EndEffectorError, RosError, UsageError
 from end_effector_hal.wires import be_steady, now_us
 
 from ._at_once import send_at_once
@@ -36,7 +36,7 @@ class Node:
 
     Raises:
         RosError: there is no master, or a node of this name runs already.
-        UsageError: no tool is named, where the node needs one.
+        UsageError: no tool is named, where the node needs one; or an argument is none of a node.
     """
 
     def __init__(self, name: str, argv: Sequence[str]) -> None:
@@ -47,7 +47,10 @@ class Node:
         self._tool = tool_named(argv, private_parameter(full)) if needs_tool else None
         refuse_taken_name(full, str(self._tool or ""))
         send_at_once()
-        rospy.init_node(name, argv=list(argv))
+        try:
+            rospy.init_node(name, argv=list(argv))
+        except rospy.ROSInitException as error:
+            raise UsageError(f"{error}.", todo="Private parameters are given as _name:=value.") from None
         self.name = rospy.get_name().lstrip("/")
         self.log = node_logger(name)
         self.strangers = Strangers(lambda alarm: self.log.warning("%s", alarm), now_us)
