@@ -199,6 +199,7 @@ def test_a_refusal_waits_until_a_simple_client_listens(system: Any) -> None:
 def test_an_answer_after_the_end_of_the_node_is_no_traceback(late_us: int) -> None:
     """Its topics are closed; an exception in a thread of its own fails a test, too."""
     import rospy
+    from end_effector_msgs.msg import EndEffectorResult, Outcome
 
     from end_effector_hal.ros1._served_goals import ServedGoals, _Running
     from end_effector_hal.ros1._table import ACTIONS, GRIP
@@ -210,8 +211,9 @@ def test_an_answer_after_the_end_of_the_node_is_no_traceback(late_us: int) -> No
         raise rospy.ROSException("publish() to a closed topic")
 
     running = _Running(None, ACTIONS[0], GRIP, now_us() - late_us, 0)
-    ServedGoals._answer(running, to_closed_topics, None, "not now")
+    result = EndEffectorResult(outcome=Outcome.REJECTED)
+    ServedGoals._answer(running, to_closed_topics, result, "not now")
     for thread in threading.enumerate():
         if isinstance(thread, threading.Timer):
             thread.join()
-    assert tried == [(None, "not now")]
+    assert tried == [(result, "not now")]
