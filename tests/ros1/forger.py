@@ -48,7 +48,7 @@ def say(text: str) -> None:
 def main(what: str, claim: str) -> None:
     rospy.init_node("forger", disable_signals=True)
     if what == "server":
-        rospy.Service("grip/command", HalCommand, lambda _: HalCommandResponse(True, "", 0))
+        rospy.Service("grip/command", HalCommand, lambda _: HalCommandResponse(accepted=True))
         say("forging")
         threading.Event().wait()
     topic, kind, make, owner = {
