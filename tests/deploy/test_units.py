@@ -140,3 +140,24 @@ def test_the_image_has_a_package_for_every_module_of_ros() -> None:
     # rospkg comes with roslaunch
     wanted = {f"python3-{name.replace('_', '-')}" for name in PACKAGES} - {"python3-rospkg"}
     assert wanted <= set(packages)
+
+
+@pytest.mark.parametrize(
+    ("description", "arguments", "given"),
+    [
+        ("/etc/eehal/my tool.yaml", ["owner"], ["owner", "/etc/eehal/my tool.yaml"]),
+        ("", ["owner", "--profile", "verdin_gripper"], ["owner", "--profile", "verdin_gripper"]),
+        ("", [], ["owner"]),
+    ],
+)
+def test_the_entry_of_the_container_names_no_tool_by_itself(
+    tmp_path: Path, description: str, arguments: list[str], given: list[str]
+) -> None:
+    (tmp_path / "eehal").write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+    (tmp_path / "eehal").chmod(0o755)
+    env = {"PATH": f"{tmp_path}:/usr/bin:/bin", "EEHAL_DESCRIPTION": description}
+    entry = DEPLOY / "container" / "eehal-container"
+    said = subprocess.run(
+        [entry, *arguments], env=env, capture_output=True, text=True, timeout=10, check=True
+    )
+    assert said.stdout.splitlines() == given

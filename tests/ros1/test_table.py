@@ -60,6 +60,17 @@ def test_names_are_relative_and_stand_there_once(tool: Description) -> None:
     assert [name for name in names if name.startswith("/")] == ["/diagnostics"]
 
 
+def test_all_that_a_node_acts_on_has_its_writer(tool: Description) -> None:
+    """Only what the Supervisor was told is open to all: nothing is decided by it."""
+    heard = [topic for topic in topics(tool) if topic.subscribers]
+    assert [topic.name for topic in heard if topic.public] == ["supervisor_commands"]
+    assert all(len(topic.publishers) == 1 for topic in heard)
+    assert {service.name: service.callers for service in services(tool) if service.internal} == {
+        "grip/command": ("HALMain",),
+        "tool_change/command": ("HALMain", "Grip"),
+    }
+
+
 def test_a_tool_without_a_changer_has_none_of_its_names(tool: Description) -> None:
     fixed = tool.model_copy(update={"tool_changer": None})
     assert set_tool_changer(fixed) is None

@@ -68,11 +68,12 @@ def check(path: Path) -> Checked:
     description = examination.description
     if description is None:
         return Checked(None, examination.told)
+    from end_effector_hal.ros1 import name_faults
     from end_effector_hal.tool import load_automata
     from end_effector_hal.wires import fitting
 
     fits = fitting(description)
-    faults = tuple(fault.told(str(path)) for fault in fits.faults)
+    faults = tuple(fault.told(str(path)) for fault in fits.faults) + name_faults(description, str(path))
     if not any(fault.code == "EE-226" for fault in fits.faults):  # without a codec nothing is put together
         try:
             load_automata(description)

@@ -115,7 +115,7 @@ def _nodes(uri: str) -> Finding:
     absent = [name for name in HAL_NODES if name not in called]
     if not absent:
         return _say.ok(f"nodes {', '.join(HAL_NODES)} answer")
-    todo = "roslaunch end_effector_hal end_effector.launch; its output says why a node does not stay."
+    todo = "roslaunch end_effector_hal end_effector.launch description:=FILE; its output says why a node does not stay."
     if len(absent) == len(HAL_NODES):
         return _say.missing("none of the HAL's nodes runs", todo)
     return _say.missing(f"nodes that do not answer: {', '.join(absent)}", todo)

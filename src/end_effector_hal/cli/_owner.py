@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import tool_path
 from end_effector_hal.wires import load_tool
 
 from ._path_name import PathName
@@ -14,6 +14,7 @@ from ._path_name import PathName
 
 @click.command()
 @click.argument("description", type=PathName(), default=None, required=False)
+@click.option("--profile", default="", help="Name of a shipped tool, instead of a description.")
 @click.option("--socket", type=PathName(), help="Unix socket to serve; default: the description's.")
 @click.option(
     "--journal",
@@ -21,8 +22,12 @@ from ._path_name import PathName
     help="Folder that survives a loss of power; default: $STATE_DIRECTORY, else that of the socket.",
 )
 @click.option("--group", help="Whose members may command the lines; default: the group of this process.")
-def command(description: Path | None, socket: Path | None, journal: Path | None, group: str | None) -> None:
+def command(
+    description: Path | None, profile: str, socket: Path | None, journal: Path | None, group: str | None
+) -> None:
     """Own all output lines of a tool (one request) and serve them on a Unix socket.
+
+    The tool is named by its DESCRIPTION or by --profile: none is driven by default.
 
     Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, what it
     left as its will is done. The lines keep their level when the owner ends. Faults, and wills that are not done,
@@ -30,4 +35,5 @@ def command(description: Path | None, socket: Path | None, journal: Path | None,
     """
     from end_effector_hal.tool import run_owner
 
-    run_owner(load_tool(description or profile_path()), socket, journal, group)
+    path = tool_path(description or "", profile, how="DESCRIPTION or --profile NAME")
+    run_owner(load_tool(path), socket, journal, group)

@@ -14,13 +14,13 @@ from ._endings import (
     ProgramEnding,
 )
 from ._examine import Examination, examine, examine_text
-from ._fault import CODES, Fault, did_you_mean
+from ._fault import CODES, Fault, did_you_mean, printable
 from ._fitting import unproven
 from ._load import load
 from ._markdown import markdown
 from ._model import Description, camel_case
 from ._part import NO_CHANNEL, Part
-from ._paths import profile_path, run_directory
+from ._paths import profile_path, run_directory, tool_path
 from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
 from ._schema import schema, schema_path, schema_text
 from ._slow import slow
@@ -66,6 +66,7 @@ __all__ = [
     "load",
     "markdown",
     "not_fitted",
+    "printable",
     "profile_path",
     "run_directory",
     "schema",
@@ -73,6 +74,7 @@ __all__ = [
     "schema_text",
     "slow",
     "socket_path",
+    "tool_path",
     "unproven",
     "used_channels",
 ]

@@ -17,10 +17,33 @@ def profile_path(name: str = "verdin_gripper") -> Path:
         UsageError: no profile has that name.
     """
     path = PROFILES / name / "end_effector.yaml"
-    shipped = sorted(each.parent.name for each in PROFILES.glob("*/end_effector.yaml"))
+    shipped = profile_names()
     if name not in shipped:
         raise UsageError(f"no profile is named {name!r}.", todo=f"Shipped: {', '.join(shipped)}.")
     return path
+
+
+def profile_names() -> list[str]:
+    """The shipped profiles, in the order of the alphabet."""
+    return sorted(each.parent.name for each in PROFILES.glob("*/end_effector.yaml"))
+
+
+def tool_path(description: str | Path, profile: str, *, how: str) -> Path:
+    """The YAML file of the tool that a program is to drive, absolute: no tool is ever taken by default.
+
+    Args:
+        description: path of a file; empty: none is given. A relative one starts at the working directory.
+        profile: name of a shipped one; empty: none is given.
+        how: the way to give one of them, such as ``FILE or --profile NAME``.
+
+    Raises:
+        UsageError: neither or both are given, or no profile has that name.
+    """
+    if bool(str(description)) == bool(profile):
+        what = "Two tools are named" if profile else "No tool is named"
+        shipped = ", ".join(profile_names())
+        raise UsageError(f"{what}: exactly one is driven.", todo=f"Give {how}; shipped profiles: {shipped}.")
+    return profile_path(profile) if profile else Path(description).expanduser().absolute()
 
 
 def run_directory() -> Path:

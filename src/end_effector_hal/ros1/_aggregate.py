@@ -38,12 +38,12 @@ class Aggregate:
         )  # fmt: skip
         self.grip = self.tool_change = nothing
 
-    def message(self, at_us: int, now_us: int, presence: Presence) -> Any:
-        """An EndEffectorState, of a change at ``at_us``."""
+    def message(self, at_us: int, now_us: int, presence: Presence, own: Sequence[str] = ()) -> Any:
+        """An EndEffectorState, of a change at ``at_us``; ``own``: alarms of HALMain itself."""
         gone = presence.gone(now_us)
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
-        alarms = [*grip.alarms, *(alarm for alarm in change.alarms if alarm not in grip.alarms)]
+        alarms = dict.fromkeys((*grip.alarms, *change.alarms, *own))
         absent = [(_SILENT if presence.known(name) else _AWAITED).format(name) for name in gone]
         deadline = grip.deadline_us
         return EndEffectorState(

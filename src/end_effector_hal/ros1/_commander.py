@@ -12,6 +12,7 @@ import rospy
 from end_effector_hal.wires import now_us
 
 from ._node import service_class
+from ._peers import nodes_of
 from ._table import Service
 
 VALID_S, ANSWER_S = 0.5, 4.0
@@ -74,8 +75,17 @@ class Commander:
                     self._service.name, service_class(self._service.type), persistent=True
                 )
             answer = proxy(command, until_us)
+            answered = str(proxy.transport.header.get("callerid", ""))
+            if answered not in nodes_of(self._service.name, (self._service.server,)):
+                return self._lost(
+                    proxy, f"Another node answers for {self._service.server}: {answered[:80]!a}."
+                )
         except (rospy.ServiceException, rospy.ROSException, rospy.exceptions.TransportException, OSError):
-            if proxy is not None:
-                proxy.close()
-            return None, Reply(False, f"The node {self._service.server} cannot be reached.", reached=False)
+            return self._lost(proxy, f"The node {self._service.server} cannot be reached.")
         return proxy, Reply(answer.accepted, answer.reason, answer.count, answer.decided)
+
+    @staticmethod
+    def _lost(proxy: Any, why: str) -> tuple[Any, Reply]:
+        if proxy is not None:
+            proxy.close()
+        return None, Reply(False, why, reached=False)

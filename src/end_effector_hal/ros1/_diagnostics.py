@@ -27,12 +27,20 @@ def diagnose(node: Node, hardware: str, health: Callable[[], Health]) -> None:
     publish = node.publisher(DIAGNOSTICS)
 
     def tick() -> None:
-        now = health()
-        values = [KeyValue(key=key, value=str(value)) for key, value in now.values.items()]
+        now, strangers = health(), node.strangers.alarms()
+        level = max(now.level, WARN) if strangers else now.level
+        counts = {f"dropped, {what}": count for what, count in node.strangers.counts().items()}
+        values = [KeyValue(key=key, value=str(value)) for key, value in {**now.values, **counts}.items()]
+        # the state, and what is made of it, tells them already
+        new = [alarm for alarm in strangers if alarm not in now.message]
         message = DiagnosticArray(
             status=[
                 DiagnosticStatus(
-                    level=now.level, name=node.name, message=now.message, hardware_id=hardware, values=values
+                    level=level,
+                    name=node.name,
+                    message=" ".join((*new, now.message)),
+                    hardware_id=hardware,
+                    values=values,
                 )
             ]
         )

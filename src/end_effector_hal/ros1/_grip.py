@@ -29,7 +29,8 @@ class GripNode:
     """One unit, the three services of its actuators, the reset, and what the tool changer says."""
 
     def __init__(self, node: Node, description: Description) -> None:
-        self._unit = UnitNode(node, description, "grip", GRIP_STATE, GRIP_COMMAND).unit
+        self._node = UnitNode(node, description, "grip", GRIP_STATE, GRIP_COMMAND)
+        self._unit = self._node.unit
         self._unlock: bool | None = None
         self._changer = Commander(TOOL_CHANGE_COMMAND) if description.tool_changer else None
         node.subscribe(TOOL_CHANGE_STATE, self._on_tool_change)
@@ -41,10 +42,12 @@ class GripNode:
     def _reset(self, description: Description) -> Any:
         changer = self._changer.ask(RESET) if self._changer else None  # first: see EndEffector.reset
         answer = reset(description, self._unit)
-        if changer is None or changer.accepted:
-            return TriggerResponse(answer.accepted, answer.reason)
         stays = [] if answer.accepted else [answer.reason]
-        return TriggerResponse(False, " ".join((*stays, changer.reason)))
+        stays += [] if changer is None or changer.accepted else [changer.reason]
+        if not stays:
+            return TriggerResponse(True, answer.reason)
+        self._node.log_refusal("reset", " ".join(stays))
+        return TriggerResponse(False, " ".join(stays))
 
     def _on_tool_change(self, message: Any) -> None:
         if message.unlock_output != self._unlock:
@@ -54,6 +57,8 @@ class GripNode:
     def _setter(self, name: str) -> Callable[[Any], Any]:
         def answer(request: Any) -> Any:
             done = self._unit.set_actuator(name, bool(request.data))
+            if not done.accepted:
+                self._node.log_refusal(f"{name} {'on' if request.data else 'off'}", done.reason)
             return SetBoolResponse(done.accepted, done.reason)
 
         return answer

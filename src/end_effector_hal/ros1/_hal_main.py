@@ -19,6 +19,7 @@ from ._node import Node, stamp
 from ._positions import Positions
 from ._presence import Presence
 from ._served_goals import ServedGoals
+from ._status_lines import transition
 from ._table import (
     END_EFFECTOR_STATE,
     GRIP,
@@ -47,7 +48,7 @@ class HalMainNode:
         self._known: dict[str, tuple[int, int]] = {}
         self._gone: tuple[str, ...] = ()
         self._lock = threading.Lock()
-        self._log = node.log
+        self._log, self._strangers = node.log, node.strangers
         self._publish = node.publisher(END_EFFECTOR_STATE)
         self._at_us = now_us()
         self._state = self._aggregate.message(self._at_us, self._at_us, self._presence)
@@ -90,8 +91,12 @@ class HalMainNode:
         self._gone = self._presence.gone(now)
         if self._gone != before:
             self._at_us = now
-        state = self._aggregate.message(self._at_us, now, self._presence)
+        state = self._aggregate.message(self._at_us, now, self._presence, self._strangers.alarms())
         state.header.stamp = stamp(stamp_us)
+        if state.state != self._state.state:
+            old, new = (TableState(each.state).name for each in (self._state, state))
+            why = next(iter(state.alarms), "") if GRIP in self._gone else state.reason
+            self._log.info("%s", transition(old, new, state.command, why))
         self._state = state
         self._publish(state)
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import http.client
 import os
-import socket
 import threading
 import xmlrpc.client
 from collections.abc import Callable
 from typing import Any
 from urllib.parse import urlsplit
+from xml.parsers.expat import ExpatError
 
 from end_effector_hal.errors import RosError
 
+CALLER = "/end_effector_hal"
 TIMEOUT_S = 2.0
 POLL_S = 1.5
 MISSES = 2
@@ -46,19 +47,49 @@ def master_uri() -> str:
 
 def ask_pid() -> int:
     """The master's process, which tells one from the next; raises RosError when it cannot be reached."""
+    pid = ask_master("getPid")
+    if not isinstance(pid, int):
+        raise RosError(f"What answers at {master_uri()} is no ROS master.")
+    return pid
+
+
+def ask_master(method: str, *arguments: str) -> Any:
+    """What the master answers; None: it knows no such thing. Raises RosError when it cannot be reached."""
     uri = master_uri()
     try:
-        master: Any = xmlrpc.client.ServerProxy(uri, transport=_Transport())
-        code, text, pid = master.getPid("/end_effector_hal")
-    except (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError) as error:
-        why = "it does not answer" if isinstance(error, (socket.timeout, TimeoutError)) else str(error)
+        return _ask(uri, method, *arguments)
+    except (OSError, xmlrpc.client.Error) as error:
+        why = "it does not answer" if isinstance(error, TimeoutError) else str(error)
         raise RosError(
             f"The ROS master at {uri} cannot be reached ({why}).",
             todo="Start roscore, or use roslaunch.",
         ) from None
-    if code != 1 or not isinstance(pid, int):
-        raise RosError(f"What answers at {uri} is no ROS master: {text}.")
-    return pid
+
+
+def ask_node(uri: str, method: str) -> Any:
+    """What a node answers, within 2 s, None: it refuses.
+
+    Raises:
+        TimeoutError: it does not answer.
+        OSError: nobody is there, or it is no node.
+        xmlrpc.client.Fault: it has no such method.
+    """
+    return _ask(uri, method)
+
+
+def _ask(uri: str, method: str, *arguments: str) -> Any:
+    try:
+        proxy = xmlrpc.client.ServerProxy(uri, transport=_Transport())
+        code, _, value = getattr(proxy, method)(CALLER, *arguments)
+    except (
+        http.client.HTTPException,
+        xmlrpc.client.ProtocolError,
+        ExpatError,
+        ValueError,
+        TypeError,
+    ) as error:
+        raise ConnectionError(str(error) or type(error).__name__) from None
+    return value if code == 1 else None
 
 
 class MasterWatch:

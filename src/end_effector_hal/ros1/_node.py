@@ -11,16 +11,21 @@ from typing import Any
 
 import rospy
 
-from end_effector_hal.description import Description, profile_path
-from end_effector_hal.errors import EndEffectorError, RosError
-from end_effector_hal.wires import be_steady, load_tool
+from end_effector_hal.description import Description
+from end_effector_hal.errors import EndEffectorError, RosError, UsageError
+from end_effector_hal.wires import be_steady, now_us
 
 from ._at_once import send_at_once
 from ._encodable import encodable
 from ._logging import node_logger
 from ._master import MasterWatch
+from ._name_faults import load_for_nodes
+from ._name_taken import node_name, refuse_taken_name
+from ._peers import Publishers, caller_of, nodes_of
+from ._strangers import Strangers
 from ._table import DESCRIPTION, Parameter, Service, Topic
 from ._ticker import Ticker
+from ._tool_named import private_parameter, tool_named
 
 LAST_WORDS_S = 0.05
 """For the last messages to leave the queues."""
@@ -31,16 +36,25 @@ class Node:
     """One ROS node. Callbacks of topics and services come in rospy's threads, one thread per connection.
 
     Raises:
-        RosError: there is no master.
+        RosError: there is no master, or a node of this name runs already.
+        UsageError: no tool is named, where the node needs one; or an argument is none of a node.
     """
 
     def __init__(self, name: str, argv: Sequence[str]) -> None:
         self._failed: EndEffectorError | None = None
         self._watch = MasterWatch(lambda why: self.fail(RosError(why)))
+        full = node_name(name)
+        needs_tool = name in DESCRIPTION.nodes
+        self._tool = tool_named(argv, private_parameter(full)) if needs_tool else None
+        refuse_taken_name(full, str(self._tool or ""))
         send_at_once()
-        rospy.init_node(name, argv=list(argv))
+        try:
+            rospy.init_node(name, argv=list(argv))
+        except rospy.ROSInitException as error:
+            raise UsageError(f"{error}.", todo="Private parameters are given as _name:=value.") from None
         self.name = rospy.get_name().lstrip("/")
         self.log = node_logger(name)
+        self.strangers = Strangers(lambda alarm: self.log.warning("%s", alarm), now_us)
         self._ended = threading.Event()
         self._closing = False
         self._closers: list[Callable[[], None]] = []
@@ -49,8 +63,9 @@ class Node:
         rospy.core.add_shutdown_hook(lambda reason: self._ended.set())
 
     def description(self) -> Description:
-        """The tool that ``~description`` names; raises DescriptionError."""
-        return load_tool(self.parameter(DESCRIPTION) or profile_path())
+        """The tool that ``~description`` or ``~profile`` names; raises DescriptionError."""
+        assert self._tool is not None, "the table says which nodes have a description"
+        return load_for_nodes(self._tool)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """A private parameter."""
@@ -78,10 +93,32 @@ class Node:
         return publish
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Have every message of a topic."""
-        rospy.Subscriber(
-            topic.name, message_class(topic.type), callback, queue_size=topic.queue, tcp_nodelay=True
+        """Have every message of a topic that comes from a node that the table names; others are dropped and told."""
+        kind, options = message_class(topic.type), {"queue_size": topic.queue, "tcp_nodelay": True}
+        if topic.public:
+            rospy.Subscriber(topic.name, kind, callback, **options)
+            return
+
+        def admitted(message: Any) -> None:
+            if publishers.admit(message):
+                callback(message)
+
+        # the callback only once it is known whose messages count
+        subscriber = rospy.Subscriber(topic.name, kind, **options)
+        publishers = Publishers(
+            subscriber.resolved_name,
+            nodes_of(topic.name, topic.publishers),
+            self.strangers,
+            lambda: subscriber.impl.connections,
         )
+        subscriber.impl.add_callback(admitted, None)
+
+    def refuse_stranger(self, service: Service, request: Any) -> str:
+        """Why a call of an internal service is refused; empty: it comes from a node that the table names."""
+        caller, known = caller_of(request), nodes_of(service.name, service.callers)
+        if caller in known:
+            return ""
+        return self.strangers.drop(str(rospy.resolve_name(service.name)), caller, " and ".join(sorted(known)))
 
     def serve(self, service: Service, answer: Callable[[Any], Any]) -> None:
         """Answer the calls of a service."""

@@ -44,7 +44,7 @@ class PositionNode:
 
     def __init__(self, node: Node, description: Description) -> None:
         codec = get_codec(description.link.codec)
-        self._kinds = codec.channels
+        self._log, self._kinds = node.log, codec.channels
         self._senses = Senses(description, codec)
         self._lock = threading.Lock()
         order = {name: index for index, name in enumerate(description.sequence)}
@@ -80,9 +80,13 @@ class PositionNode:
         when = stamp(at)
         for output in self._outputs:
             position = output.read(at)
-            if every or self._known.get(output.name) != position:
+            before = self._known.get(output.name)
+            if every or before != position:
                 self._known[output.name] = position
                 message = output.kind(position=position)
+                if (before or 0) != position:
+                    old, new = (constant_name(message, each) for each in (before or 0, position))
+                    self._log.info("%s: %s -> %s", output.name, old, new)
                 message.header.stamp = when
                 output.publish(message)
 

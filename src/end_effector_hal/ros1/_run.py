@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from end_effector_hal.errors import EndEffectorError, RosError
 
@@ -26,13 +26,20 @@ def run(node: str) -> None:
 
 
 def run_line_owner() -> None:
-    """Run the line owner, as ``eehal owner`` does, without the arguments that roslaunch adds."""
-    from end_effector_hal.description import profile_path
+    """Run the line owner as ``eehal owner`` does, with the arguments of a node. It is none: it needs no master."""
     from end_effector_hal.tool import run_owner
     from end_effector_hal.wires import load_tool
 
-    paths = [argument for argument in sys.argv[1:] if ":=" not in argument]
-    sys.exit(_guarded("line_owner", lambda: run_owner(load_tool(paths[0] if paths else profile_path()))))
+    from ._tool_named import tool_named
+
+    sys.exit(_guarded("line_owner", lambda: run_owner(load_tool(tool_named(sys.argv, lambda _: "")))))
+
+
+def check_launch(argv: Sequence[str]) -> int:
+    """What the launch file asks before anything is started; see `_launch_check`. Returns the exit code."""
+    from ._launch_check import launch_check
+
+    return _guarded("end_effector.launch", lambda: launch_check(argv))
 
 
 def _guarded(name: str, body: Callable[[], int | None]) -> int:

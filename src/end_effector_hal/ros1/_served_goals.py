@@ -20,6 +20,7 @@ from ._action_server import OVERTAKEN, GoalServer
 from ._commander import Commander, Reply
 from ._judgement import is_over, judge
 from ._later import Later
+from ._node import constant_name
 from ._table import ACTIONS, GRIP, GRIP_COMMAND, TOOL_CHANGE, TOOL_CHANGE_COMMAND, Action
 
 _SERVERS = {
@@ -146,6 +147,7 @@ class ServedGoals:
                     return  # it was answered at the end
                 self._undecided.remove(goal)
             if recalled:
+                self._say(goal, Outcome.NOT_EXECUTED, OVERTAKEN)
                 goal.handle.set_canceled(self._result(Outcome.NOT_EXECUTED, OVERTAKEN), OVERTAKEN)
             elif running is not None:
                 todo = "Cancel it, or wait" if running.action.command is Command.GRIP else "Wait"
@@ -193,7 +195,11 @@ class ServedGoals:
             if is_over(status):
                 self._end(running, *judge(running.action.command, status))
 
+    def _say(self, goal: _Goal, outcome: int, reason: str) -> None:
+        self._log.info("%s: %s", goal.action.name, f"{constant_name(Outcome(), outcome)}. {reason}".rstrip())
+
     def _refuse(self, goal: _Goal, outcome: int, reason: str) -> None:
+        self._say(goal, outcome, reason)
         goal.handle.set_rejected(self._result(outcome, reason), reason)
 
     def _end(self, running: _Goal, outcome: int, reason: str) -> None:
@@ -205,6 +211,7 @@ class ServedGoals:
         result.seconds = (now_us() - running.came_us) / 1e6
         if running.action.command is Command.GRIP:
             result.steps = self._state().steps
+        self._say(running, outcome, reason)
         ends = {Outcome.SUCCEEDED: handle.set_succeeded, Outcome.CANCELLED: handle.set_canceled}
         ends.get(outcome, handle.set_aborted)(result, reason)
 

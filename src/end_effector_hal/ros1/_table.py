@@ -14,6 +14,9 @@ HAL_MAIN, GRIP, TOOL_CHANGE = "HALMain", "Grip", "ToolChange"
 PRESSURE, POSITION = "Pressure", "Position"
 SUPERVISOR, DATA_LOGGER = "Supervisor", "DataLogger"
 HAL_NODES = (HAL_MAIN, GRIP, TOOL_CHANGE, PRESSURE, POSITION)
+NODES = (*HAL_NODES, SUPERVISOR, DATA_LOGGER, "LineOwner")
+OF_ROS = ("rosout", "rosout_agg", "clock")
+"""Global topics of ROS itself."""
 
 STATE_HZ, DIAGNOSTICS_HZ = 10.0, 1.0
 GONE_AFTER_S = 1.0
@@ -27,12 +30,14 @@ class Topic:
     Attributes:
         name: relative (``/diagnostics`` is global by REP-107).
         type: of its messages.
-        publishers, subscribers: nodes of this package; others are free to subscribe.
+        publishers: nodes of this package. To them nothing counts that another node publishes here.
+        subscribers: nodes of this package; others are free to subscribe.
         on: what it is published on: ``change``, ``frame`` or ``command``; empty: only periodically.
         rate_hz: periodic besides, None: not.
         latched: a new subscriber gets the last message at once (ROS 2: transient local, depth 1).
         queue: messages kept for a slow subscriber; the oldest is dropped.
         internal: between nodes of this package, may change.
+        public: messages of any node count.
     """
 
     name: str
@@ -44,16 +49,22 @@ class Topic:
     latched: bool = False
     queue: int = 10
     internal: bool = False
+    public: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A service and the node that serves it."""
+    """A service, the node that serves it, and the nodes of this package that may call it; empty: anybody may."""
 
     name: str
     type: str
     server: str
-    internal: bool = False
+    callers: tuple[str, ...] = ()
+
+    @property
+    def internal(self) -> bool:
+        """Between nodes of this package, may change."""
+        return bool(self.callers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +84,10 @@ class Parameter:
     name: str
     nodes: tuple[str, ...]
     about: str
+
+
+def _pressure(name: str) -> Topic:
+    return Topic(name, "sensor_msgs/FluidPressure", (PRESSURE,), (HAL_MAIN,), on="frame", queue=10)
 
 
 # A second of changes is kept: nothing of a run is lost when a subscriber stumbles.
@@ -102,21 +117,30 @@ END_EFFECTOR_STATE = Topic(
 )  # fmt: skip
 SUPERVISOR_COMMANDS = Topic(
     "supervisor_commands", "end_effector_msgs/SupervisorCommand", (SUPERVISOR,), (DATA_LOGGER,), on="command",
-    queue=100,
+    queue=100, public=True,
 )  # fmt: skip
 DIAGNOSTICS = Topic(
     "/diagnostics", "diagnostic_msgs/DiagnosticArray", HAL_NODES, on="", rate_hz=DIAGNOSTICS_HZ, queue=10
 )
 
-GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, internal=True)
+GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, (HAL_MAIN,))
 TOOL_CHANGE_COMMAND = Service(
-    "tool_change/command", "end_effector_msgs/HalCommand", TOOL_CHANGE, internal=True
+    "tool_change/command", "end_effector_msgs/HalCommand", TOOL_CHANGE, (HAL_MAIN, GRIP)
 )
+
+PRESSURE_SUPPLY = _pressure("PressureSupply")
+FIXED_TOPICS = (
+    END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
+    POSITION_TOOL_CHANGER, POSITION_TOOL_STAND, PRESSURE_SUPPLY,
+)  # fmt: skip
+"""Topics that are called the same for every tool."""
 
 ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
 RESET = 100
 """A command of the internal services besides those of Table II."""
 RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
+FIXED_SERVICES = (ARM_TOOL_CHANGER, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+"""Services that are called the same for every tool."""
 
 LOCK_TOOL_CHANGER = Action("LockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.LOCK)
 UNLOCK_TOOL_CHANGER = Action("UnlockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.UNLOCK)
@@ -125,8 +149,11 @@ DROP = Action("Drop", "end_effector_msgs/EndEffector", HAL_MAIN, Command.RELEASE
 ACTIONS = (LOCK_TOOL_CHANGER, UNLOCK_TOOL_CHANGER, TRIGGER_GRIP, DROP)
 
 DESCRIPTION = Parameter(
-    "description", (*HAL_NODES, DATA_LOGGER), "path of the YAML file, never its content; default: shipped"
+    "description",
+    (*HAL_NODES, DATA_LOGGER),
+    "path of the YAML file, never its content; required, or a profile",
 )
+PROFILE = Parameter("profile", DESCRIPTION.nodes, "name of a shipped tool, instead of a description")
 SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; grip; wait 2; release; quit`")
 DIRECTORY = Parameter(
     "directory",
@@ -136,7 +163,7 @@ DIRECTORY = Parameter(
 PATIENCE = Parameter(
     "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
 )
-PARAMETERS = (DESCRIPTION, SCRIPT, DIRECTORY, PATIENCE)
+PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE)
 
 
 def pressure_topic(description: Description, actuator: str) -> Topic:
@@ -147,7 +174,7 @@ def pressure_topic(description: Description, actuator: str) -> Topic:
 def pressure_topics(description: Description) -> tuple[tuple[str, Topic], ...]:
     """Channel of the link and its topic: the actuators in sequence order, then the supply."""
     own = ((part.channel, pressure_topic(description, name)) for name, part in description.ordered)
-    return (*own, (description.supply.channel, _pressure("PressureSupply")))
+    return (*own, (description.supply.channel, PRESSURE_SUPPLY))
 
 
 def position_topics(description: Description) -> dict[str, Topic]:
@@ -187,10 +214,6 @@ def services(description: Description) -> tuple[Service, ...]:
     changer = set_tool_changer(description)
     own = (*set_services(description).values(), *((changer, ARM_TOOL_CHANGER) if changer else ()))
     return (*own, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
-
-
-def _pressure(name: str) -> Topic:
-    return Topic(name, "sensor_msgs/FluidPressure", (PRESSURE,), (HAL_MAIN,), on="frame", queue=10)
 
 
 def _set(name: str, server: str) -> Service:

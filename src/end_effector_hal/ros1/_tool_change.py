@@ -30,7 +30,8 @@ class ToolChangeNode:
     """One unit, its service, and what the gripping automata say."""
 
     def __init__(self, node: Node, description: Description) -> None:
-        self._unit = UnitNode(node, description, "tool_change", TOOL_CHANGE_STATE, TOOL_CHANGE_COMMAND).unit
+        self._node = UnitNode(node, description, "tool_change", TOOL_CHANGE_STATE, TOOL_CHANGE_COMMAND)
+        self._unit = self._node.unit
         self._changer = description.tool_changer
         self._ee: int | None = None
         node.subscribe(GRIP_STATE, self._on_grip)
@@ -46,6 +47,8 @@ class ToolChangeNode:
 
     def _on_arm(self, _request: Any) -> Any:
         answer = self._unit.command("arm")
+        if not answer.accepted:
+            self._node.log_refusal("arm", answer.reason)
         return TriggerResponse(answer.accepted, answer.reason)
 
     def _on_set(self, request: Any) -> Any:
@@ -54,6 +57,7 @@ class ToolChangeNode:
             return SetBoolResponse(True, f"The tool changer is {wanted.name} already, proven by its sensors.")
         answer = self._unit.command("unlock" if request.data else "lock")
         if not answer.accepted:
+            self._node.log_refusal("unlock" if request.data else "lock", answer.reason)
             return SetBoolResponse(False, answer.reason)
         limit_s = (self._changer.prove_s if self._changer else 0.0) + MARGIN_S
         self._unit.wait(lambda status: status.command == Command.NONE, limit_s)
@@ -61,7 +65,9 @@ class ToolChangeNode:
         if reached is wanted:
             return SetBoolResponse(True, f"The tool changer is {wanted.name}, proven by its sensors.")
         why = f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
-        return SetBoolResponse(False, f"{why} {self._unit.status.reason}".rstrip())
+        why = f"{why} {self._unit.status.reason}".rstrip()
+        self._node.log_refusal("unlock" if request.data else "lock", why)
+        return SetBoolResponse(False, why)
 
 
 def main(argv: Sequence[str]) -> int:

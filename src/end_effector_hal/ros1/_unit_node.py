@@ -19,6 +19,7 @@ from end_effector_hal.wires import get_codec, now_us
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import frame_from_message
 from ._node import Node, stamp
+from ._status_lines import StatusLines
 from ._statuses import status_to_message
 from ._table import DIRECTORY, RESET, SENSOR_FRAME, STATE_HZ, Service, Topic
 
@@ -50,8 +51,10 @@ class UnitNode:
         self, node: Node, description: Description, program: str, state: Topic, command: Service
     ) -> None:
         self._program, self._node, self._log = program, node, node.log
+        self._service = command
         self._kinds = get_codec(description.link.codec).channels
         self._publish = node.publisher(state)
+        self._lines = StatusLines(description, program)
         self._since_us, self._count = now_us(), 0
         self._lock = threading.Lock()
         self._last: Any = None
@@ -73,11 +76,14 @@ class UnitNode:
         with self._lock:
             self._count += 1
             self._last = status_to_message(status, self._since_us, self._count)
+            self._last.alarms = (*status.alarms, *self._node.strangers.alarms())
             self._publish(self._last)
+            before, self._alarms = self._alarms, status.alarms
+        for line in self._lines.of(status):
+            self._log.info("%s", line)
         for alarm in status.alarms:
-            if alarm not in self._alarms:
+            if alarm not in before:
                 self._log.warning("%s", alarm)
-        self._alarms = status.alarms
 
     def _repeat(self) -> None:
         if not self.unit.alive:
@@ -86,9 +92,27 @@ class UnitNode:
         with self._lock:
             if self._last is not None:
                 self._last.header.stamp = stamp()
+                alarms = (*self._alarms, *self._node.strangers.alarms())
+                if alarms != tuple(self._last.alarms):
+                    self._count += 1
+                    self._last.alarms, self._last.count = alarms, self._count
                 self._publish(self._last)
 
     def _on_command(self, request: Any) -> Any:
+        response = self._decide(request)
+        if not response.accepted:
+            known = request.command in COMMANDS[self._program]
+            word = _WORDS[Command(request.command)] if known else f"command {request.command}"
+            self.log_refusal("reset" if request.command == RESET else word, response.reason)
+        return response
+
+    def log_refusal(self, what: str, why: str) -> None:
+        """One line for what was not done."""
+        self._log.info("refused: %s. %s", what, why)
+
+    def _decide(self, request: Any) -> Any:
+        if why := self._node.refuse_stranger(self._service, request):
+            return HalCommandResponse(accepted=False, reason=why)
         if request.command == RESET:
             latched = bool(self.unit.status.changer_fault)
             answer = self.unit.command("reset") if latched else Answer(True)

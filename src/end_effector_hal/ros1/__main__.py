@@ -1,0 +1,7 @@
+"""``python3 -m end_effector_hal.ros1``: the check that the launch file asks for before it starts anything."""
+
+import sys
+
+from ._run import check_launch
+
+sys.exit(check_launch(sys.argv[1:]))

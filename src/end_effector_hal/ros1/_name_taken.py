@@ -1,0 +1,58 @@
+"""Whether a node's name is free: of two nodes with one name, the master ends the one that registered first."""
+
+from __future__ import annotations
+
+import xmlrpc.client
+
+import rosgraph
+import rospy
+
+from end_effector_hal.errors import RosError, UsageError
+
+from ._master import ask_master, ask_node
+from ._tool_named import private_parameter, tool_named
+
+
+def node_name(name: str) -> str:
+    """What this process will be called as a node: in its namespace, or as ``__name:=`` says."""
+    called = rospy.names.get_mappings().get("__name", name)
+    return str(rosgraph.names.ns_join(rospy.names.get_namespace(), called))
+
+
+def refuse_taken_name(name: str, tool: str) -> None:
+    """Raise RosError when a node of this name runs: it is left alone, and the new one does not start.
+
+    A node that does not answer is taken for lost, and replaced, unless it was started for another tool.
+
+    Args:
+        name: resolved, of the new node.
+        tool: path of its description; empty: it has none.
+    """
+    uri = ask_master("lookupNode", name)
+    if uri is None:
+        return
+    running = _tool_of(name)
+    try:
+        if ask_node(str(uri), "getName") != name:
+            return  # the port belongs to another node now
+        state = f"process {ask_node(str(uri), 'getPid')}"
+    except TimeoutError:
+        if running == tool:
+            return
+        state = "it does not answer"
+    except xmlrpc.client.Fault:
+        state = "of another package"
+    except OSError:
+        return  # it has gone without a word to the master
+    what = f"A node {name} runs already{f' for {running}' if running else ''} ({state}): it is left alone."
+    raise RosError(
+        what, todo=f"Give this tool a namespace (ns:=NAME), or end that node: rosnode kill {name}."
+    )
+
+
+def _tool_of(name: str) -> str:
+    """Path of the description that a node was started with; empty: it is not known."""
+    try:
+        return str(tool_named((), private_parameter(name)))
+    except UsageError:
+        return ""
