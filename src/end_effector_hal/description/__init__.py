@@ -14,7 +14,7 @@ from ._endings import (
     ProgramEnding,
 )
 from ._examine import Examination, examine, examine_text
-from ._fault import CODES, Fault, did_you_mean, printable
+from ._fault import CODES, Fault, did_you_mean
 from ._fitting import unproven
 from ._load import load
 from ._markdown import markdown
@@ -66,7 +66,6 @@ __all__ = [
     "load",
     "markdown",
     "not_fitted",
-    "printable",
     "profile_path",
     "run_directory",
     "schema",
