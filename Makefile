@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board image test-image check bench format clean debian ros kill-matrix kill-matrix-full link-campaign
+.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board image test-image check bench format clean debian ros kill-matrix kill-matrix-full link-campaign owner-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -25,10 +25,14 @@ test: setup ## all tests; those of real processes in wall-clock time one after t
 	@$(ROS_ENV) && pytest -q -m "wall or ros" --reruns 1 -r aR
 
 nightly: setup ## the proof at length: thousands of random networks, 8 and 32 steps, Fischer with 7 processes
-	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants tests/wires/test_owner_fuzz.py
+	@$(BIN)/python tests/owner_simulation/run.py --runs 100000
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/deploy/test_boot.py
+
+owner-simulation: $(VENV)/.synced ## the line owner with its disk in virtual time: whoever dies when (RUNS=2000)
+	@$(BIN)/python tests/owner_simulation/run.py --runs $(or $(RUNS),2000)
 
 interlocks: $(VENV)/.synced ## the interlock table: each interlock at each door, refused in words
 	@$(BIN)/python -m pytest -q -s tests/interlocks

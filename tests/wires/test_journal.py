@@ -117,6 +117,19 @@ def test_a_disk_that_does_not_answer_is_trouble(tmp_path: Path) -> None:
     assert kept.trouble == ""
 
 
+def test_what_is_wanted_again_before_it_was_written_is_no_trouble(tmp_path: Path) -> None:
+    clock = Clock()
+    kept = journal(tmp_path, clock)
+    kept.read()
+    kept.keep({})
+    kept.write_next()
+    kept.keep(E_STOP)
+    kept.keep({})
+    assert kept.write_next()
+    clock.now = 2 * PATIENCE_US
+    assert kept.trouble == ""
+
+
 @pytest.mark.parametrize("content", [b"\n", b"hello\n", b"0" * 2 * SLOT, b"00000000 [", b"\xff" * 5000])
 def test_what_is_no_journal_is_a_doubt(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "journal").write_bytes(content)

@@ -167,11 +167,12 @@ def test_a_record_of_other_levels_is_outdated() -> None:
         assert f"{changed} was changed while there was no line owner" in why
 
 
-def test_a_doubt_is_no_fault_where_nothing_was_to_be_done() -> None:
-    held = GRIPPING._replace(will=())
-    assert not Keeper(Lines(bottom=True), POLICY, 0, Memory({}, (held,), doubt="it is torn")).sensed.faults
-    assert not Keeper(Lines(), POLICY, 0, Memory(doubt="it is torn")).sensed.faults
-    assert Keeper(Lines(bottom=True), POLICY, 0, Memory(doubt="it is torn")).sensed.faults
+@pytest.mark.parametrize("clients", [(), (GRIPPING,), (GRIPPING._replace(will=()),)])
+def test_a_doubt_is_a_fault_where_a_line_is_active(clients: tuple[Bequest, ...]) -> None:
+    """Also with an empty will: it may be outdated, too."""
+    memory = Memory({}, clients, doubt="it is torn")
+    assert not Keeper(Lines(), POLICY, 0, memory).sensed.faults
+    assert list(Keeper(Lines(bottom=True), POLICY, 0, memory).sensed.faults) == ["last wills"]
 
 
 def test_what_waits_to_be_deactivated_stands_before_the_will() -> None:

@@ -89,15 +89,33 @@ def test_il_10_what_comes_after_waits_behind_it():
     owner.set(owner.grip, top=True, bottom=True)
     assert owner.set(owner.grip, top=False) == 50 * MS
     assert owner.set(owner.grip, cylinder=True) == 50 * MS
-    assert owner.set(owner.grip, top=True, cylinder=False) == 100 * MS
+    assert owner.set(owner.grip, top=True) == 100 * MS
     assert owner.set(owner.changer, unlock=False) == 0
     owner.to(2 * S)
     assert owner.written[2:] == [
         (1 * S + 50 * MS, TOP, False),
         (1 * S + 50 * MS, CYLINDER, True),
         (1 * S + 100 * MS, TOP, True),
-        (1 * S + 100 * MS, CYLINDER, False),
     ]
+
+
+@pytest.mark.parametrize("end", ["write", "bye", "dead"])
+def test_an_activation_that_waits_and_was_given_up_is_forgotten(end):
+    owner = Owner()
+    owner.set(owner.grip, bottom=True)
+    owner.to(1 * S + 60 * MS)
+    owner.set(owner.grip, bottom=False)
+    owner.to(1 * S + 70 * MS)
+    assert owner.set(owner.grip, bottom=True, top=True) == 40 * MS
+    if end == "write":
+        owner.set(owner.grip, bottom=False)
+    elif end == "bye":
+        owner.alive.remove(owner.grip)
+        owner.keeper.bye(owner.grip, (), owner.now)
+    else:
+        owner.die(owner.grip)
+    owner.to(2 * S)
+    assert owner.written[2:] == ([(1 * S + 70 * MS, TOP, True)] if end == "write" else [])
 
 
 def test_il_10_holds_for_the_first_write_after_the_start():
@@ -109,8 +127,8 @@ def test_il_10_holds_for_the_first_write_after_the_start():
 def test_il_10_bounded():
     owner = Owner()
     owner.set(owner.grip, bottom=True)
-    for i in range(64):
-        owner.set(owner.grip, bottom=bool(i % 2))
+    for _ in range(64):
+        owner.set(owner.grip, bottom=False)
     with pytest.raises(LineRefusedError, match="IL-10: 64 writes wait"):
         owner.set(owner.grip, bottom=False)
 

@@ -13,7 +13,7 @@ from end_effector_hal.wires.owner import WillStep
 from end_effector_hal.wires.owner import _storage as module
 from end_effector_hal.wires.owner._memory import Bequest, Memory
 from end_effector_hal.wires.owner._record_file import RecordFile
-from end_effector_hal.wires.owner._session_record import SessionRecord, this_boot
+from end_effector_hal.wires.owner._session_record import RETRY_US, SessionRecord, this_boot
 from end_effector_hal.wires.owner._storage import FileStorage
 
 GRIPPING = Bequest("grip", TOKEN, GRIP, (WillStep(TOP), WillStep(BOTTOM, after_us=5)), ended=False, pid=7)
@@ -26,8 +26,9 @@ MEMORY = Memory(
 )
 
 
-def record(folder: Path, boot: str = "boot") -> SessionRecord:
-    return SessionRecord(FileStorage(folder / "sessions", durable=False), boot)
+def record(folder: Path, boot: str = "boot", at: list[int] | None = None) -> SessionRecord:
+    clock = [0] if at is None else at
+    return SessionRecord(FileStorage(folder / "sessions", durable=False), boot, lambda: clock[0])
 
 
 def test_what_is_kept_is_read(tmp_path: Path) -> None:
@@ -88,10 +89,11 @@ def test_a_record_that_cannot_be_kept_does_not_stay(tmp_path: Path, monkeypatch:
     assert (first.trouble, record(tmp_path).read()) == ("", MEMORY)
 
 
-def test_it_is_tried_again_at_each_change_and_not_in_between(
+def test_it_is_tried_again_at_each_change_and_every_second(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first, tried = record(tmp_path), list[int]()
+    at, tried = [0], list[int]()
+    first = record(tmp_path, at=at)
 
     def fails(*_: object) -> None:
         tried.append(1)
@@ -103,4 +105,8 @@ def test_it_is_tried_again_at_each_change_and_not_in_between(
     assert (len(tried), first.trouble) == (1, "No space left on device")
     first.keep(Memory())
     assert len(tried) == 2
+    at[0] = RETRY_US
+    first.keep(Memory())
+    first.keep(Memory())
+    assert len(tried) == 3
     assert list(tmp_path.iterdir()) == []

@@ -58,6 +58,7 @@ class Journal:
         self._lock = threading.Lock()
         self.changed = threading.Event()
         """Set when there may be something to write."""
+        self._asked: tuple[dict[str, str], bool] | None = None
         self._wanted = self._written = b""
         self._since: int | None = None  # when the oldest of what is not on the disk was wanted
         self._error = ""
@@ -88,13 +89,13 @@ class Journal:
 
     def keep(self, faults: Mapping[str, str], *, clean: bool = False) -> None:
         """Have this written, if it is something else than before; returns at once."""
-        if self._file is None:
+        wanted = dict(faults), clean
+        if self._file is None or wanted == self._asked:
             return
+        self._asked = wanted
         given = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
         payload = json.dumps(given, separators=(",", ":")).encode()
         with self._lock:
-            if payload == self._wanted:
-                return
             self._wanted = payload
             if self._since is None:
                 self._since = self._clock()
@@ -104,8 +105,9 @@ class Journal:
         """Write what is wanted, if it is not on the disk yet; whether it is now. Waits for the disk."""
         with self._lock:
             payload = self._wanted
-        if self._file is None or payload == self._written:
-            return True
+            if self._file is None or payload == self._written:
+                self._since, self._error = None, ""
+                return True
         try:
             self._file.keep(payload, synced=True)
         except OSError as error:

@@ -2,7 +2,7 @@
 
 A client's writes are applied in the order in which they came. One that would change a line within
 ``min_switch_us`` of its last change waits, as a whole, and what the client writes after it waits behind it;
-so do the steps of a will.
+so do the steps of a will. An activation that waits is forgotten when its line is to be deactivated.
 """
 
 from __future__ import annotations
@@ -148,6 +148,7 @@ class Keeper:
             raise LineRefusedError(f"IL-10: {MOST_WAITING} writes wait already for their lines to settle.")
         if will is not None:
             self._bequeath(session, will)
+        session.forget_activations(line for line, level in levels.items() if not level)
         session.queue.append(Write(at, dict(levels)))
         self._apply_due(session, at)
         return max(0, self._end(session) - at) if session.queue else 0
@@ -160,6 +161,7 @@ class Keeper:
         """The client leaves in order; ``will`` is executed now, the one left before is void."""
         self._bequeath(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
+        session.forget_activations(session.lines)
         self._end_session(session, will, at)
 
     def reset(self, at: int, still: Mapping[str, str] | None = None) -> None:
@@ -182,10 +184,7 @@ class Keeper:
         """The client died: nothing that waits is activated any more, its will is executed."""
         will = session.will
         _log.warning("%s died (%s); its will: %s", session.client, why, _told(will))
-        waiting = [
-            Write(due, {name: level for name, level in w.items() if not level}) for due, w in session.queue
-        ]
-        session.queue = deque(write for write in waiting if write.levels)
+        session.forget_activations(session.lines)
         self._dead.append((session.client, session.token))
         self._end_session(session, will, at)
 
@@ -228,8 +227,7 @@ class Keeper:
     def _resume(self, memory: Memory, at: int) -> None:
         """What an owner before this one knew; in doubt every client holds."""
         doubt = memory.doubt or self._differing(memory.levels)
-        wills = any(bequest.will for bequest in memory.clients)
-        if doubt and (wills or (not memory.clients and any(self.levels.values()))):
+        if doubt and any(self.levels.values()):
             _log.error("no last will of the owner before this one is executed: %s", doubt)
             self.sensed.latch(DOUBT, f"What was active at the start stays active: {doubt}.")
         for bequest in memory.clients:

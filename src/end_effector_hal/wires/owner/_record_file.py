@@ -131,7 +131,7 @@ def _read(content: bytes) -> Found:
 
 
 def _read_slot(slot: bytes) -> Found:
-    if not slot.strip(b"\0"):
+    if slot == bytes(len(slot)):
         return Found(Standing.ABSENT)
     if len(slot) < _HEADER.size or not slot.startswith(MAGIC):
         return Found(Standing.DAMAGED, b"", _UNKNOWN)

@@ -211,4 +211,4 @@ def _records(socket_path: Path, journal: str | Path | None) -> Records:
     boot = this_boot()
     sessions = FileStorage(Path(f"{socket_path}.sessions"), durable=False)
     disk = FileStorage(Path(journal), durable=True) if journal else None
-    return Records(SessionRecord(sessions, boot), JournalThread(Journal(disk, boot, now_us)))
+    return Records(SessionRecord(sessions, boot, now_us), JournalThread(Journal(disk, boot, now_us)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -53,6 +53,15 @@ class Session:
     absent: bool = False
     overtaken: bool = False
     queue: deque[Write] = field(default_factory=deque)
+
+    def forget_activations(self, lines: Iterable[str]) -> None:
+        """What waits and would activate one of these lines was given up."""
+        given_up = set(lines)
+        left = (
+            Write(due, {name: level for name, level in levels.items() if not (level and name in given_up)})
+            for due, levels in self.queue
+        )
+        self.queue = deque(write for write in left if write.levels)
 
     @property
     def process(self) -> str:

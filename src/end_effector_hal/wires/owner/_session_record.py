@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from end_effector_hal.wires.owner._record_file import RecordFile, Standing
 from end_effector_hal.wires.owner._storage import Storage
 
 _log = logging.getLogger("end_effector_hal.owner")
+RETRY_US = 1_000_000
 
 
 class SessionRecord:
@@ -28,12 +30,14 @@ class SessionRecord:
     Args:
         storage: where; None: keep nothing.
         boot: names this start of the machine.
+        clock: monotonic, µs.
     """
 
-    def __init__(self, storage: Storage | None, boot: str) -> None:
-        self._storage, self._boot = storage, boot
+    def __init__(self, storage: Storage | None, boot: str, clock: Callable[[], int]) -> None:
+        self._storage, self._boot, self._clock = storage, boot, clock
+        self._retry_at = 0
         self._file = RecordFile(storage) if storage else None
-        self._tried = b""
+        self._tried: Memory | None = None
         self._begun = False
         self.trouble = ""
         """Why the record cannot be kept just now, a clause; empty: it is."""
@@ -73,14 +77,15 @@ class SessionRecord:
                 self._fail(error)
 
     def keep(self, memory: Memory) -> None:
-        """Keep it, if it is something else than before or is outdated."""
+        """Keep it, if it is something else than before, or is outdated, or could not be kept for a while."""
         if self._file is None:
             return
+        due = bool(self.trouble) and self._clock() >= self._retry_at
+        if memory == self._tried and not self._begun and not due:
+            return
+        self._tried, self._begun = memory, False
         given = {"boot": self._boot, "memory": memory.as_json()}
         payload = json.dumps(given, separators=(",", ":")).encode()
-        if payload == self._tried and not self._begun:
-            return
-        self._tried, self._begun = payload, False
         try:
             self._file.keep(payload)
         except OSError as error:
@@ -96,7 +101,7 @@ class SessionRecord:
     def _fail(self, error: OSError) -> None:
         if not self.trouble:
             _log.error("the record of the sessions cannot be kept: %s", error.strerror)
-        self.trouble = error.strerror or str(error)
+        self.trouble, self._retry_at = error.strerror or str(error), self._clock() + RETRY_US
         if self._storage is not None:
             # What stands there would be believed: without a record the next owner holds.
             with contextlib.suppress(OSError):

@@ -1,0 +1,71 @@
+"""What may never happen, whoever dies when: the judge knows nothing of how the owner works."""
+
+from __future__ import annotations
+
+from end_effector_hal.trace import EndEffectorState
+
+TROUBLES = {"journal", "session record"}
+"""Faults that say that faults cannot be kept."""
+DOUBTS = ("last wills", "session record")
+"""Faults that say that a last will was not, or may not be, executed: the owner holds instead."""
+
+
+class Judge:
+    """Is told what happens, and notes what must not."""
+
+    def __init__(self, lines: dict[str, bool], gripping: tuple[str, ...]) -> None:
+        self._lines, self._gripping = lines, gripping
+        self.violations: list[str] = []
+        self.held = False
+        self.commanded = False
+        """A grip was accepted and goes on: it may activate lines."""
+        self.unfinished = False
+        """A grip was given up by a death: its lines are to be released before another program comes."""
+        self.latched: set[str] = set()
+        """Faults that somebody was told of, and that nobody has reset."""
+
+    def line(self, name: str, level: bool) -> None:
+        """A line is about to be written."""
+        if self._lines[name] == level or name not in self._gripping:
+            return
+        if level and not self.commanded:
+            self._violated(f"{name} is activated by itself")
+        if not level and self.held:
+            self._violated(f"{name} of a held part goes inactive without a Drop")
+
+    def told(self, state: int) -> None:
+        """A program has said its state."""
+        if state == EndEffectorState.GRIPPED:
+            self.held = True
+        if state != EndEffectorState.GRIPPING:
+            self.commanded = False
+
+    def accepted(self, command: str) -> None:
+        """A program has accepted a command."""
+        self.held = self.held and command != "drop"
+        self.commanded = command == "grip"
+
+    def died(self, state: int) -> None:
+        """The program was killed in this state."""
+        self.commanded = False
+        self.unfinished = state == EndEffectorState.GRIPPING and not self.held
+
+    def came(self, faults: set[str]) -> None:
+        """Another program writes the lines now; these faults are latched."""
+        active = [name for name in self._gripping if self._lines[name]]
+        if self.unfinished and active and not faults.intersection(DOUBTS):
+            self._violated(
+                f"{', '.join(active)} stayed active after a death in the middle of a grip, and nobody says so"
+            )
+        self.unfinished = False
+
+    def shown(self, faults: set[str], *, safe: set[str]) -> None:
+        """The owner has told somebody of these faults; those that are ``safe`` stand on the disk."""
+        if "session record" in faults:  # it has said so: only the disk keeps them now
+            self.latched &= safe
+        if missing := self.latched - faults:
+            self._violated(f"the latch of {', '.join(sorted(missing))} is lost")
+        self.latched |= faults - TROUBLES
+
+    def _violated(self, what: str) -> None:
+        self.violations.append(what)
