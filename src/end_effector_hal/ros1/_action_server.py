@@ -10,7 +10,7 @@ from typing import Any
 
 import actionlib
 import rospy
-from actionlib_msgs.msg import GoalID, GoalStatus
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from end_effector_msgs.msg import Outcome
 
 from end_effector_hal.wires import now_us
@@ -24,7 +24,9 @@ OPEN, LISTED, LONGEST_ID = 10, 50, 500
 """Goals of one action that may wait for their answer at once, entries of its status list, characters of an id."""
 
 UNREAD = 1000
-"""Results kept for a reader that is slow: each is the last word about its goal."""
+"""Messages kept for a reader that is slow: each result is the last word about its goal."""
+STATUS_HZ, FORGOTTEN_S = 5.0, 5.0
+"""How often the list of goals is published, and how long a goal that has ended stays there; as actionlib does."""
 
 ANSWER_AFTER_US = 100_000
 """``SimpleActionClient`` does not know its goal before ``send_goal`` has returned: of an answer that comes sooner it
@@ -73,14 +75,17 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         self._ended = ""
 
     def initialize(self) -> None:
-        """Begin to listen, without waiting for Nagle."""
-        # rospy keeps one connection per topic: what is said of it first holds for the server's own use
-        name = rospy.remap_name(self._name)  # as actionlib does: a remap names the action, not its topics
-        for part, kind in (("result", self.ActionResult), ("feedback", self.ActionFeedback)):
-            rospy.Publisher(f"{name}/{part}", kind, tcp_nodelay=True, queue_size=UNREAD)
-        rospy.Subscriber(f"{name}/goal", self.ActionGoal, tcp_nodelay=True)
-        super().initialize()
-        self.result_pub.impl.set_queue_size(UNREAD)
+        """Begin to listen, without waiting for Nagle; parameters of actionlib change nothing."""
+        name = rospy.remap_name(self._name)  # a remap names the action, not its topics
+        send = partial(rospy.Publisher, tcp_nodelay=True, queue_size=UNREAD)
+        self.status_pub = send(f"{name}/status", GoalStatusArray, latch=True)
+        self.result_pub = send(f"{name}/result", self.ActionResult)
+        self.feedback_pub = send(f"{name}/feedback", self.ActionFeedback)
+        hear = partial(rospy.Subscriber, tcp_nodelay=True)
+        self.goal_sub = hear(f"{name}/goal", self.ActionGoal, self.internal_goal_callback)
+        self.cancel_sub = hear(f"{name}/cancel", GoalID, self.internal_cancel_callback)
+        self.status_list_timeout = rospy.Duration(FORGOTTEN_S)
+        self.status_timer = rospy.Timer(rospy.Duration(1 / STATUS_HZ), self.publish_status_async)
 
     def close(self, reason: str) -> None:
         """Reject what comes from now on."""
