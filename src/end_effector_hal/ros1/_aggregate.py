@@ -38,8 +38,8 @@ class Aggregate:
         )  # fmt: skip
         self.grip = self.tool_change = nothing
 
-    def message(self, at_us: int, now_us: int, presence: Presence) -> Any:
-        """An EndEffectorState, of a change at ``at_us``."""
+    def message(self, at_us: int, now_us: int, presence: Presence, notices: Sequence[str] = ()) -> Any:
+        """An EndEffectorState, of a change at ``at_us``; ``notices`` are alarms of HALMain's own."""
         gone = presence.gone(now_us)
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
@@ -76,7 +76,7 @@ class Aggregate:
             stale=grip.stale,
             missed=grip.missed + change.missed,
             worst_late_us=max(grip.worst_late_us, change.worst_late_us),
-            alarms=[*absent, *alarms],
+            alarms=[*absent, *notices, *alarms],
         )  # fmt: skip
 
     def _command(self, gone: Sequence[str]) -> int:
