@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import examine_text, load
+from end_effector_hal.description import _syntax, examine_text, load
+from end_effector_hal.description._compose import DEPTH, NODES, CountingComposer
+from end_effector_hal.description._syntax import LineStarts, position
 from end_effector_hal.errors import DescriptionError
 
 BOMB = "".join(
@@ -72,7 +75,7 @@ def test_an_empty_file(faults: Callable[..., list[str]], text: str) -> None:
 def test_aliases_that_unfold_without_end_are_refused_quickly(faults: Callable[..., list[str]]) -> None:
     found = [line for line in faults(BOMB) if "EE-203" in line]
     assert found == [
-        "tool.yaml:1:32: the aliases unfold to too much (x), expected at most 20000 values [EE-203]"
+        "tool.yaml:1:32: the aliases unfold to too much (x), expected at most 5000 values [EE-203]"
     ]
 
 
@@ -168,3 +171,94 @@ def test_a_file_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert refusal(tmp_path / "x.yaml").endswith(
         "x.yaml: the file may not be read, expected read permission for this user [EE-201]"
     )
+
+
+def big(text: str, size: int = 240_000) -> str:
+    """So much of the same."""
+    return text * (size // len(text))
+
+
+# Each of 240 KB, or unfolding to as much
+MUCH = {
+    "keys": "".join(f"k{number}: 1\n" for number in range(20_000)),
+    "elements": "sequence:\n" + big("- a\n"),
+    "flow": f"sequence: [{big('a,')}a]\n",
+    "aliases": f"a: &x [1, 2]\nb: [{big('*x,')}*x]\n",
+    "anchors": "".join(f"a{number}: &x{number} 1\n" for number in range(16_000)),
+    "actuators": "actuators:\n" + "".join(f"  a{n}: {{kind: vacum, line: x}}\n" for n in range(8_000)),
+    "the same key": big("a: 1\n"),
+}
+
+
+@pytest.mark.parametrize("much", MUCH)
+def test_a_file_with_too_many_values_is_refused_before_it_is_read(
+    much: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    work = counted(monkeypatch)
+    (fault,) = examine_text(MUCH[much], "tool.yaml").faults
+    assert (fault.code, fault.what, fault.expected) == (
+        "EE-203",
+        "the file holds too much",
+        f"at most {NODES} values",
+    )
+    line, column = MUCH[much][:240_000].count("\n"), fault.column
+    assert 1 <= fault.line <= line + 1
+    assert column >= 1
+    assert work == {"values": NODES + 1, "walks": 0, "places": 1}
+
+
+UNFOLDED = "a: &a [1,1,1,1,1,1,1,1,1]\n" + "".join(
+    f"{chr(98 + n)}: &{chr(98 + n)} [{','.join([f'*{chr(97 + n)}'] * 9)}]\n" for n in range(9)
+)
+
+
+def test_a_bomb_of_aliases_is_unfolded_no_further_than_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    work = counted(monkeypatch)
+    faults = examine_text(UNFOLDED, "tool.yaml").faults
+    said = [fault for fault in faults if fault.what == "the aliases unfold to too much"]
+    assert [fault.expected for fault in said] == [f"at most {NODES} values"]
+    assert work["values"] < 200
+    assert work["places"] <= 10 * NODES
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 120_000 + "]" * 120_000, "{" * 240_000, big("- "), big("? "), big(": ")]
+)
+def test_deep_nesting_is_refused_at_its_first_level_too_many(
+    text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    work = counted(monkeypatch)
+    (fault,) = examine_text(text, "tool.yaml").faults
+    assert (fault.what, fault.expected) == ("not YAML: nested too deep", "a few levels")
+    assert work["values"] <= 2 * DEPTH
+
+
+def test_places_are_found_without_reading_the_text_again() -> None:
+    text = "one\ntwo\r\n\nthree"
+    lines = LineStarts(text)
+    assert [lines.position(index) for index in range(len(text) + 1)] == [
+        position(text, index) for index in range(len(text) + 1)
+    ]
+
+
+def counted(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
+    """How many values were read, how many walks over the whole text it took, how many places were kept."""
+    work = Counter[str](values=0, walks=0)
+    compose, walk, keep = CountingComposer.compose_node, _syntax.position, LineStarts.position
+
+    def composing(self: CountingComposer, parent: object, index: object) -> object:
+        work["values"] += 1
+        return compose(self, parent, index)
+
+    def walking(text: str, index: int) -> tuple[int, int]:
+        work["walks"] += 1
+        return walk(text, index)
+
+    def keeping(self: LineStarts, index: int) -> tuple[int, int]:
+        work["places"] += 1
+        return keep(self, index)
+
+    monkeypatch.setattr(CountingComposer, "compose_node", composing)
+    monkeypatch.setattr(_syntax, "position", walking)
+    monkeypatch.setattr(LineStarts, "position", keeping)
+    return work

@@ -7,6 +7,7 @@ from ._margin import margin_pa
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
 from ._senses import Senses
 from ._snapshot import ControllerSnapshot
+from ._stamps import StampGate
 from ._stand import ToolPlace, tool_place
 from ._status import Answer, Status, StepReport
 from ._time import to_s, to_us
@@ -27,6 +28,7 @@ __all__ = [
     "Evidence",
     "Predicates",
     "Senses",
+    "StampGate",
     "Status",
     "StepReport",
     "ToolEvidence",

@@ -93,10 +93,15 @@ class Controller:
         """One frame of the link, which came at ``frame.at`` and is taken now, at ``at``.
 
         When it came decides whether it is before a time-out; when it is taken is when the next wait begins, so that
-        no line is active for less than its time. One that waited until it was stale proves nothing any more.
+        no line is active for less than its time. One that waited until it was stale proves nothing any more, nor does
+        one that is stamped ahead of now or before the last: it is refused, counted and told.
+
+        Args:
+            frame: of the link.
+            at: µs, now; default: when the frame came, in virtual time.
         """
-        if at is not None and at - frame.at >= self._senses.readings.stale_us:
-            return self.advance(at)
+        if not self._senses.accepts(frame, frame.at if at is None else at):
+            return self._refuse_frame(self._at if at is None else at)
         expired = self._senses.deadline(self._at)
         self._at = max(self._at, frame.at, at or 0)
         statuses: list[Status] = []
@@ -119,6 +124,11 @@ class Controller:
             statuses += self._adopt(self._at)
         told |= self._senses.vented is not vented
         return statuses if statuses or not (events or told) else [self.status()]
+
+    def _refuse_frame(self, at: int) -> list[Status]:
+        statuses = self.advance(at)
+        told = self._senses.noticed(self._at, held=self._telling.held)
+        return statuses if statuses or not told else [self.status()]
 
     def tell(self, values: Mapping[str, int], at: int) -> list[Status]:
         """What another program says: ``ee`` or ``unlock_valve``, as the model has them."""

@@ -47,8 +47,15 @@ class Predicates:
         self._fitted = predicates_fitted(description, codec)
         self._e_stop = description.e_stop.channel if description.e_stop else None
 
-    def frame(self, frame: Frame) -> dict[str, bool]:
-        """What holds after a frame, by name; only what is fitted."""
+    def frame(self, frame: Frame, now: int | None = None) -> dict[str, bool]:
+        """What holds after a frame, by name; only what is fitted, and nothing if its stamp does not count.
+
+        Args:
+            frame: of the link.
+            now: µs; default: when the frame came, in virtual time.
+        """
+        if not self._senses.accepts(frame, frame.at if now is None else now):
+            return {}
         self._senses.frame(frame)
         return self._said(frame.at)
 

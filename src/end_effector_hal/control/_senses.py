@@ -16,6 +16,7 @@ from ._levels import Evidence, ToolEvidence
 from ._link_rules import LinkRules
 from ._memory import PART
 from ._readings import Readings
+from ._stamps import StampGate
 from ._supply_detector import SupplyDetector
 from ._tool_detector import ToolDetector
 from ._vacuum_detector import VacuumDetector
@@ -53,6 +54,7 @@ class Senses:
     def __init__(self, description: Description, codec: Codec) -> None:
         self.readings = Readings(description.link, codec)
         self._rules = LinkRules(description, codec, self.readings.stale_us)
+        self._stamps = StampGate("Sensor frames", old_us=self.readings.stale_us, in_order=True)
         self._wanted = tuple(name for name in used_channels(description) if name in codec.channels)
         self._channels = {name: frozenset(channels_of(part)) for name, part in description.ordered}
         self._noticed: tuple[str, ...] = ()
@@ -88,8 +90,25 @@ class Senses:
             self._tool is None or self.tool is not ToolEvidence.UNCLEAR
         )
 
+    @property
+    def refused(self) -> int:
+        """Frames that did not count because of their stamp, since the start."""
+        return self._stamps.refused
+
+    def refusals(self, at: int) -> tuple[str, ...]:
+        """What was refused lately, in words; a part of the notices."""
+        return self._stamps.notices(at)
+
+    def accepts(self, frame: Frame, now: int) -> bool:
+        """Whether a frame that is here at ``now`` counts, by its stamp; one that does not is told, no more."""
+        passes = self._stamps.passes(frame.at, now)
+        self.looked += not passes
+        return passes
+
     def frame(self, frame: Frame) -> list[Event]:
-        """The events of one frame: what is lost before what is gone before what is confirmed, then by the sequence."""
+        """The events of one frame that was accepted: what is lost before what is gone before what is confirmed,
+        then by the sequence.
+        """
         judged = self._rules.judge(frame)
         events: list[Event] = []
         if judged.rebooted:
@@ -107,7 +126,7 @@ class Senses:
 
     def deadline(self, at: int) -> int | None:
         """µs of the next change without any frame."""
-        due = (self.readings.deadline(at), self._rules.deadline(at))
+        due = (self.readings.deadline(at), self._rules.deadline(at), self._stamps.deadline(at))
         return min((time for time in due if time is not None), default=None)
 
     def notices(self, at: int, *, held: bool) -> tuple[str, ...]:
@@ -115,7 +134,7 @@ class Senses:
 
         A link that is down, and an actuator of a held part without evidence, are told elsewhere.
         """
-        said = list(self._rules.notices(at))
+        said = [*self.refusals(at), *self._rules.notices(at)]
         if not self.readings.link_up(at):
             return tuple(said)
         unknown = self._unknown()

@@ -63,5 +63,7 @@ class Status:
     stale: tuple[str, ...] = ()
     missed: int = 0
     worst_late_us: int = 0
+    refused_frames: int = 0
+    """Frames that did not count because of their stamp, since the start."""
     alarms: tuple[str, ...] = ()
     steps: tuple[StepReport, ...] = ()

@@ -157,6 +157,7 @@ class Telling:
             stale=self._stale,
             missed=self._missed,
             worst_late_us=self._worst_late_us,
+            refused_frames=self._senses.refused,
             alarms=self._alarms(),
             steps=steps.steps,
         )

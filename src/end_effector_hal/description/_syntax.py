@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from typing import TYPE_CHECKING
 
 from ruamel.yaml.reader import ReaderError
@@ -52,6 +53,18 @@ def syntax_fault(error: MarkedYAMLError | ReaderError, text: str) -> Fault:
     found = text[text.rfind("\n", 0, index) + 1 :].split("\n", 1)[0]
     line, column = position(text, index)
     return Fault(line, column, "EE-202", f"not YAML: {what}", shorten(found) or "end of the file", expected)
+
+
+class LineStarts:
+    """Positions in one text, found without reading it again for each."""
+
+    def __init__(self, text: str) -> None:
+        self._starts = [0, *(match.end() for match in re.finditer("\n", text))]
+
+    def position(self, index: int) -> tuple[int, int]:
+        """Line and column, both counted from 1."""
+        line = bisect_right(self._starts, index)
+        return line, index - self._starts[line - 1] + 1
 
 
 def position(text: str, index: int) -> tuple[int, int]:

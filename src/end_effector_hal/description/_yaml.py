@@ -9,14 +9,15 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
+from ._compose import DEPTH, NODES, CountingComposer, TooManyValuesError
 from ._fault import Fault
 from ._places import Keys, Place, Places
 from ._scalars import plain
-from ._syntax import position, shorten, syntax_fault
+from ._syntax import LineStarts, shorten, syntax_fault
 
-DEPTH = 20
-NODES = 20_000
 TAGS = {f"tag:yaml.org,2002:{name}" for name in ("map", "seq", "str", "int", "float", "bool", "null")}
+SHOWN = 400
+"""Characters of a value that are looked at to show it."""
 # What the reader resolves by itself although YAML 1.2 does not know it: text here.
 TEXTS = {f"tag:yaml.org,2002:{name}" for name in ("timestamp", "merge", "value", "binary")}
 
@@ -28,6 +29,7 @@ class Reader:
         self.text, self.places = text, places
         self.faults: list[Fault] = []
         self.refused: set[Keys] = set()
+        self._lines = LineStarts(text)
         self._inside: list[int] = []
         self._count = 0
 
@@ -41,9 +43,15 @@ class Reader:
     def _compose(self) -> Node | None:
         yaml = YAML(typ="safe", pure=True)
         yaml.max_depth = DEPTH
+        yaml.Composer = CountingComposer
         yaml.composer.warn_double_anchors = False
         try:
             root: Node | None = yaml.compose(self.text)
+        except TooManyValuesError as error:
+            place = Place(*self._lines.position(error.index))
+            self.faults.append(
+                Fault.at(place, "EE-203", "the file holds too much", expected=f"at most {NODES} values")
+            )
         except (MarkedYAMLError, ReaderError) as error:
             self.faults.append(syntax_fault(error, self.text))
         except (YAMLError, RecursionError):
@@ -107,7 +115,7 @@ class Reader:
 
     def _place(self, node: Node) -> Place:
         start, end = node.start_mark.index, node.end_mark.index
-        return Place(*position(self.text, start), shorten(self.text[start:end]))
+        return Place(*self._lines.position(start), shorten(self.text[start : min(end, start + SHOWN)]))
 
     def _refuse(self, node: Node, what: str, expected: str, path: Keys) -> None:
         self.refused.add(path)

@@ -38,12 +38,12 @@ class Aggregate:
         )  # fmt: skip
         self.grip = self.tool_change = nothing
 
-    def message(self, at_us: int, now_us: int, presence: Presence, own: Sequence[str] = ()) -> Any:
-        """An EndEffectorState, of a change at ``at_us``; ``own``: alarms of HALMain itself."""
+    def message(self, at_us: int, now_us: int, presence: Presence, notices: Sequence[str] = ()) -> Any:
+        """An EndEffectorState, of a change at ``at_us``; ``notices`` are alarms of HALMain's own."""
         gone = presence.gone(now_us)
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
-        alarms = dict.fromkeys((*grip.alarms, *change.alarms, *own))
+        alarms = dict.fromkeys((*grip.alarms, *change.alarms, *notices))
         absent = [(_SILENT if presence.known(name) else _AWAITED).format(name) for name in gone]
         deadline = grip.deadline_us
         return EndEffectorState(
@@ -76,7 +76,7 @@ class Aggregate:
             stale=grip.stale,
             missed=grip.missed + change.missed,
             worst_late_us=max(grip.worst_late_us, change.worst_late_us),
-            alarms=[*absent, *alarms],
+            alarms=[*absent, *notices, *alarms],
         )  # fmt: skip
 
     def _command(self, gone: Sequence[str]) -> int:

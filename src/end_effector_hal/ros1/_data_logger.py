@@ -13,6 +13,7 @@ from end_effector_hal.wires import now_us
 
 from ._commands_log import CommandsLog
 from ._node import Node
+from ._stamped import Stamped
 from ._table import DATA_LOGGER, DIRECTORY, END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS
 
 
@@ -27,11 +28,15 @@ class DataLogger:
 
     def __init__(self, node: Node, recording: Recording, commands: CommandsLog) -> None:
         self._recording, self._commands, self._log = recording, commands, node.log
+        self._stamped_states = Stamped("States of the end-effector", node.log)
+        self._stamped_frames = Stamped("Sensor frames", node.log)
         node.subscribe(END_EFFECTOR_STATE, self._state_came)
         node.subscribe(SENSOR_FRAME, self._frame_came)
         node.subscribe(SUPERVISOR_COMMANDS, self._command_came)
 
     def _state_came(self, message: Any) -> None:
+        if not self._stamped_states.counts(message.at_us):
+            return
         try:
             self._recording.state(message.at_us, message.state, message.command, message.actuators)
             self._recording.alarms(message.at_us, message.alarms)
@@ -39,6 +44,8 @@ class DataLogger:
             self._log.error("%s", error)
 
     def _frame_came(self, message: Any) -> None:
+        if not self._stamped_frames.counts(message.at_us):
+            return
         values = {
             channel: value if valid else None
             for channel, value, valid in zip(message.channels, message.values, message.valid, strict=False)

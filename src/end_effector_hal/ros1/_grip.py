@@ -12,6 +12,7 @@ from end_effector_hal.tool import reset
 
 from ._commander import Commander
 from ._node import Node
+from ._stamped import Stamped
 from ._table import (
     GRIP,
     GRIP_COMMAND,
@@ -32,6 +33,7 @@ class GripNode:
         self._node = UnitNode(node, description, "grip", GRIP_STATE, GRIP_COMMAND)
         self._unit = self._node.unit
         self._unlock: bool | None = None
+        self._stamped = Stamped("States of ToolChange", node.log)
         self._changer = Commander(TOOL_CHANGE_COMMAND) if description.tool_changer else None
         node.subscribe(TOOL_CHANGE_STATE, self._on_tool_change)
         for name, service in set_services(description).items():
@@ -50,7 +52,8 @@ class GripNode:
         return TriggerResponse(False, " ".join(stays))
 
     def _on_tool_change(self, message: Any) -> None:
-        if message.unlock_output != self._unlock:
+        counts = self._stamped.counts(message.since_us, message.at_us)
+        if counts and message.unlock_output != self._unlock:
             self._unlock = message.unlock_output
             self._unit.tell(unlock_valve=int(message.unlock_output))
 

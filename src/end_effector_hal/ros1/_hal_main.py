@@ -19,6 +19,7 @@ from ._node import Node, stamp
 from ._positions import Positions
 from ._presence import Presence
 from ._served_goals import ServedGoals
+from ._stamped import Stamped
 from ._status_lines import transition
 from ._table import (
     END_EFFECTOR_STATE,
@@ -46,6 +47,7 @@ class HalMainNode:
         self._aggregate = Aggregate(description, self._margins, self._positions)
         self._presence = Presence((GRIP, TOOL_CHANGE) if description.tool_changer else (GRIP,))
         self._known: dict[str, tuple[int, int]] = {}
+        self._stamped = Stamped("Internal states", node.log)
         self._gone: tuple[str, ...] = ()
         self._lock = threading.Lock()
         self._log, self._strangers = node.log, node.strangers
@@ -73,6 +75,8 @@ class HalMainNode:
     def _take(self, name: str, status: Any) -> None:
         known = (status.since_us, status.count)
         with self._lock:
+            if not self._stamped.counts(status.since_us, status.at_us):
+                return  # it would show a state that has not come yet
             self._presence.heard(name, now_us())
             if self._known.get(name) == known:
                 return  # repeated: the periodic state says it
@@ -91,7 +95,8 @@ class HalMainNode:
         self._gone = self._presence.gone(now)
         if self._gone != before:
             self._at_us = now
-        state = self._aggregate.message(self._at_us, now, self._presence, self._strangers.alarms())
+        notices = (*self._strangers.alarms(), *self._stamped.notices(now))
+        state = self._aggregate.message(self._at_us, now, self._presence, notices)
         state.header.stamp = stamp(stamp_us)
         if state.state != self._state.state:
             old, new = (TableState(each.state).name for each in (self._state, state))

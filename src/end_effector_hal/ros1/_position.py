@@ -66,9 +66,11 @@ class PositionNode:
         diagnose(node, description.name, self._health)
 
     def _on_frame(self, message: Any) -> None:
+        frame = frame_from_message(message, self._kinds)
         with self._lock:
-            self._senses.frame(frame_from_message(message, self._kinds))
-            self._publish(message.at_us, every=False)
+            if self._senses.accepts(frame, now_us()):
+                self._senses.frame(frame)
+                self._publish(frame.at, every=False)
 
     def _tick(self) -> None:
         with self._lock:
@@ -112,9 +114,11 @@ class PositionNode:
             for output in self._outputs
         }
         unknown = [name for name, position in values.items() if position == "UNKNOWN"]
-        if not unknown:
-            return Health(OK, "All positions are known.", values)
-        return Health(WARN, f"Not known: {', '.join(unknown)}.", values)
+        with self._lock:
+            refused = self._senses.refusals(now_us())
+            values["sensor frames refused"] = str(self._senses.refused)
+        said = " ".join(([f"Not known: {', '.join(unknown)}."] if unknown else []) + [*refused])
+        return Health(WARN if said else OK, said or "All positions are known.", values)
 
 
 @dataclass(frozen=True)

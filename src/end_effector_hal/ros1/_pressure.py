@@ -53,6 +53,8 @@ class PressureNode:
         self._witness.frame(frame)
         self._frame(frame_to_message(frame))
         with self._lock:
+            if not self._senses.accepts(frame, now_us()):
+                return
             self._silent = False
             self._senses.frame(frame)
             readings = self._senses.readings

@@ -12,6 +12,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.trace import Command
 
 from ._node import Node
+from ._stamped import Stamped
 from ._table import (
     ARM_TOOL_CHANGER,
     GRIP_STATE,
@@ -34,6 +35,7 @@ class ToolChangeNode:
         self._unit = self._node.unit
         self._changer = description.tool_changer
         self._ee: int | None = None
+        self._stamped = Stamped("States of Grip", node.log)
         node.subscribe(GRIP_STATE, self._on_grip)
         service = set_tool_changer(description)
         if service is not None:
@@ -41,7 +43,7 @@ class ToolChangeNode:
             node.serve(ARM_TOOL_CHANGER, self._on_arm)
 
     def _on_grip(self, message: Any) -> None:
-        if message.state != self._ee:
+        if self._stamped.counts(message.since_us, message.at_us) and message.state != self._ee:
             self._ee = message.state
             self._unit.tell(ee=message.state)
 

@@ -16,6 +16,7 @@ from end_effector_hal.tool import open_unit
 from end_effector_hal.trace import Command
 from end_effector_hal.wires import get_codec, now_us
 
+from ._commander import VALID_S
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import frame_from_message
 from ._node import Node, stamp
@@ -122,6 +123,9 @@ class UnitNode:
             return self._answered(Answer(False, f"{request.command} is no command here; there are {known}."))
         if request.until_us and now_us() > request.until_us:
             return self._answered(Answer(False, "The command came too late and was not executed."))
+        if request.until_us > now_us() + round(VALID_S * 1e6):
+            why = f"The command may wait for more than {VALID_S:g} s and was not executed: its time is wrong."
+            return self._answered(Answer(False, why))
         return self._answered(self.unit.command(_WORDS[Command(request.command)]))
 
     def _answered(self, answer: Answer) -> Any:
@@ -147,6 +151,7 @@ class UnitNode:
                 "link up": status.link_up,
                 "stale channels": ", ".join(status.stale) or "none",
                 "edges later than the reaction bound": status.missed,
+                "sensor frames refused": status.refused_frames,
                 "worst lateness (ms)": f"{status.worst_late_us / 1000:.3f}",
                 "reason": status.reason,
             },

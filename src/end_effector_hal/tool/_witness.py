@@ -53,7 +53,8 @@ class Witness:
         """One frame of the link; never blocks."""
         if self._needed:
             with self._lock:
-                self._tell(self._predicates.frame(frame), frame.at)
+                if said := self._predicates.frame(frame, self._clock()):
+                    self._tell(said, frame.at)
 
     def close(self) -> None:
         """Say nothing any more."""

@@ -6,9 +6,11 @@ the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformanc
 """
 
 from end_effector_hal.wires.codecs._codec import Codec, Decoder, parity_of, resolution_of, shows_noise
+from end_effector_hal.wires.codecs._declared import declared
 from end_effector_hal.wires.codecs._ees1_ascii import Ees1Ascii
 from end_effector_hal.wires.codecs._ees1_cobs import Ees1Cobs
 from end_effector_hal.wires.codecs._legacy_nibble import LegacyNibble
+from end_effector_hal.wires.codecs._named import named
 from end_effector_hal.wires.codecs._polled import (
     Device,
     Polled,
@@ -34,8 +36,10 @@ __all__ = [
     "asks",
     "codec_names",
     "codec_of",
+    "declared",
     "get_codec",
     "is_polled",
+    "named",
     "parity_of",
     "resolution_of",
     "sequence_of",

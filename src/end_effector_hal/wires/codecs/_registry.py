@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.codecs._codec import Codec
+from end_effector_hal.wires.codecs._declared import declared
+from end_effector_hal.wires.codecs._named import named
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
@@ -49,9 +51,12 @@ def get_codec(name: str) -> Codec:
             loaded = entry.load()
             codec: Codec = loaded() if isinstance(loaded, type) else loaded
             missing = [part for part in _PARTS if not hasattr(codec, part)]
-        except Exception as error:  # a plug-in may raise anything
+            codec = codec if missing else declared(codec)
+        except UsageError as error:
+            raise UsageError(f"the codec {name}: {error.what}", where=entry.value, todo=error.todo) from error
+        except (Exception, SystemExit, GeneratorExit) as error:  # a plug-in may raise anything
             raise UsageError(
-                f"the codec {name} cannot be loaded: {type(error).__name__}: {error}",
+                f"the codec {name} cannot be loaded: {named(error)}",
                 where=entry.value,
                 todo="Repair or remove the distribution that provides it.",
             ) from error

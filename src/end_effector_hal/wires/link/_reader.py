@@ -8,25 +8,31 @@ import select
 import threading
 import time
 from collections.abc import Callable, Iterable
-from contextlib import suppress
+from contextlib import closing, suppress
 
 import serial
 
 from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.codecs import Codec, PolledDecoder, asks, get_codec, parity_of
+from end_effector_hal.wires.codecs import Codec, get_codec, named, parity_of
 from end_effector_hal.wires.frame import Frame
+from end_effector_hal.wires.link._codec_calls import CodecCalls, CodecFailure
+from end_effector_hal.wires.link._counters import Counters
+from end_effector_hal.wires.link._guard import GuardedDecoder
 from end_effector_hal.wires.link._health import LinkHealth, LinkState
 from end_effector_hal.wires.link._port import open_port
 
 _log = logging.getLogger("end_effector_hal.wires")
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
+CLOSE_S = 2.0
+READ_BYTES = 4096
 
 
 class LinkReader:
     """Delivers the frames of a port, and opens it again when it is lost (after 0.1 s, doubling up to 5 s).
 
-    Both callbacks are called in the reader's thread and must not block for long; an exception is logged.
+    Both callbacks are called in the reader's thread and must not block for long; an exception is logged. Whatever the
+    codec or the port does: the link is down with the reason, and is tried again, with a new decoder.
 
     Args:
         port: device, or a link to it.
@@ -45,18 +51,21 @@ class LinkReader:
         on_change: Callable[[LinkHealth], None] | None = None,
     ) -> None:
         self._port = port
-        codec = get_codec(codec) if isinstance(codec, str) else codec
-        self._baudrate, self._parity = baudrate or codec.baudrate, parity_of(codec)
-        self._decoder = codec.decoder()
+        self._codec = get_codec(codec) if isinstance(codec, str) else codec
+        self._baudrate = baudrate
+        self._calls = CodecCalls(port)
+        self._decoder: GuardedDecoder | None = None
+        self._before = Counters()  # of decoders that have failed
         self._on_frame, self._on_change = on_frame, on_change
         self._state, self._since, self._error, self._opened = LinkState.OPENING, now_us(), "", 0
         self._last_frame: int | None = None
         self._wait_s = FIRST_WAIT_S
         self._first: serial.Serial | None = None
+        self._open_now: serial.Serial | None = None
         self._thread: threading.Thread | None = None
 
     def start(self, patience_s: float = 1.0) -> None:
-        """Begin; a port that is not there yet is no error.
+        """Begin; a port that is not there yet is no error, nor is a codec that fails.
 
         Args:
             patience_s: how long somebody else may still have the port: a predecessor that is ending.
@@ -70,13 +79,21 @@ class LinkReader:
         self._thread.start()
 
     def close(self) -> None:
-        """End and give the port back; nothing is delivered after it (unless called from a callback)."""
+        """End and give the port back; nothing is delivered after it (unless called from a callback).
+
+        A codec or a callback that does not return is left behind: it holds neither the caller nor the port.
+        """
         thread, self._thread = self._thread, None
         if thread is None:
             return
         os.write(self._wake, b"x")
-        if thread is not threading.current_thread():
-            thread.join()
+        if thread is threading.current_thread():
+            return
+        thread.join(CLOSE_S)
+        if thread.is_alive():
+            hung = self._calls.hung
+            _log.error("%s", hung[0] if hung else f"the link {self._port} does not end; it is left behind.")
+            self._give_back()
 
     def __enter__(self) -> LinkReader:
         self.start()
@@ -87,40 +104,67 @@ class LinkReader:
 
     @property
     def health(self) -> LinkHealth:
-        """As it is now; may be read in any thread."""
-        decoder = self._decoder
+        """As it is now; may be read in any thread. Nothing of the codec is called for it."""
+        state, since, error = self._state, self._since, self._error
+        if hung := self._calls.hung:
+            state, (error, since) = LinkState.DOWN, hung
+        counters = self._before if self._decoder is None else self._before.plus(self._decoder.counters)
         return LinkHealth(
-            state=self._state,
-            since=self._since,
-            error=self._error,
+            state=state,
+            since=since,
+            error=error,
             last_frame=self._last_frame,
             opened=self._opened,
-            bytes=decoder.bytes,
-            frames=decoder.frames,
-            lost=decoder.lost,
-            reboots=decoder.reboots,
-            errors=dict(decoder.errors),
+            bytes=counters.bytes,
+            frames=counters.frames,
+            lost=counters.lost,
+            reboots=counters.reboots,
+            errors=dict(counters.errors),
         )
 
+    @property
+    def _closed(self) -> bool:
+        """Whether this thread was told to end, or was left behind."""
+        return self._thread is not threading.current_thread()
+
     def _run(self) -> None:
+        pipe = self._wake_read, self._wake
         try:
-            while self._thread is not None:
+            while not self._closed:
                 try:
-                    first, self._first = self._first, None
-                    with first or self._open() as port:
-                        self._opened += 1
-                        self._change(LinkState.SILENT)
-                        self._read(port)
-                except (LinkError, OSError) as error:
-                    text = str(error) if isinstance(error, LinkError) else self._lost(error)
-                    self._change(LinkState.DOWN, text)
-                    self._sleep()
+                    self._stay_open()
+                except BaseException as error:  # noqa: BLE001 a codec, a driver: this thread outlives them all
+                    self._fail(error)
         finally:
-            os.close(self._wake_read)
-            os.close(self._wake)
+            for end in pipe:
+                os.close(end)
+
+    def _stay_open(self) -> None:
+        """Until the end; raises whatever ends it before."""
+        first, self._first = self._first, None
+        with closing(first or self._open()) as port:
+            self._open_now = port
+            if self._decoder is None:
+                self._decoder = GuardedDecoder(self._codec, self._calls)
+            self._opened += 1
+            self._change(LinkState.SILENT)
+            self._read(port, self._decoder)
+
+    def _fail(self, error: BaseException) -> None:
+        if self._closed:
+            return
+        if isinstance(error, CodecFailure):
+            # what it knows is worth nothing now; what it has counted stays
+            counted = self._decoder.counters if self._decoder is not None else Counters()
+            self._before = self._before.plus(counted).plus(Counters(errors={"codec": 1}))
+            self._decoder = None
+        self._change(LinkState.DOWN, self._explained(error))
+        self._sleep()
 
     def _open(self) -> serial.Serial:
-        return open_port(self._port, self._baudrate, parity=self._parity)
+        baudrate = self._baudrate or self._calls.run("baudrate", lambda: int(self._codec.baudrate))
+        parity = self._calls.run("parity", lambda: parity_of(self._codec))
+        return open_port(self._port, baudrate, parity=parity)
 
     def _claimed(self, until: int) -> serial.Serial | None:
         """The port; None while there is none that can be opened."""
@@ -130,43 +174,51 @@ class LinkReader:
             except LinkBusyError:
                 if now_us() >= until:
                     raise
-            except LinkError:
-                return None  # the thread tries again, and says why
+            except (Exception, SystemExit):  # noqa: BLE001 the thread tries again, and says why
+                return None
             time.sleep(FIRST_WAIT_S)
 
-    def _read(self, port: serial.Serial) -> None:
-        """Until the end; raises OSError when the port is lost."""
-        fd, decoder = port.fileno(), self._decoder
-        poller = decoder if asks(decoder) else None
-        while self._wake_read not in (
-            ready := select.select([fd, self._wake_read], [], [], _wait(poller))[0]
-        ):
+    def _read(self, port: serial.Serial, decoder: GuardedDecoder) -> None:
+        """Until the end; raises OSError when the port is lost, LinkError when the codec fails."""
+        fd = port.fileno()
+        while not self._closed:
+            ready = select.select([fd, self._wake_read], [], [], decoder.wait_s())[0]
+            if self._wake_read in ready:
+                return
             if fd in ready:
-                data = os.read(fd, 4096)
-                at = now_us()
+                data = os.read(fd, READ_BYTES)
                 if not data:
                     raise OSError("end of file")
-                self._deliver(decoder.feed(data, at))
-            if poller is not None:
-                polled = poller.poll(now_us())
+                self._deliver(decoder.feed(data))
+            if decoder.asks and not self._closed:
+                polled = decoder.poll()
+                if self._closed:
+                    return
                 with suppress(BlockingIOError):  # no room: a request that is not answered
                     os.write(fd, polled.data)
                 self._deliver(polled.frames)
 
     def _deliver(self, frames: Iterable[Frame]) -> None:
         for frame in frames:
+            if self._closed:
+                return
             self._wait_s, self._last_frame = FIRST_WAIT_S, frame.at
             self._change(LinkState.UP)
             self._call(self._on_frame, frame)
 
-    def _lost(self, error: OSError) -> str:
-        return str(
-            LinkError(
-                f"the port was lost: {error.strerror or error}.",
-                where=self._port,
-                todo="It is opened again as soon as it is back.",
-            )
-        )
+    def _give_back(self) -> None:
+        """The port of a thread that is left behind, which looks at it no more."""
+        port, self._open_now = self._open_now, None
+        if port is not None:
+            with suppress(Exception):
+                port.close()
+
+    def _explained(self, error: BaseException) -> str:
+        if isinstance(error, LinkError):
+            return str(error)
+        what = (error.strerror or str(error)) if isinstance(error, OSError) else named(error)
+        todo = "It is opened again as soon as it is back."
+        return str(LinkError(f"the port was lost: {what}.", where=self._port, todo=todo))
 
     def _sleep(self) -> None:
         select.select([self._wake_read], [], [], self._wait_s)
@@ -184,10 +236,5 @@ class LinkReader:
     def _call(self, callback: Callable[..., None], argument: object) -> None:
         try:
             callback(argument)
-        except Exception:  # noqa: BLE001 a callback may raise anything; the next frame counts
+        except BaseException:  # noqa: BLE001 a callback may raise anything; the next frame counts
             _log.exception("a listener of %s failed", self._port)
-
-
-def _wait(poller: PolledDecoder | None) -> float | None:
-    """Seconds until something is to be asked."""
-    return None if poller is None else max(0, poller.due - now_us()) / 1_000_000
