@@ -26,7 +26,7 @@ def main(socket: str) -> None:
         word = f"c{request.until_us}"
         owner.ask(word.encode())
         publisher.publish(word)
-        return HalCommandResponse(True, "", 0)
+        return HalCommandResponse(True, "", 0, True)
 
     rospy.Service("floor/command", HalCommand, on_command)
     rospy.Subscriber("floor/frame", String, on_frame, queue_size=50, tcp_nodelay=True)

@@ -55,11 +55,27 @@ def test_a_valid_description_is_told_in_short(check: Check) -> None:
     ]
 
 
-@pytest.mark.parametrize(("codec", "baud"), [("ees1-ascii", 115_200), ("legacy-nibble", 9_600)])
+NIBBLE = {
+    "codec: ees1-ascii ": "codec: legacy-nibble ",
+    "channel: cylinder\n": "channel: none\n    retracted_bit: none\n",
+    "  service: SetToolChanger": "  stand_bit: none\n  present_bit: none",
+    "supply:\n": "supply:\n  channel: none\n",
+}
+"""The shipped tool with the prototype's byte: what that does not carry is declared as none."""
+TRANSMITTERS = {
+    "codec: ees1-ascii ": "codec: modbus-rtu-transmitters ",
+    "channel: cylinder\n": "channel: cylinder\n    extended_bit: none\n    retracted_bit: none\n",
+    "  service: SetToolChanger": "  locked_bit: none\n  unlocked_bit: none\n  stand_bit: none\n  present_bit: none",
+}
+
+
+@pytest.mark.parametrize(
+    ("codec", "baud", "replace"), [("ees1-ascii", 115_200, {}), ("legacy-nibble", 9_600, NIBBLE)]
+)
 def test_a_baud_rate_that_is_not_given_is_told_as_that_of_the_codec(
-    check: Check, codec: str, baud: int
+    check: Check, codec: str, baud: int, replace: dict[str, str]
 ) -> None:
-    result = check(replace={"  baudrate: 115200\n": "", "codec: ees1-ascii ": f"codec: {codec} "})
+    result = check(replace={"  baudrate: 115200\n": "", **replace})
     assert f"/dev/verdin-uart1, {codec}, {baud} baud\n" in result.stdout
 
 
@@ -107,21 +123,103 @@ def test_faults_as_json(check: Check) -> None:
     }
 
 
-def test_what_the_prototype_s_byte_does_not_carry_is_told(check: Check) -> None:
-    result = check("--json", replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
+    result = check("--json", replace=NIBBLE)
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
         "bottom_vacuum: bottom is carried by legacy-nibble as a bit: thresholds are off",
-        "cylinder: cylinder is not carried by legacy-nibble: thresholds are off",
-        "cylinder: cylinder_retracted is not carried by legacy-nibble: "
-        "it is taken as the opposite of extended",
+        "cylinder: channel: none: cylinder_extended alone proves extended, thresholds are off: "
+        "that its air is lost is not seen",
+        "cylinder: retracted_bit: none: retracted is taken as the opposite of extended: "
+        "a rod that stops on its way is taken for retracted",
         "top_vacuum: top is carried by legacy-nibble as a bit: thresholds are off",
-        "supply pressure: not carried by legacy-nibble: IL-06 is off, 600 kPa is taken for it",
-        "tool stand: not carried by legacy-nibble: in_stand: an unlock is armed first (IL-02)",
+        "supply: channel: none: IL-06 is off, 600 kPa is taken for it: a lack of air is not seen",
+        "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
         NO_E_STOP,
     ]
-    plain = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
-    assert plain.stdout.count("not fitted  ") == 7
+    assert check(replace=NIBBLE).stdout.count("not fitted  ") == 7
+
+
+def test_pressures_alone_prove_less_as_well(check: Check) -> None:
+    result = check("--json", replace=TRANSMITTERS | {"bounds:": "e_stop: {channel: none}\n\nbounds:"})
+    assert result.exit_code == 0, result.stdout
+    assert [each for each in json.loads(result.stdout)["not_fitted"] if "frozen_s" not in each] == [
+        "cylinder: extended_bit: none: the pressure cylinder alone proves extended: a rod that is stuck is not seen",
+        "cylinder: retracted_bit: none: the pressure cylinder alone proves retracted: "
+        "a rod that is stuck is not seen",
+        "tool changer: locked_bit: none, unlocked_bit: none: a lock cannot be proven: IL-04 and IL-05 are off",
+        "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
+        "e_stop: channel: none: an open e-stop is not seen: IL-13 is off",
+    ]
+
+
+# A key of each kind of device, as it stands in the shipped file, and what it is called by
+KEYS = [
+    ("channel: cylinder\n", "channel: cylindr\n", "cylindr", "pressure", "channel", "cylinder"),
+    ("channel: cylinder\n", "channel: cylinder\n    extended_bit: cylinder_extendd\n", "cylinder_extendd", "bit",
+     "extended_bit", "cylinder_extended"),
+    ("channel: cylinder\n", "channel: cylinder\n    retracted_bit: cylinder_retractd\n", "cylinder_retractd", "bit",
+     "retracted_bit", "cylinder_retracted"),
+    ("supply:\n", "supply:\n  channel: suply\n", "suply", "pressure", "channel", "supply"),
+    *(
+        ("  service: SetToolChanger", f"  {key}: {wrong}", wrong, "bit", key, meant)
+        for key, wrong, meant in (
+            ("locked_bit", "loked", "locked"),
+            ("unlocked_bit", "unloked", "unlocked"),
+            ("stand_bit", "in_stan", "in_stand"),
+            ("present_bit", "tool_presnt", "tool_present"),
+        )
+    ),
+    ("bounds:", "e_stop:\n  channel: estop_o\n\nbounds:", "estop_o", "bit", "channel", "estop_ok"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wrong", "kind", "key", "meant"), KEYS, ids=[each[2] for each in KEYS]
+)
+def test_a_channel_that_no_wire_carries_is_refused_for_every_device(
+    check: Check, old: str, new: str, wrong: str, kind: str, key: str, meant: str
+) -> None:
+    result = check(replace={old: new})
+    assert result.exit_code == 2
+    (said,) = result.stderr.splitlines()
+    line = SHIPPED.replace(old, new).partition(f"{key}: {wrong}")[0].count("\n") + 1
+    assert said.startswith(f"tool.yaml:{line}:")
+    assert f": ees1-ascii carries no '{wrong}' ({wrong}), expected a {kind} of ees1-ascii: " in said
+    assert said.endswith(f"; did you mean '{meant}'? if there is no such sensor, write {key}: none [EE-225]")
+    assert check(replace={old: new.replace(wrong, "none")}).exit_code == 0
+    assert (
+        check(replace={old: new.replace(wrong, "somewhere")}).exit_code == 2
+    )  # near to nothing: refused as well
+
+
+def test_a_default_that_no_wire_carries_is_refused_too(check: Check) -> None:
+    result = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+    assert result.exit_code == 2
+    found = [line.split(": ", 1)[1] for line in result.stderr.splitlines()]
+    what, todo = "legacy-nibble carries no", "if there is no such sensor, write"
+    bits = "expected a bit of legacy-nibble: unlocked, locked, bottom, cylinder_extended, top"
+    assert found == [
+        f"{what} 'cylinder_retracted' (retracted_bit: cylinder_retracted (default)), {bits}; "
+        f"{todo} retracted_bit: none [EE-225]",
+        f"{what} 'cylinder' (cylinder), expected a codec with such a pressure; {todo} channel: none [EE-225]",
+        f"{what} 'in_stand' (stand_bit: in_stand (default)), {bits}; {todo} stand_bit: none [EE-225]",
+        f"{what} 'tool_present' (present_bit: tool_present (default)), {bits}; "
+        f"{todo} present_bit: none [EE-225]",
+        f"{what} 'supply' (channel: supply (default)), expected a codec with such a pressure; "
+        f"{todo} channel: none [EE-225]",
+    ]
+
+
+def test_none_belongs_to_no_device(check: Check) -> None:
+    bits = "extended_bit: none\n    retracted_bit: none"
+    result = check(replace={"channel: cylinder\n": f"channel: cylinder\n    {bits}\n"})
+    assert (result.exit_code, result.stderr) == (0, "")
+
+
+def test_a_cylinder_is_not_confirmed_by_its_retracted_bit(check: Check) -> None:
+    replace = {"channel: cylinder\n": "channel: none\n    extended_bit: none\n"}
+    assert "ees1-ascii carries nothing that could confirm 'cylinder' (none)" in check(replace=replace).stderr
 
 
 def test_an_unknown_codec_is_a_fault_at_its_place(check: Check) -> None:
@@ -134,12 +232,6 @@ def test_an_unknown_codec_is_a_fault_at_its_place(check: Check) -> None:
     )
 
 
-def test_an_e_stop_that_the_codec_does_not_carry_is_told(check: Check) -> None:
-    replace = {"codec: ees1-ascii ": "codec: legacy-nibble ", "bounds:": "e_stop: {}\n\nbounds:"}
-    told = json.loads(check("--json", replace=replace).stdout)["not_fitted"]
-    assert told[-1] == "e-stop: not carried by legacy-nibble: estop_ok: IL-13 is off"
-
-
 def test_an_actuator_that_nothing_can_confirm_is_a_fault(check: Check) -> None:
     result = check(replace={"channel: bottom": "channel: botom"})
     assert result.exit_code == 2
@@ -150,14 +242,15 @@ def test_an_actuator_that_nothing_can_confirm_is_a_fault(check: Check) -> None:
 
 
 def test_a_cylinder_may_be_confirmed_by_its_bit_alone(check: Check) -> None:
-    replace = {"channel: cylinder": "channel: elsewhere"}
+    replace = {"channel: cylinder": "channel: none"}
     result = check("--json", replace=replace)
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
-        "cylinder: elsewhere is not carried by ees1-ascii: thresholds are off",
+        "cylinder: channel: none: cylinder_extended alone proves extended, thresholds are off: "
+        "that its air is lost is not seen",
         NO_E_STOP,
     ]
-    replace = {"channel: cylinder": "channel: elsewhere\n    extended_bit: ~\n    retracted_bit: ~"}
+    replace = {"channel: cylinder": "channel: none\n    extended_bit: ~\n    retracted_bit: ~"}
     assert "carries nothing that could confirm 'cylinder'" in check(replace=replace).stderr
 
 
@@ -209,7 +302,7 @@ def test_a_fourth_actuator_on_the_channel_of_the_supply(check: Check) -> None:
     }
     result = check("--json", replace=replace)
     assert result.exit_code == 0, result.stdout
-    assert "supply pressure: not carried by ees1-ascii: IL-06 is off" in result.stdout
+    assert "supply: channel: none: IL-06 is off" in result.stdout
 
 
 def test_a_cylinder_is_offered_its_bit(check: Check) -> None:
@@ -228,7 +321,7 @@ def test_a_cylinder_is_offered_its_bit(check: Check) -> None:
 
 
 def test_times_that_the_link_is_too_slow_for_are_told(check: Check) -> None:
-    result = check("--json", replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+    result = check("--json", replace=NIBBLE)
     told = json.loads(result.stdout)
     assert (told["ok"], result.exit_code) == (True, 0)
     too_early = "is over before a reading of legacy-nibble is stale (3 s, one each 1 s): a late or lost frame fails it"
@@ -239,17 +332,17 @@ def test_times_that_the_link_is_too_slow_for_are_told(check: Check) -> None:
         f"tool changer: prove_s = 2 s {too_early}",
         *(f"{name}: reset_s = 1 s {again}" for name in names),
     ]
-    plain = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
+    plain = check(replace=NIBBLE)
     assert plain.stdout.count("\nwarning  ") == 7
     enough = {"release_s: 2.0": "release_s: 3.1", "reset_s: 1.0": "reset_s: 1.1"}
-    result = check("--json", replace=enough | {"codec: ees1-ascii ": "codec: legacy-nibble "})
+    result = check("--json", replace=enough | NIBBLE)
     assert [each for each in json.loads(result.stdout)["warnings"] if each.startswith("bottom_vacuum")] == []
     slow = json.loads(check("--json", replace={"baudrate: 115200": "stale_s: 2.5\n  down_s: 3"}).stdout)
     assert "tool changer: prove_s = 2 s is over before" in slow["warnings"][-1]
 
 
 def test_samples_that_take_longer_than_the_time_out_can_never_confirm(check: Check) -> None:
-    slow = {"codec: ees1-ascii ": "codec: legacy-nibble ", "lost_kpa: 50.0": "confirmed_samples: 6"}
+    slow = NIBBLE | {"lost_kpa: 50.0": "confirmed_samples: 6"}
     result = check(replace=slow)
     assert result.exit_code == 2
     assert result.stderr == (
@@ -333,15 +426,9 @@ def test_schema_for_editors_and_tables_for_people() -> None:
     ("replace", "said"),
     [
         (
-            {"supply:\n": "supply:\n  channel: suply\n"},
-            "carries no 'suply' (suply), expected a pressure of ees1-ascii: bottom, cylinder, top, supply; did",
-        ),
-        ({"  service: SetToolChanger": "  locked_bit: loked"}, "did you mean 'locked'? [EE-225]"),
-        (
             {"channel: bottom": "channel: locked"},
             "'locked' is a position bit and no pressure (locked), expected a free channel of ees1-ascii: bottom [",
         ),
-        ({"  service: SetToolChanger": "  stand_bit: in_stan"}, "did you mean 'in_stand'? [EE-225]"),
         (
             {"  service: SetToolChanger": "  stand_bit: top"},
             "'top' is a pressure (stand_bit: top), expected a bit",
@@ -351,7 +438,7 @@ def test_schema_for_editors_and_tables_for_people() -> None:
             "ees1-ascii carries nothing that could confirm 'top_vacuum' (tpo)",
         ),
         (
-            {"codec: ees1-ascii ": "codec: modbus-rtu-transmitters "},
+            TRANSMITTERS,
             "",
         ),
         (

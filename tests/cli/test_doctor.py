@@ -20,6 +20,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 from click.testing import CliRunner, Result
+from proving import proving
 
 from end_effector_hal.cli import _doctor, _doctor_lines, _doctor_machine, _doctor_ros
 from end_effector_hal.cli._doctor_finding import Finding, Level
@@ -34,7 +35,6 @@ from end_effector_hal.wires import (
     VirtualChip,
     VirtualLines,
     get_codec,
-    now_us,
     read_chip,
 )
 
@@ -332,10 +332,9 @@ def test_no_chip_and_the_wrong_library(tmp_path: Path, monkeypatch: pytest.Monke
 def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
     from end_effector_hal.wires import OwnerClient
 
-    said = {"locked": True, "nothing_gripped": False, "parked": True}
+    proven = proving(machine.socket, locked=True, nothing_gripped=False, parked=True)
     machine.findings("owner")  # the first look takes longer than what is said counts
-    with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client:
-        client.tell(said, now_us())
+    with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client, proven:
         client.set({"SODIMM_208": True}, will=[("SODIMM_208", False, 0)])
         assert machine.findings("owner") == [
             (
@@ -354,7 +353,6 @@ def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(machine: Machi
 
     with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client:
         client.latch("sensor_fault", "IL-04: both bits are set.")
-        client.tell({"locked": True}, now_us() - 2_000_000)
         told = machine.findings("owner")[2:]
     assert [level for level, _, _ in told] == ["warning", "warning"]
     assert (

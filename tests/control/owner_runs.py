@@ -57,8 +57,8 @@ class Run:
         self.names = [part.line for _, part in self.description.ordered]
         assert self.description.tool_changer
         self.unlock = self.description.tool_changer.line
-        self.grip = self.keeper.hello("grip", 1, self.names, (), 0)
-        self.change = self.keeper.hello("tool_change", 2, [self.unlock], (), 0)
+        self.grip = self.keeper.hello("grip", "a" * 32, self.names, (), 0)
+        self.change = self.keeper.hello("tool_change", "b" * 32, [self.unlock], (), 0)
         self.valve = dict.fromkeys(self.names, False)
         self.steps.append((0, {"assignment": "world = APART, changer = LOCKED, ee = STAND_BY"}))
 

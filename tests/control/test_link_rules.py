@@ -48,7 +48,7 @@ class Raw:
         self.at, self.seq, self.uptime_ms = 1_000_000, 100, 50_000
         self.values: dict[str, int | bool | None] = {
             "bottom": 0, "cylinder": 0, "top": 0, "supply": 600_000, "locked": True, "unlocked": False,
-            "cylinder_extended": False, "cylinder_retracted": True,
+            "cylinder_extended": False, "cylinder_retracted": True, "in_stand": False, "tool_present": True,
         }  # fmt: skip
 
     def __call__(self, frames: int = 1, *, noise: int = 1, **values: int | bool | None) -> None:
@@ -77,7 +77,8 @@ def test_silence_is_told_while_it_is_short_and_when_the_link_is_down(description
     tool.run(0.02)
     assert tool.status.evidence == (0, 0, 0)
     assert tool.status.alarms == (
-        "No valid reading of bottom, cylinder, cylinder_extended, cylinder_retracted, top, locked, unlocked, supply.",
+        "No valid reading of bottom, cylinder, cylinder_extended, cylinder_retracted, top, locked, unlocked, "
+        "in_stand, tool_present, supply.",
     )
     tool.run(1.0)
     assert tool.status.alarms == ("The sensor link /dev/verdin-uart1 is down.",)

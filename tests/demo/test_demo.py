@@ -281,8 +281,14 @@ def test_refused_options(played: Played, options: list[str], message: str) -> No
 
 def test_what_cannot_be_played_is_told_and_the_rest_is_played(played: Played, tmp_path: Path) -> None:
     tool = tmp_path / "tool.yaml"
-    tool.write_text(profile_path().read_text().replace("ees1-ascii ", "modbus-rtu-transmitters "))
-    why = "unlock-lock is not played: modbus-rtu-transmitters does not carry locked, unlocked"
+    text = profile_path().read_text().replace("ees1-ascii ", "modbus-rtu-transmitters ")
+    none = {"channel: cylinder\n": ("extended", "retracted"),
+            "service: SetToolChanger\n": ("locked", "unlocked", "stand", "present")}  # fmt: skip
+    for key, bits in none.items():
+        indent = text.partition(key)[0].rpartition("\n")[2]
+        text = text.replace(key, key + "".join(f"{indent}{bit}_bit: none\n" for bit in bits))
+    tool.write_text(text)
+    why = "unlock-lock is not played: modbus-rtu-transmitters carries no locked_bit and no unlocked_bit"
     result = CliRunner().invoke(command, [str(tool), "--no-ros", "--all"])
     assert why in result.stderr
     assert "unlock-lock" not in played.asked["names"]

@@ -131,6 +131,6 @@ def test_it_is_locked_again_before_il_03_ends_the_unlock(
 def test_what_no_sensor_could_prove_is_not_played_and_why(verdin: Description) -> None:
     blind = with_codec(verdin, "modbus-rtu-transmitters")
     assert [each.name for each in scenarios(blind, everything=True)] == NAMES[:5]
-    why = "modbus-rtu-transmitters does not carry locked, unlocked, so that no unlock is accepted."
+    why = "modbus-rtu-transmitters carries no locked_bit and no unlocked_bit, so that no unlock is accepted."
     assert unplayable(blind) == {"unlock-lock": why}
     assert unplayable(without_changer(blind)) == unplayable(verdin) == {}

@@ -11,7 +11,7 @@ from itertools import pairwise
 from end_effector_hal.description import load
 from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.tool import program_lines
-from end_effector_hal.wires import OwnerClient, now_us, read_chip
+from end_effector_hal.wires import OwnerClient, Teller, now_us, read_chip
 
 CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-owner"
 BOTTOM, CYLINDER, TOP = program_lines(load("/etc/eehal/end_effector.yaml"), "grip")
@@ -44,8 +44,13 @@ def serves(other_than):
 
 def engage(client, will):
     """What an owner does only where the sensors are said to prove it."""
-    client.tell({"locked": True, "nothing_gripped": True, "parked": True}, now_us())
+    teller, begin = Teller(SOCKET), time.monotonic()
+    while time.monotonic() < begin + 30:
+        teller.tell({"locked": True, "nothing_gripped": True, "parked": True}, now_us())
+        if client.status()["told"]:
+            break
     client.set(ACTIVE, will=will)
+    teller.close()
 
 
 def replaced(signal_name):

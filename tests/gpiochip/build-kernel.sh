@@ -11,7 +11,7 @@ lacks() {
     say "$1 is missing, so there is no kernel to test on: apt install $(paste -sd' ' "$here/kernel-packages.txt")"
     exit 3
 }
-key=$(cat "$here/kernel.fragment" "$here/compile-kernel.sh" | sha256sum | cut -c1-12)
+key=$(cat "$here/kernel.fragment" "$here/kernel.patch" "$here/compile-kernel.sh" | sha256sum | cut -c1-12)
 version() { dpkg-query -W -f '${Version}' linux-source-6.1 2>/dev/null; }
 found() {
     # without the source any version will do
@@ -29,7 +29,7 @@ found && exit 0
 [ "${1:-}" != find ] || exit 1
 "$here/../../deploy/debian.sh" "$here/kernel-packages.txt" >&2 || true
 version >/dev/null && [ -r /usr/src/linux-source-6.1.tar.xz ] || lacks linux-source-6.1
-for program in bc bison flex gcc make xz; do
+for program in bc bison flex gcc make patch xz; do
     command -v "$program" >/dev/null || lacks "$program"
 done
 if ! mkdir -p "$cache" 2>/dev/null || [ ! -w "$cache" ]; then

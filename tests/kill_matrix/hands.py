@@ -12,7 +12,7 @@ from waiting import until
 from end_effector_hal.demo._child import Child
 from end_effector_hal.demo._children import Children
 
-SUCCEEDED = 0
+SUCCEEDED = 5
 
 
 class Hands:

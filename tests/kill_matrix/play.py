@@ -12,6 +12,7 @@ from typing import Any
 
 from cells import GRIPPED, STOPPED_S, Cell
 from expected import Expected, Switch, expected, one_of, told
+from hands import SUCCEEDED
 from prepare import GONE, Prepared, prepare
 from system import LAUNCHED, System
 from waiting import Late, pause, until
@@ -23,7 +24,6 @@ SETTLED_S = 30.0
 NOTICED_S = 2.5
 """HALMain takes a node that is silent for 1 s for gone; on a busy machine a little later. An owner that is stopped
 does nothing before it goes on."""
-SUCCEEDED = 0
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import os
 import shutil
 import signal
 import subprocess
+import xmlrpc.client
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -155,6 +156,13 @@ class System:
         assert status == 3, result.reason
         gripped = EndEffectorState.GRIPPED
         wait_until("GRIPPED", lambda: any(message.state == gripped for message in self.states[begun:]))
+
+    def pid_of(self, node: str) -> int:
+        """The process of a node."""
+        import rosgraph
+
+        proxy: Any = xmlrpc.client.ServerProxy(rosgraph.Master("/tests").lookupNode(node))
+        return int(proxy.getPid("/tests")[2])
 
     def edges(self) -> list[tuple[str, int]]:
         """Every write to the lines so far, from the log of the virtual chip."""

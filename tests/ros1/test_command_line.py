@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.ros1._table import ACTIONS, services, topics
 from end_effector_hal.trace import EndEffectorState
 
 pytestmark = pytest.mark.ros
@@ -41,6 +43,16 @@ def test_a_set_service_refuses_while_a_part_is_held(system: Any) -> None:
     assert "success: False" in done.stdout
     assert "IL-12" in done.stdout
     assert system.edges()[edges:] == []
+
+
+def test_rosmsg_and_rossrv_show_every_type_of_the_interface(system: Any) -> None:
+    """Debian has the definitions of messages in packages of their own, apart from their Python modules."""
+    tool = load(profile_path())
+    types = {("rosmsg", topic.type) for topic in topics(tool)}
+    types |= {("rosmsg", f"{action.type}Action") for action in ACTIONS}
+    types |= {("rossrv", service.type) for service in services(tool)}
+    shown = {kind: system.cli(kind[0], "show", kind[1]) for kind in sorted(types)}
+    assert {kind: done.stderr for kind, done in shown.items() if done.returncode or not done.stdout} == {}
 
 
 def test_rosbag_records_and_plays_back_the_types(system: Any, tmp_path: Path) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import time
-import xmlrpc.client
 from typing import Any
 
 import pytest
@@ -16,19 +15,12 @@ pytestmark = pytest.mark.ros
 ABORTED, REJECTED = 4, 5
 
 
-def pid_of(node: str) -> int:
-    import rosnode
-
-    proxy: Any = xmlrpc.client.ServerProxy(rosnode.get_api_uri(__import__("rosgraph").Master("/tests"), node))
-    return int(proxy.getPid("/tests")[2])
-
-
 def test_a_command_to_a_node_that_hangs_is_never_executed(system: Any) -> None:
     """The client was told that the drop failed: it must not happen when the node goes on."""
     from end_effector_msgs.msg import Outcome
 
     system.run("TriggerGrip")
-    before, pid = system.edges(), pid_of("/Grip")
+    before, pid = system.edges(), system.pid_of("/Grip")
     os.kill(pid, signal.SIGSTOP)
     try:
         system.until("the alarm", lambda: system.state.state == EndEffectorState.OFF)
@@ -54,7 +46,7 @@ def test_a_goal_ends_when_its_node_dies_and_the_tool_is_unwound(system: Any) -> 
     goal = system.send("TriggerGrip")
     system.until("the last step", lambda: list(system.state.outputs) == [True, True, True])
     begun = len(system.edges())
-    os.kill(pid_of("/Grip"), signal.SIGKILL)
+    os.kill(system.pid_of("/Grip"), signal.SIGKILL)
     status, result = goal.result()
     assert (status, result.outcome) == (ABORTED, Outcome.UNREACHABLE)
     assert "The node Grip" in result.reason
@@ -67,7 +59,7 @@ def test_hal_main_that_dies_while_gripped_changes_nothing(system: Any) -> None:
     system.run("TriggerGrip")
     before, count = system.edges(), len(system.states)
     last = system.state.header.seq
-    os.kill(pid_of("/HALMain"), signal.SIGKILL)
+    os.kill(system.pid_of("/HALMain"), signal.SIGKILL)
     # it counts from 1 again; the first may be missed
     system.until("its return", lambda: any(state.header.seq < last for state in system.states[count:]))
     system.wait_for(EndEffectorState.GRIPPED)

@@ -66,6 +66,43 @@ def test_a_cancel_in_a_script(system: Any) -> None:
     assert "the end-effector is STAND_BY. The grip was cancelled." in done.stdout
 
 
+def test_a_halmain_that_is_killed_is_waited_for_and_the_goal_is_not_known(system: Any) -> None:
+    system.world.choose("never-confirms:top_vacuum")
+    supervisor = system.start("killed", *RUN, "_script:=grip; quit")
+    system.until("the last step", lambda: list(system.state.outputs) == [True, True, True])
+    os.kill(system.pid_of("/HALMain"), signal.SIGKILL)
+    assert supervisor.wait_for_end(timeout_s=60.0) == 1
+    assert "grip: UNREACHABLE. HALMain was started again and does not know this goal: " in supervisor.text()
+    system.world.choose("nominal")
+    system.wait_for(EndEffectorState.GRIPPED)
+
+
+def test_a_halmain_that_hangs_is_waited_for_as_long_as_is_asked_for(system: Any) -> None:
+    system.world.choose("never-confirms:top_vacuum")
+    supervisor = system.start("patient", *RUN, "_patience:=4", "_script:=grip; quit")
+    system.until("the last step", lambda: list(system.state.outputs) == [True, True, True])
+    pid = system.pid_of("/HALMain")
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        code = supervisor.wait_for_end(timeout_s=60.0)
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    assert code == 1
+    assert "grip: HALMain is silent; waiting for it, 4 s at most …" in supervisor.text()
+    assert "grip: UNREACHABLE. HALMain was silent for 4 s: " in supervisor.text()
+    system.world.choose("nominal")
+    system.wait_for(EndEffectorState.GRIPPED)
+
+
+@pytest.mark.parametrize("text", ["1", "3601", "nan", "long"])
+def test_a_bad_patience_is_a_sentence(system: Any, text: str) -> None:
+    done = system.cli(*RUN, f"_patience:={text}", "_script:=quit")
+    assert done.returncode == 2
+    assert done.stderr.strip().splitlines()[-1] == (
+        f"supervisor: ~patience is '{text}'. It is a number of seconds, 3 to 3600 s."
+    )
+
+
 def test_a_bad_script_is_a_sentence(system: Any) -> None:
     done = system.cli(*RUN, "_script:=lock; gripp")
     assert done.returncode == 2

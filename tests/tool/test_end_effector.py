@@ -185,4 +185,5 @@ def test_no_status_is_told_after_the_one_that_follows_it(
         tool._gripper_moved(newer)
         goes_on.set()
         late.join()
+        wait_until("both", lambda: len(told) >= 2)
         assert told[:2] == [EndEffectorState.STAND_BY, EndEffectorState.GRIPPED]

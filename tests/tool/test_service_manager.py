@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 from patience import PATIENCE_S
+from proving import proving
 
 from end_effector_hal.demo._world import EEHAL
 from end_effector_hal.description import load, profile_path
@@ -22,7 +23,7 @@ from end_effector_hal.errors import LineBusyError, OwnerError
 from end_effector_hal.tool import output_lines
 from end_effector_hal.tool._owner import _Question
 from end_effector_hal.tool._service_manager import ServiceManager
-from end_effector_hal.wires import LineOwner, OwnerClient, Policy, VirtualChip, VirtualLines, now_us
+from end_effector_hal.wires import LineOwner, OwnerClient, Policy, VirtualChip, VirtualLines
 
 
 class Manager:
@@ -164,8 +165,8 @@ def test_lines_are_handed_on_without_a_gap(manager: Manager, tmp_path: Path) -> 
         assert manager.told().startswith("READY=1")
         assert list(manager.store) == ["virtual-chip"]
         client = OwnerClient(tmp_path / "owner.sock", "grip", ["SODIMM_208"])
-        client.tell({"locked": True}, now_us())
-        client.set({"SODIMM_208": True}, [])
+        with proving(tmp_path / "owner.sock", locked=True):
+            client.set({"SODIMM_208": True}, [])
         while not client.levels()["SODIMM_208"]:
             time.sleep(0.01)
         first.kill()

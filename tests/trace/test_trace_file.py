@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 import os
 import signal
 import subprocess
@@ -146,26 +145,6 @@ def test_after_a_kill_everything_is_there_to_the_last_moments(tmp_path: Path) ->
     assert [record.content["number"] for record in found.records] == list(range(len(found.records)))
     assert not found.complete
     assert "killed" in found.note
-
-
-def test_a_disk_that_is_full_ends_the_recording_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    writer = TraceWriter(tmp_path, "grip", KINDS, now=0, attachments=FILES)
-    monkeypatch.setattr(writer, "_fd", os.open("/dev/full", os.O_WRONLY))
-    with caplog.at_level(logging.WARNING):
-        for number in range(10):
-            writer.put("seen", number, Seen(number, number))
-            writer.flush()
-        writer.close()
-    assert caplog.text.count("nothing more is recorded: No space left on device") == 1
-    assert read_trace(writer.path).records == ()
-
-
-def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(UsageError, match="This is no folder"):
-        TraceWriter(tmp_path / "file", "grip", KINDS, now=0, attachments={})
 
 
 def test_viewers_get_schemas_that_they_understand(tmp_path: Path) -> None:

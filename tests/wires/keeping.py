@@ -5,6 +5,7 @@ from end_effector_hal.wires.owner import Need, Policy
 UNLOCK, BOTTOM, CYLINDER, TOP = LINES = ("unlock", "bottom", "cylinder", "top")
 GRIP = (BOTTOM, CYLINDER, TOP)
 MS, S = 1_000, 1_000_000
+TOKEN, OTHER = "a" * 32, "b" * 32
 POLICY = Policy(
     LINES, tuple((UNLOCK, line) for line in GRIP), {UNLOCK: 3 * S}, labels={UNLOCK: "tool changer"}
 )

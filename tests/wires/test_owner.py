@@ -40,6 +40,7 @@ from end_effector_hal.wires import (
 
 pytestmark = pytest.mark.wall
 UNLOCK, BOTTOM, TOP = LINES = ("SODIMM_206", "SODIMM_208", "SODIMM_212")
+TOKEN = "a" * 32
 POLICY = Policy(LINES, [(UNLOCK, BOTTOM), (UNLOCK, TOP)], {UNLOCK: 300_000}, min_switch_us=0)
 
 
@@ -117,7 +118,7 @@ def test_a_will_can_be_left_without_levels(bench):
 def test_a_write_that_was_given_up_is_not_executed_later(bench):
     with bench.owner():
         raw = Raw(bench)
-        raw.ask({"id": 1, "op": "hello", "client": "grip", "lines": [BOTTOM]})
+        raw.ask({"id": 1, "op": "hello", "client": "grip", "token": TOKEN, "lines": [BOTTOM]})
         will = [WillStep(BOTTOM).as_json()]
         late = {"id": 2, "op": "set", "levels": {BOTTOM: True}, "will": will, "until_us": now_us() - 1}
         reply = raw.ask(late)
@@ -419,18 +420,55 @@ def test_an_owner_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
         (b"\xff\xfe\n", "no JSON object"),
         (b"[" * 50_000 + b"\n", "no JSON object"),
         (b"3\n", "no JSON object"),
-        (b"1" * 5000 + b"\n", "no JSON object"),
+        (b"1" * 5000 + b"\n", "an integer of at most 18 digits"),
+        (b'{"id": ' + b"1" * 19 + b"}\n", "an integer of at most 18 digits"),
+        (b'{"id": 1.5, "op": "levels"}\n', "an integer of at most 18 digits"),
+        (b'{"id": NaN, "op": "levels"}\n', "an integer of at most 18 digits"),
+        (b'{"id": true, "op": "levels"}\n', "id is an integer"),
+        (b'{"id": [1], "op": "levels"}\n', "id is an integer"),
+        (b'{"id": "' + b"x" * 65 + b'", "op": "levels"}\n', "id is an integer"),
+        (b'{"op": "levels", "id": "\\ud800"}\n', "all printable"),
+        (b'{"op": "levels", "\\ud800": 1}\n', "all printable"),
+        (b'{"op": "levels", "x": "' + b"x" * 501 + b'"}\n', "at most 500 characters"),
+        ({"op": "levels", "x": [[[[[]]]]]}, "not nested so deeply"),
+        ({"op": "hello", "role": "king", "client": "x", "token": TOKEN}, "role is left out, or sensors"),
+        ({"op": "hello", "client": "x\ny", "token": TOKEN, "lines": [BOTTOM]}, "all printable"),
+        ({"op": "hello", "client": "x" * 65, "token": TOKEN, "lines": [BOTTOM]}, "client is a name"),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM] * 65},
+            "lines is a list of 1 to 64",
+        ),
+        ({"op": "tell", "predicates": {"locked": True}, "at_us": 1}, "say hello with the role sensors"),
+        ({"op": "latch", "fault": "sensor_fault", "why": "IL-04"}, "say hello first"),
         ({"op": "fly"}, "op is one of"),
         ({"op": ["set"]}, "op is one of"),
         ({"op": "set", "levels": {BOTTOM: True}}, "say hello first"),
         ({"op": "hello", "client": 3, "lines": [BOTTOM]}, "client is a name"),
-        ({"op": "hello", "client": "x", "lines": [3]}, "lines is a list"),
-        ({"op": "hello", "client": "x", "lines": []}, "lines is a list"),
-        ({"op": "hello", "client": "x", "lines": ["SODIMM_209"]}, "did you mean SODIMM_20"),
-        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": 3}, "a will is a list"),
-        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": [3]}, "step 0 of the will"),
-        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": [{"x": 1}]}, "step 0 of the will"),
-        ({"op": "hello", "client": "x", "lines": [BOTTOM], "will": [{"line": UNLOCK}]}, "does not write"),
+        ({"op": "hello", "client": "x", "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": 7, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "", "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "a" * 31, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "a" * 33, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "g" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "A" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "a" * 32 + "\n", "lines": [BOTTOM]}, "all printable"),
+        ({"op": "hello", "client": "x", "token": "١" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [3]}, "lines is a list"),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": []}, "lines is a list"),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": ["SODIMM_209"]}, "did you mean SODIMM_20"),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": 3}, "a will is a list"),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [3]},
+            "step 0 of the will",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [{"x": 1}]},
+            "step 0 of the will",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [{"line": UNLOCK}]},
+            "does not write",
+        ),
         ({"op": "set", "levels": {BOTTOM: 1}}, "each true or false"),
         ({"op": "set"}, "each true or false"),
     ],
@@ -470,7 +508,7 @@ def test_a_wrong_will_is_refused_on_both_sides(bench, will):
         with pytest.raises(UsageError, match="will"):
             grip.set({BOTTOM: True}, will)
         raw = Raw(bench)
-        reply = raw.ask({"op": "hello", "client": "x", "lines": [UNLOCK], "will": will})
+        reply = raw.ask({"op": "hello", "client": "x", "token": TOKEN, "lines": [UNLOCK], "will": will})
         assert reply["code"] == UsageError.code
         raw.close()
     assert bench.levels() == [False, False, False]
@@ -490,7 +528,7 @@ def test_a_client_that_reads_no_replies_is_dead(bench):
     with bench.owner():
         raw = Raw(bench)
         will = [{"line": BOTTOM, "level": False, "after_us": 0}]
-        raw.say({"op": "hello", "client": "x", "lines": [BOTTOM]})
+        raw.say({"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM]})
         raw.say({"op": "set", "levels": {BOTTOM: True}, "will": will})
         wait_until("it", lambda: bench.levels()[1])
         with pytest.raises(OSError):
@@ -528,7 +566,7 @@ def test_the_owner_outlives_any_bytes(shared, junk, op, data):
         | st.sampled_from(LINES),
         lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=9), inner, max_size=3),
     )
-    keys = st.sampled_from(["id", "client", "lines", "levels", "will"])
+    keys = st.sampled_from(["id", "client", "token", "lines", "levels", "will"])
     message = data.draw(st.dictionaries(keys, json_values)) | {"op": op}
     raw = Raw(shared)
     raw.say(junk.replace(b"\n", b"") + b"\n")

@@ -1,12 +1,15 @@
 """The rules of the line owner, in virtual time."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, POLICY, SENSING, TOP, UNLOCK, Lines, S
+from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, POLICY, SENSING, TOKEN, TOP, UNLOCK, Lines, S
 
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.wires.owner import Exclusion, Keeper, Policy, WillStep
+from end_effector_hal.wires.owner._memory import Memory
 from end_effector_hal.wires.owner._session import WillRunsError
 
 
@@ -24,7 +27,7 @@ class Owner:
         self.changer = self.hello("changer", (UNLOCK,))
 
     def hello(self, client, lines, will=()):
-        session = self.keeper.hello(client, 7, lines, will, self.now)
+        session = self.keeper.hello(client, TOKEN, lines, will, self.now, pid=7)
         self.alive.append(session)
         return session
 
@@ -510,11 +513,65 @@ def test_a_predicate_expires_150_ms_after_the_sensors_proved_it_not_after_it_cam
     # what waited in a socket while the owner was stopped is as old as it is
     owner.keeper.sensed.tell({"locked": True}, owner.now - 150 * MS, owner.now)
     assert "for 0.15 s" in refusal(owner, line=TOP)
-    # and nobody speaks from the future
-    owner.keeper.sensed.tell({"locked": True}, owner.now + 100 * S, owner.now)
+
+
+def test_what_is_said_of_a_time_ahead_of_now_counts_for_nothing():
+    owner = sensing()
     owner.to(owner.now + 150 * MS)
-    owner.keeper.sensed.tell({"closed": True}, owner.now, owner.now)
+    with pytest.raises(UsageError, match="at_us is 1 µs ahead of now"):
+        owner.keeper.sensed.tell({"locked": True, "closed": True}, owner.now + 1, owner.now)
     assert "for 0.15 s" in refusal(owner, line=TOP)
+
+
+def test_predicates_are_known_beforehand():
+    owner = sensing()
+    with pytest.raises(
+        UsageError, match=r"no predicate lockd \(did you mean locked\?\); it knows closed, free, locked"
+    ):
+        owner.keeper.sensed.tell({"closed": True, "lockd": True}, owner.now, owner.now)
+    assert owner.keeper.sensed.claims.keys() == {"closed", "free", "locked"}
+
+
+def test_faults_of_clients_are_known_beforehand_and_take_no_room_of_an_interlock():
+    owner = Owner(replace(SENSING, faults=("sensor_fault",)))
+    sensed = owner.keeper.sensed
+    for number in range(100):
+        with pytest.raises(UsageError, match=f"no fault fault{number}; it knows sensor_fault"):
+            sensed.keep(f"fault{number}", "why")
+    sensed.keep("sensor_fault", "IL-04: both bits are set.")
+    sensed.keep("sensor_fault", "another reason")
+    with pytest.raises(UsageError, match="no fault closed"):
+        sensed.keep("closed", "a client refuses nothing")
+    sensed.tell({"closed": False}, owner.now, owner.now)
+    assert sensed.faults == {
+        "sensor_fault": "IL-04: both bits are set.",
+        "closed": "IL-13: the e-stop was opened.",
+    }
+
+
+def test_an_e_stop_latches_whatever_an_older_journal_is_full_of():
+    """Once 32 faults of clients filled the table, and an open e-stop latched nothing."""
+    full = Memory({f"fault{number}": "why" for number in range(32)})
+    keeper = Keeper(Lines(), SENSING, 0, full)
+    keeper.sensed.tell({"closed": False}, 0, 0)
+    assert keeper.memory.faults["closed"] == "IL-13: the e-stop was opened."
+    keeper = Keeper(Lines(unlock=True), POLICY, 0, full)
+    keeper.advance(3 * S)
+    assert "IL-03 unlock" in keeper.memory.faults
+
+
+def test_a_will_locks_its_lines_no_longer_than_the_tool_needs():
+    owner = Owner(replace(POLICY, longest_will_us=6 * S))
+    owner.set(owner.grip, (WillStep(BOTTOM), WillStep(TOP, after_us=6 * S)), bottom=True)
+    late = (WillStep(BOTTOM), WillStep(TOP, after_us=6 * S + 1))
+    for leave in (lambda: owner.set(owner.grip, late), lambda: owner.keeper.bye(owner.grip, late, owner.now)):
+        with pytest.raises(UsageError, match="deactivates top 6000001 µs after the death; the longest will"):
+            leave()
+    owner.keeper.bye(owner.changer, (), owner.now)
+    with pytest.raises(UsageError, match="the longest will"):
+        owner.hello("other", (UNLOCK,), (WillStep(UNLOCK, after_us=9 * S),))
+    assert owner.grip.will[-1].after_us == 6 * S
+    assert owner.hello("changer", (UNLOCK,)), "who was refused has not come"
 
 
 def test_what_was_said_earlier_and_comes_later_counts_for_nothing():

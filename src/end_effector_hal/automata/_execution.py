@@ -18,9 +18,11 @@ from end_effector_hal.automata._outlook import Outlooks, Prospect
 from end_effector_hal.automata._schedule import NEVER, Candidate, Clocks, Schedule
 from end_effector_hal.automata._semantics import Semantics
 from end_effector_hal.automata._sides import Sides
+from end_effector_hal.automata._snapshots import resume, snapshot_of
 from end_effector_hal.automata._steps import (
     Begun,
     Event,
+    ExecutionSnapshot,
     Observation,
     Reaction,
     Received,
@@ -141,6 +143,31 @@ class Execution:
     def advance(self, at: int) -> tuple[Step, ...]:
         """Take what is due at or before ``at``, one after the other as its lateness allows, all at ``at``."""
         return tuple(self._take(self._told(at)))
+
+    def snapshot(self) -> ExecutionSnapshot | None:
+        """Where it stands; None: it is not started."""
+        if self._now is None:
+            return None
+        schedule = self._schedule
+        return snapshot_of(
+            self.network,
+            self._state,
+            self._clocks.zeros,
+            schedule.ages,
+            at=self._now,
+            entered=schedule.entered,
+        )
+
+    def resume(self, snapshot: ExecutionSnapshot) -> None:
+        """Stand where another execution of the same network stood.
+
+        Raises:
+            UsageError: the snapshot is not of this network, or contradicts itself.
+        """
+        resumed = resume(self.network, snapshot)
+        self._state, self._now = resumed.state, snapshot.at
+        self._clocks.resume(resumed.zeros)
+        self._schedule.resume(resumed.state, snapshot.entered, resumed.ages)
 
     def run(self, until: int) -> tuple[Step, ...]:
         """Advance in virtual time, from deadline to deadline, each of them met."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
 from end_effector_hal.automata._network import State
 from end_effector_hal.automata._outlook import Outlooks, Prospect
 from end_effector_hal.automata._semantics import Transition
+from end_effector_hal.automata._snapshots import Edges
 
 ALWAYS, NEVER = -(1 << 62), 1 << 62
 
@@ -23,6 +24,15 @@ class Clocks:
     def start(self, at: int) -> None:
         """All are zero now."""
         self._zero = [at] * len(self._zero)
+
+    @property
+    def zeros(self) -> list[int]:
+        """When each was zero, by its number."""
+        return list(self._zero)
+
+    def resume(self, zeros: list[int]) -> None:
+        """Each was zero then."""
+        self._zero = list(zeros)
 
     def set(self, resets: Iterable[tuple[int, int]], at: int) -> None:
         """Clocks get values, in the model's unit."""
@@ -68,13 +78,23 @@ class Schedule:
         self.last = NEVER  # instant until which the invariants allow to stay
         self.committed = False  # whether a process is in a committed location
         self.deadline: int | None = None  # when the first candidate is due
+        self.entered = 0  # when the discrete state was entered
 
     def renew(self, state: State, now: int, taken: Transition | None) -> None:
         """Find the candidates of a state entered now; those that were candidates before keep their age."""
-        outlook = self._outlooks.at(state)
-        age = {c.prospect.transition.edges: c.since for c in self.candidates}
+        age = self.ages
         if taken:
             age.pop(taken.edges, None)
+        self.resume(state, now, age)
+
+    @property
+    def ages(self) -> dict[Edges, int]:
+        """Of each candidate: the edges that take part, and since when its data guards hold."""
+        return {candidate.prospect.transition.edges: candidate.since for candidate in self.candidates}
+
+    def resume(self, state: State, now: int, age: Mapping[Edges, int]) -> None:
+        """Find the candidates of a state that was entered at ``now``, with the age that some of them have."""
+        outlook, self.entered = self._outlooks.at(state), now
         _, self.last = self._clocks.window(outlook.stay)
         # invariants that somebody's lateness has broken already: no edge is to blame for that
         expired = outlook.stay if self.last < now else ()

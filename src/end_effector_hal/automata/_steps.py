@@ -68,6 +68,28 @@ class Reaction:
 
 
 @dataclass(frozen=True, slots=True)
+class ExecutionSnapshot:
+    """Where an execution stands: enough to go on from, in words that another process of the network understands.
+
+    Attributes:
+        at: µs, the latest time that was told.
+        entered: µs, when the discrete state was entered.
+        locations: name of the location by process.
+        variables: value by name.
+        zeros: by clock: the instant, µs, at which it was zero.
+        waiting: transitions that will be taken if nothing happens before, and that could be taken before the discrete
+            state was entered: their edges (``Gripper#4``) and since when their data guards hold, µs.
+    """
+
+    at: int
+    entered: int
+    locations: Mapping[str, str]
+    variables: Mapping[str, int]
+    zeros: Mapping[str, int]
+    waiting: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
 class Begun:
     """An execution began at ``at`` µs, all clocks at zero, with these values of the interface."""
 

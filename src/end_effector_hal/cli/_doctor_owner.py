@@ -69,10 +69,14 @@ def _sensed(status: dict[str, Any]) -> Iterator[Finding]:
 
 def _clients(status: dict[str, Any]) -> str:
     told = [
-        f"{each.get('client')} (pid {each.get('pid')}{', its will is executed' if each.get('ended') else ''})"
+        f"{each.get('client')} ({_process(each)}{', its will is executed' if each.get('ended') else ''})"
         for each in status.get("clients", [])
     ]
     return f"writing: {', '.join(told)}" if told else "nobody writes"
+
+
+def _process(client: dict[str, Any]) -> str:
+    return f"pid {client['pid']}" if client.get("pid") else "in another container"
 
 
 def _unreachable(path: Path, error: EndEffectorError) -> Finding:

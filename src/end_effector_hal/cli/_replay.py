@@ -13,7 +13,7 @@ from end_effector_hal.errors import UsageError
 from ._path_name import PathName
 
 if TYPE_CHECKING:
-    from end_effector_hal.tool.replay import Review
+    from end_effector_hal.tool.replay import Review, SegmentEnd
 
 
 @click.command(name="replay")
@@ -42,9 +42,11 @@ def command(recording: Path, description: Path | None, as_json: bool) -> None:
     paths = traces_of(recording)
     reviews: list[Review] = []
     refused: list[dict[str, object]] = []
+    before: SegmentEnd | None = None
     for path in paths:
         try:
-            reviews.append(review(load_trace(path), tool))
+            reviews.append(review(load_trace(path), tool, before))
+            before = reviews[-1].end
         except UsageError as error:
             if len(paths) == 1:
                 raise

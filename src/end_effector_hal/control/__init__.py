@@ -6,6 +6,7 @@ from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._margin import margin_pa
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
 from ._senses import Senses
+from ._snapshot import ControllerSnapshot
 from ._stand import ToolPlace, tool_place
 from ._status import Answer, Status, StepReport
 from ._time import to_s, to_us
@@ -22,6 +23,7 @@ __all__ = [
     "ChangerFault",
     "ChangerState",
     "Controller",
+    "ControllerSnapshot",
     "Evidence",
     "Predicates",
     "Senses",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import ClassVar
 
 
 class AlarmKind(Enum):
@@ -29,6 +30,8 @@ class Alarm:
 class AlarmLog:
     """Alarms in the order in which they began; each is kept until it is over *and* acknowledged."""
 
+    MEMORY: ClassVar = {"listed": list[tuple[str, Alarm]]}
+
     def __init__(self) -> None:
         self._alarms: dict[tuple[AlarmKind, str], Alarm] = {}
 
@@ -36,6 +39,15 @@ class AlarmLog:
     def texts(self) -> tuple[str, ...]:
         """All of them, in words."""
         return tuple(alarm.text for alarm in self._alarms.values())
+
+    @property
+    def listed(self) -> list[tuple[str, Alarm]]:
+        """All of them, each with what it is about, in their order."""
+        return [(who, alarm) for (_, who), alarm in self._alarms.items()]
+
+    @listed.setter
+    def listed(self, alarms: list[tuple[str, Alarm]]) -> None:
+        self._alarms = {(alarm.kind, who): alarm for who, alarm in alarms}
 
     def active(self, kind: AlarmKind) -> bool:
         """Whether there is one of a kind that is not over."""

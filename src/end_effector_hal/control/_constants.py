@@ -76,15 +76,5 @@ def channels_of(actuator: Actuator) -> tuple[str, ...]:
     return (actuator.channel,)
 
 
-def used_channels(description: Description) -> tuple[str, ...]:
-    """Every channel that anything in the description is decided by, each once."""
-    names = [channel for _, part in description.ordered for channel in channels_of(part)]
-    if changer := description.tool_changer:
-        names += [changer.locked_bit, changer.unlocked_bit]
-    if description.e_stop:
-        names.append(description.e_stop.channel)
-    return tuple(dict.fromkeys([*names, description.supply.channel]))
-
-
 def _ms(seconds: float) -> int:
     return round(seconds * 1000)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from typing import ClassVar
 
 from end_effector_hal.automata import Event, Execution, Network, Observation, Step
 from end_effector_hal.description import Description
@@ -12,9 +13,11 @@ from end_effector_hal.wires.frame import Frame
 
 from ._hold_monitor import HoldMonitor
 from ._levels import Cause, ToolEvidence
+from ._memory import PART, memory_of, recall
 from ._predicates import LOCKED, predicates_fitted
 from ._reasons import not_by_hand, refusal
 from ._senses import Senses
+from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status
 from ._telling import Telling
 
@@ -35,6 +38,16 @@ class Controller:
         program: ``grip`` or ``tool_change``: which of the executed processes this is.
         observe: is told of what the automata see and do.
     """
+
+    MEMORY: ClassVar = {
+        "_senses": PART,
+        "_hold": PART,
+        "_telling": PART,
+        "_levels": dict[str, int],
+        "_sensor_fault": bool,
+        "_adopt_by": int | None,
+        "_at": int,
+    }
 
     def __init__(
         self,
@@ -177,6 +190,22 @@ class Controller:
     def status(self) -> Status:
         """The state as it is now."""
         return self._telling.status(self._at)
+
+    def snapshot(self) -> ControllerSnapshot | None:
+        """Where it stands; None: it was not started yet. Nothing is changed by it."""
+        execution = self._execution.snapshot()
+        if execution is None:
+            return None
+        return ControllerSnapshot(self._at, self.status(), execution, memory_of(self))
+
+    def resume(self, snapshot: ControllerSnapshot) -> None:
+        """Stand where another controller of the same description stood; for one that was not started.
+
+        Raises:
+            UsageError: the snapshot is of another description, or contradicts itself.
+        """
+        self._execution.resume(snapshot.execution)
+        recall(self, snapshot.memory)
 
     def _write_levels(self) -> None:
         if (levels := self._senses.levels) != self._levels:

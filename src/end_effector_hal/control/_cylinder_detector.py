@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.description import CylinderActuator, Supply
 
 from ._levels import Evidence
+from ._memory import PART
 from ._readings import Readings
 from ._streak import Streak
 from ._time import to_us
@@ -16,6 +19,8 @@ class CylinderDetector:
     Extended: its position bit, or 85 % of the supply pressure for 100 ms. Retracted: under 50 kPa for 200 ms and
     no extended bit; where no pressure is carried, its position bit, or else the extended bit being off.
     """
+
+    MEMORY: ClassVar = {"_held": bool, "_high": PART, "_low": PART, "level": Evidence}
 
     def __init__(self, actuator: CylinderActuator, supply: Supply) -> None:
         self._actuator, self._supply = actuator, supply

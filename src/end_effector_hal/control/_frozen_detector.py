@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 
 class FrozenDetector:
     """The noise of a living sensor moves its value; one that stands still for long is frozen.
@@ -10,6 +12,8 @@ class FrozenDetector:
         after_us: so long.
         gap_us: what lies so far apart are no consecutive samples: it begins anew.
     """
+
+    MEMORY: ClassVar = {"_value": int | None, "_since": int, "_last": int}
 
     def __init__(self, after_us: int, gap_us: int) -> None:
         self._after_us, self._gap_us = after_us, gap_us

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.description import Description, VacuumActuator
 from end_effector_hal.trace import display_name
 
 from ._alarms import AlarmKind, AlarmLog
 from ._levels import Evidence
+from ._memory import PART
 from ._secure_detector import SecureDetector
 from ._senses import Senses
 from ._streak import Streak
@@ -30,6 +33,8 @@ class HoldMonitor:
         senses: its detectors, which have taken each sample before it is shown here.
         period_us: of the frames.
     """
+
+    MEMORY: ClassVar = {"_log": PART, "_vacuums": PART, "_since": int | None}
 
     def __init__(self, description: Description, senses: Senses, period_us: int) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold
@@ -146,6 +151,17 @@ class HoldMonitor:
 
 class _Vacuum:
     """What is known of one vacuum circuit."""
+
+    MEMORY: ClassVar = {
+        "_detector": PART,
+        "trend": PART,
+        "leaks": PART,
+        "keeps": PART,
+        "kpa": float | None,
+        "secure": bool,
+        "was_secure": bool,
+        "judged": bool,
+    }
 
     def __init__(self, part: VacuumActuator, description: Description, period_us: int) -> None:
         self.part = part

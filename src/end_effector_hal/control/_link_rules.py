@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from end_effector_hal.description import Description
 from end_effector_hal.wires.codecs import Codec, sequence_of, shows_noise
 from end_effector_hal.wires.frame import Frame, Kind, Value
 
 from ._frozen_detector import FrozenDetector
+from ._memory import PART
 from ._plausible import plausible_ranges
 from ._time import to_us
 
@@ -40,6 +42,13 @@ class LinkRules:
         codec: of the link.
         gap_us: after such a silence a sensor is looked at anew.
     """
+
+    MEMORY: ClassVar = {
+        "_sequence": PART,
+        "_frozen": PART,
+        "_doubts": dict[str, str],
+        "_rebooted_at": int | None,
+    }
 
     def __init__(self, description: Description, codec: Codec, gap_us: int) -> None:
         self._sequence = sequence_of(codec)

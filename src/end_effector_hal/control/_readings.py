@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.description import Link
 from end_effector_hal.wires.codecs import Codec
 from end_effector_hal.wires.frame import Frame
@@ -14,6 +16,13 @@ class Readings:
 
     Stale after 150 ms or three periods of the link, down after 1 s or seven, whichever is longer.
     """
+
+    MEMORY: ClassVar = {
+        "_values": dict[str, int | bool],
+        "_at": dict[str, int],
+        "_last_frame": int | None,
+        "_arrived": frozenset[str],
+    }
 
     def __init__(self, link: Link, codec: Codec) -> None:
         self.carried = codec.channels

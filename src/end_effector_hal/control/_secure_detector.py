@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.description import VacuumActuator
 
+from ._memory import PART
 from ._streak import Streak
 
 
 class SecureDetector:
     """Secure from ``secure_kpa`` on, no longer when its hysteresis is used up; a single sample decides nothing."""
+
+    MEMORY: ClassVar = {"_high": PART, "_low": PART, "secure": bool}
 
     def __init__(self, actuator: VacuumActuator) -> None:
         self._part = actuator

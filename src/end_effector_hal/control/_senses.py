@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.automata import Event
-from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.description import Description, VacuumActuator, used_channels
 from end_effector_hal.trace import display_name
 from end_effector_hal.wires.codecs import Codec
 from end_effector_hal.wires.frame import Frame
 
-from ._constants import channels_of, used_channels
+from ._constants import channels_of
 from ._cylinder_detector import CylinderDetector
 from ._levels import Evidence, ToolEvidence
 from ._link_rules import LinkRules
+from ._memory import PART
 from ._readings import Readings
 from ._supply_detector import SupplyDetector
 from ._tool_detector import ToolDetector
@@ -30,6 +33,22 @@ _RANK = (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE, Evidence.CONFIRMED)
 
 class Senses:
     """Stands between samples and events: a level each, and an event at each change of one."""
+
+    MEMORY: ClassVar = {
+        "readings": PART,
+        "_rules": PART,
+        "_detectors": PART,
+        "_tool": PART,
+        "_vented": PART,
+        "supply": PART,
+        "_noticed": tuple[str, ...],
+        "_was_clear": bool,
+        "evidence": list[Evidence],
+        "tool": ToolEvidence,
+        "vented": bool,
+        "parked": bool,
+        "looked": int,
+    }
 
     def __init__(self, description: Description, codec: Codec) -> None:
         self.readings = Readings(description.link, codec)

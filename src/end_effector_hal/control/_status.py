@@ -18,10 +18,14 @@ class StepReport:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Whether a command was taken, and if not, why in words."""
+    """Whether a command was taken, and if not, why in words.
+
+    ``decided``: False when no answer came in time; it may be executed all the same.
+    """
 
     accepted: bool
     reason: str = ""
+    decided: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 from end_effector_hal.trace import EndEffectorState
 
@@ -15,6 +16,14 @@ _ON = 2
 
 class StepLog:
     """Follows outputs and states; counts, decides nothing."""
+
+    MEMORY: ClassVar = {
+        "_outputs": tuple[bool, ...],
+        "_begun": list[int | None],
+        "_ee": int,
+        "steps": tuple[StepReport, ...],
+        "step": int,
+    }
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 
 class Streak:
     """Counts consecutive samples for which a condition holds, and since when."""
+
+    MEMORY: ClassVar = {"samples": int, "_since": int}
 
     def __init__(self) -> None:
         self.samples = 0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.description import Supply
 
 from ._readings import Readings
@@ -9,6 +11,8 @@ from ._readings import Readings
 
 class SupplyDetector:
     """Good enough for a new grip, with hysteresis; without a fresh reading it is not."""
+
+    MEMORY: ClassVar = {"ok": bool, "low": bool, "kpa": float | None}
 
     def __init__(self, supply: Supply) -> None:
         self._supply = supply

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 from end_effector_hal.automata import Execution, Step
 from end_effector_hal.description import Description, used_channels
@@ -11,6 +12,7 @@ from end_effector_hal.trace import Command, EndEffectorState
 from ._changer_reasons import explain_changer
 from ._hold_monitor import HoldMonitor
 from ._levels import Cause, ChangerState, Evidence
+from ._memory import PART
 from ._reasons import explain, latched, left_active
 from ._senses import Senses
 from ._status import Status
@@ -31,6 +33,24 @@ class Telling:
         adopted: whether the automata know of them.
         held: whether a part is held; what was found active is, until it is adopted and known better.
     """
+
+    MEMORY: ClassVar = {
+        "values": dict[str, int],
+        "found": dict[str, bool],
+        "adopted": bool,
+        "held": bool,
+        "_steps": PART,
+        "_cause": int,
+        "_cause_at": int,
+        "_reason": str,
+        "_left": str,
+        "_missed": int,
+        "_worst_late_us": int,
+        "_outputs": tuple[bool, ...],
+        "_actuators": tuple[int, ...],
+        "_active": tuple[bool, ...],
+        "_latched": bool,
+    }
 
     def __init__(
         self, description: Description, program: str, execution: Execution, senses: Senses, hold: HoldMonitor

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.description import ToolChanger
 
 from ._levels import ToolEvidence
+from ._memory import PART
 from ._readings import Readings
 from ._streak import Streak
 from ._time import to_us
@@ -12,6 +15,8 @@ from ._time import to_us
 
 class ToolDetector:
     """Locked or unlocked once the bits say so for 100 ms; faulty when both or neither for 0.5 s; unclear when stale."""
+
+    MEMORY: ClassVar = {"_streaks": PART, "level": ToolEvidence}
 
     def __init__(self, changer: ToolChanger) -> None:
         self._changer = changer

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from math import log, sqrt
+from typing import ClassVar
 
 Point = tuple[float, float]
 BINS = 20
@@ -25,6 +26,13 @@ class Trend:
         window_us: how much of the past counts.
         period_us: of the samples; where they are rare the window is longer, ten samples at least.
     """
+
+    MEMORY: ClassVar = {
+        "_points": deque[Point],
+        "_samples": list[tuple[int, float]],
+        "_older": float,
+        "_newer": float,
+    }
 
     def __init__(self, window_us: int, period_us: int) -> None:
         self._window_us = max(window_us, 10 * period_us)

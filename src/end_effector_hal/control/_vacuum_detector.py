@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.description import VacuumActuator
 
 from ._levels import Evidence
+from ._memory import PART
 from ._readings import Readings
 from ._streak import Streak
 
@@ -15,6 +18,8 @@ class VacuumDetector:
     Once confirmed it stays so down to ``lost_kpa``, also over an interruption of the link: what was confirmed
     before is confirmed again at ``lost_kpa``, or a short silence would look like a loss.
     """
+
+    MEMORY: ClassVar = {"_held": bool, "_above": PART, "_below": PART, "level": Evidence}
 
     def __init__(self, actuator: VacuumActuator) -> None:
         self._actuator = actuator

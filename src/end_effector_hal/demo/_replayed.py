@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.tool.replay import Review, load_trace, review, traces_of
+from end_effector_hal.tool.replay import Review, SegmentEnd, load_trace, review, traces_of
 
 from ._finding import Finding
 
@@ -16,10 +16,18 @@ EXPECTED = "the same decisions, and a run of the network"
 def replayed(folder: Path) -> Finding:
     """Both programs of a run, replayed and judged by the monitor."""
     try:
-        faults = [fault for path in traces_of(folder) for fault in _faults(review(load_trace(path)))]
+        faults = list(_all_faults(folder))
     except EndEffectorError as error:
         faults = [str(error)]
     return Finding("replay", EXPECTED, "; ".join(faults) or EXPECTED, not faults)
+
+
+def _all_faults(folder: Path) -> Iterator[str]:
+    before: SegmentEnd | None = None
+    for path in traces_of(folder):
+        found = review(load_trace(path), before=before)
+        before = found.end
+        yield from _faults(found)
 
 
 def _faults(found: Review) -> Iterator[str]:

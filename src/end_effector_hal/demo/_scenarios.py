@@ -45,10 +45,10 @@ def scenarios(description: Description, *, everything: bool = False) -> tuple[Sc
 def unplayable(description: Description) -> dict[str, str]:
     """Scenarios that the tool would have, but for its codec: name, and why in a sentence."""
     changer, carried = description.tool_changer, codec_of(description).channels
-    bits = (changer.locked_bit, changer.unlocked_bit) if changer else ()
-    if missing := [bit for bit in bits if bit not in carried]:
+    bits = {"locked_bit": changer.locked_bit, "unlocked_bit": changer.unlocked_bit} if changer else {}
+    if missing := [key for key, bit in bits.items() if bit not in carried]:
         codec = description.link.codec
-        return {UNLOCK_LOCK: f"{codec} does not carry {', '.join(missing)}, so that no unlock is accepted."}
+        return {UNLOCK_LOCK: f"{codec} carries no {' and no '.join(missing)}, so that no unlock is accepted."}
     return {}
 
 

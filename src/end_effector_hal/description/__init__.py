@@ -14,21 +14,23 @@ from ._endings import (
     ProgramEnding,
 )
 from ._examine import Examination, examine, examine_text
-from ._fault import CODES, Fault, did_you_mean, printable
-from ._fitting import not_fitted, unproven
+from ._fault import CODES, Fault, did_you_mean
+from ._fitting import unproven
 from ._load import load
 from ._markdown import markdown
 from ._model import Description, camel_case
-from ._part import Part
+from ._part import NO_CHANNEL, Part
 from ._paths import profile_path, run_directory, tool_path
 from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
 from ._schema import schema, schema_path, schema_text
 from ._slow import slow
 from ._socket import socket_path
+from ._unfitted import not_fitted
 from ._uses import used_channels
 
 __all__ = [
     "CODES",
+    "NO_CHANNEL",
     "Actuator",
     "ActuatorPart",
     "Automata",
@@ -64,7 +66,6 @@ __all__ = [
     "load",
     "markdown",
     "not_fitted",
-    "printable",
     "profile_path",
     "run_directory",
     "schema",

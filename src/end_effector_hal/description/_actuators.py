@@ -18,7 +18,9 @@ class ActuatorPart(Part):
 
     line: LineName = Field(description="name of the GPIO line, as gpioinfo shows it")
     pin: Word = Field(default="", description="where it is found on the board; for people")
-    channel: Name = Field(description="pressure channel of the link that proves it")
+    channel: Name = Field(
+        description="pressure channel of the link that proves it; of a cylinder with a bit also none: no such sensor"
+    )
     timeout_s: Seconds = Field(default=5.0, description="not confirmed within: one failed attempt")
     reset_s: Seconds = Field(default=1.0, description="inactive between two attempts")
     attempts: Annotated[int, Field(ge=1, le=20)] = Field(default=3, description="failed attempts that abort")
@@ -73,10 +75,10 @@ class CylinderActuator(ActuatorPart):
     retracted_kpa: Kilopascal = Field(default=50.0, description="less than this: retracted")
     retracted_s: Seconds = Field(default=0.2, description="for at least this long")
     extended_bit: Name | None = Field(
-        default="cylinder_extended", description="position bit that proves extended"
+        default="cylinder_extended", description="position bit that proves extended; none: no such sensor"
     )
     retracted_bit: Name | None = Field(
-        default="cylinder_retracted", description="position bit that proves retracted"
+        default="cylinder_retracted", description="position bit that proves retracted; none: no such sensor"
     )
 
 

@@ -9,6 +9,7 @@ from ._actuators import Actuator, CylinderActuator
 from ._devices import Supply
 from ._fault import Fault, did_you_mean
 from ._model import Description
+from ._part import NO_CHANNEL
 from ._units import number
 from ._uses import BITS_BY_DEFAULT, uses
 
@@ -41,6 +42,12 @@ def position_bits(description: Description) -> frozenset[str]:
     return BITS_BY_DEFAULT | {use.channel for use in uses(description) if use.bit}
 
 
+def can_be_confirmed(actuator: Actuator, carried: Carried) -> bool:
+    """Whether anything that comes over the link could confirm an actuator."""
+    bit = actuator.extended_bit if isinstance(actuator, CylinderActuator) else None
+    return actuator.channel in carried.channels or bit in carried.channels
+
+
 def provers(description: Description, carried: Carried, name: str) -> str:
     """For a sentence: what could prove an actuator and belongs to nobody else.
 
@@ -60,21 +67,32 @@ def provers(description: Description, carried: Carried, name: str) -> str:
     return " or ".join(said) or none
 
 
-def misspelt(description: Description, carried: Carried) -> Iterator[Fault]:
-    """Names of channels that are written and meant another one; without them something is off in silence."""
+def unwired(description: Description, carried: Carried) -> Iterator[Fault]:
+    """Channels that are asked for and not carried: without them a proof or an interlock is off in silence.
+
+    An actuator that nothing could confirm is told elsewhere, once.
+    """
+    unproven = {
+        ("actuators", name) for name, each in description.ordered if not can_be_confirmed(each, carried)
+    }
     for use in uses(description):
-        proves = use.stanza[0] == "actuators" and not use.bit  # told by whether it can be confirmed
-        if proves or not use.written or use.channel in carried.channels:
+        told = not use.bit and use.stanza in unproven
+        if told or use.channel in carried.channels:
             continue
-        kind = carried.of("bit" if use.bit else "pressure")
-        if hint := did_you_mean(use.channel, kind):
-            yield Fault.at(
-                description.place(*use.stanza, use.key),
-                "EE-225",
-                f"{carried.codec} carries no {use.channel!r}",
-                expected=f"a {'bit' if use.bit else 'pressure'} of {carried.codec}: {', '.join(kind)}",
-                hint=hint,
-            )
+        kind = "bit" if use.bit else "pressure"
+        known = carried.of(kind)
+        expected = (
+            f"a {kind} of {carried.codec}: {', '.join(known)}" if known else f"a codec with such a {kind}"
+        )
+        meant = did_you_mean(use.channel, known) if use.written else ""
+        yield Fault.at(
+            description.place(*use.stanza, use.key),
+            "EE-225",
+            f"{carried.codec} carries no {use.channel!r}",
+            found=None if use.written else f"{use.key}: {use.channel} (default)",
+            expected=expected,
+            hint=f"{f'{meant} ' if meant else ''}if there is no such sensor, write {use.key}: {NO_CHANNEL}",
+        )
 
 
 def no_bits(description: Description, carried: Carried) -> Iterator[Fault]:

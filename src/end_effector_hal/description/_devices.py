@@ -15,8 +15,12 @@ class ToolChanger(Part):
 
     line: LineName = Field(description="name of the GPIO line; active means unlock")
     pin: Word = Field(default="", description="where it is found on the board; for people")
-    locked_bit: Name = Field(default="locked", description="bit of the link that proves locked")
-    unlocked_bit: Name = Field(default="unlocked", description="bit of the link that proves unlocked")
+    locked_bit: Name = Field(
+        default="locked", description="bit of the link that proves locked; none: no such sensor"
+    )
+    unlocked_bit: Name = Field(
+        default="unlocked", description="bit of the link that proves unlocked; none: no such sensor"
+    )
     latching: bool = Field(default=False, description="the unlock output may stay active (IL-03 off)")
     unlock_max_s: Seconds = Field(
         default=3.0, description="IL-03: longest time that the unlock output is active"
@@ -29,9 +33,12 @@ class ToolChanger(Part):
     vented_kpa: Vacuum = Field(default=5.0, description="IL-01: unlock only with every vacuum under this")
     vented_s: Seconds = Field(default=0.5, description="IL-01: and for at least this long")
     stand_bit: Name = Field(
-        default="in_stand", description="IL-02: bit of the link: the tool is in its stand"
+        default="in_stand",
+        description="IL-02: bit of the link: the tool is in its stand; none: no such sensor",
     )
-    present_bit: Name = Field(default="tool_present", description="IL-02: bit of the link: there is a tool")
+    present_bit: Name = Field(
+        default="tool_present", description="IL-02: bit of the link: there is a tool; none: no such sensor"
+    )
     arm_s: Seconds = Field(
         default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"
     )
@@ -44,14 +51,16 @@ class ToolChanger(Part):
 class EStop(Part):
     """An emergency-stop input (IL-13): while it is open, and until a reset, nothing is activated."""
 
-    channel: Name = Field(default="estop_ok", description="bit of the link that is set while it is closed")
+    channel: Name = Field(
+        default="estop_ok", description="bit of the link that is set while it is closed; none: no such input"
+    )
 
 
 class Supply(Part):
     """The compressed-air supply (IL-06)."""
 
-    channel: Name = Field(default="supply", description="pressure channel of the link")
-    nominal_kpa: Kilopascal = Field(default=600.0, description="taken where the channel is not carried")
+    channel: Name = Field(default="supply", description="pressure channel of the link; none: no such sensor")
+    nominal_kpa: Kilopascal = Field(default=600.0, description="taken where its channel is none")
     warn_kpa: Kilopascal = Field(default=450.0, description="less than this: a warning")
     refuse_kpa: Kilopascal = Field(default=400.0, description="less than this: a new grip is refused")
     hysteresis_kpa: Kilopascal = Field(default=20.0, description="granted again this far above refuse_kpa")

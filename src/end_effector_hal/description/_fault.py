@@ -32,7 +32,7 @@ CODES = {
     "EE-222": "thresholds or times in the wrong order",
     "EE-223": "an ending would release a held part",
     "EE-224": "the automata file is missing",
-    "EE-225": "the codec cannot prove an actuator",
+    "EE-225": "no wire carries a channel, or the codec cannot prove an actuator",
     "EE-226": "unknown codec",
 }
 

@@ -20,6 +20,8 @@ RosName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z
 PRINTABLE = r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$"
 Word = Annotated[str, Field(pattern=PRINTABLE)]
 """Text in one line."""
+NO_CHANNEL = "none"
+"""Written where there is no such sensor: what it would prove is off, and said to be."""
 LineName = Annotated[str, Field(pattern=PRINTABLE, min_length=1, max_length=64)]
 
 # A YAML sequence is a list; frozen objects hold tuples.

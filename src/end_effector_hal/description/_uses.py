@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ._actuators import CylinderActuator
 from ._devices import EStop, ToolChanger
 from ._model import Description
-from ._part import Part
+from ._part import NO_CHANNEL, Part
 
 _CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
 _CYLINDER = ("extended_bit", "retracted_bit")
@@ -26,30 +26,34 @@ class Use:
 
 
 def uses(description: Description) -> tuple[Use, ...]:
-    """Every channel that a description asks for, its defaults too."""
+    """Every channel that a description asks for, its defaults too, and not what is declared `NO_CHANNEL`."""
     return tuple(_uses(description))
 
 
-def used_channels(description: Description) -> frozenset[str]:
-    """Their names: what else a link carries does not matter to this tool."""
-    return frozenset(use.channel for use in _uses(description))
+def used_channels(description: Description) -> tuple[str, ...]:
+    """Their names, each once: of the actuators in sequence order, the other devices, the supply.
+
+    What else a link carries does not matter to this tool.
+    """
+    return tuple(dict.fromkeys(use.channel for use in _uses(description)))
 
 
 def _uses(description: Description) -> Iterator[Use]:
-    yield from _of(("supply",), description.supply, "channel", bit=False)
+    for name, each in description.ordered:
+        yield from _of(("actuators", name), each, "channel", bit=False)
+        for key in _CYLINDER if isinstance(each, CylinderActuator) else ():
+            yield from _of(("actuators", name), each, key, bit=True)
     if description.tool_changer:
         for key in _CHANGER:
             yield from _of(("tool_changer",), description.tool_changer, key, bit=True)
     if description.e_stop:
         yield from _of(("e_stop",), description.e_stop, "channel", bit=True)
-    for name, each in description.ordered:
-        yield from _of(("actuators", name), each, "channel", bit=False)
-        for key in _CYLINDER if isinstance(each, CylinderActuator) else ():
-            yield from _of(("actuators", name), each, key, bit=True)
+    yield from _of(("supply",), description.supply, "channel", bit=False)
 
 
 def _of(stanza: tuple[str, ...], part: Part, key: str, *, bit: bool) -> Iterator[Use]:
-    if channel := getattr(part, key):
+    channel = getattr(part, key)
+    if channel and channel != NO_CHANNEL:
         yield Use(stanza, key, channel, bit, key in part.model_fields_set)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ._facts import Facts
 from ._fault import Fault
 from ._model import camel_case
+from ._part import NO_CHANNEL
 from ._places import Keys
 
 ROS = {"service": "Set", "topic": "Pressure"}
@@ -38,7 +39,7 @@ def _second(facts: Facts, what: str, claims: tuple[Keys, ...]) -> Iterator[Fault
     owners: dict[object, Keys] = {}
     for path in sorted(claims, key=lambda each: facts.places.value(*each).order):
         value = facts.get(*path) or _ros_default(facts, path)
-        if value is None:
+        if value is None or (value == NO_CHANNEL and what in ("channel", "bit")):
             continue
         if value not in owners:
             owners[value] = path

@@ -18,8 +18,10 @@ from end_effector_hal.trace import Command, EndEffectorState
 from ._table import ACTIONS
 
 GIVE_UP_S = 30.0
+PATIENCE_S = 10.0
+"""HALMain is back 2 to 3 s after it was killed; a busy machine takes longer."""
 _SILENT_S = 2.0
-"""Without a connection for this long the server of a running goal has gone."""
+"""HALMain lists its goals 5 times a second: after this it is said that it is waited for."""
 
 _OUTCOMES = {
     value: name for name, value in vars(Outcome).items() if name.isupper() and isinstance(value, int)
@@ -51,22 +53,27 @@ class Goal:
     def end(self) -> str:
         """Take the result; returns it in words."""
         result, status = self.handle.get_result(), self.handle.get_goal_status()
-        outcome = _OUTCOMES.get(result.outcome, "FAILED") if result is not None else "REJECTED"
-        if status in (GoalStatus.REJECTED, GoalStatus.RECALLED):
-            outcome = "REJECTED" if status == GoalStatus.REJECTED else "CANCELLED"
+        if result is None:  # actionlib's client calls it LOST
+            return self.lose("HALMain was started again and does not know this goal")
+        outcome = _OUTCOMES.get(result.outcome, "FAILED")
         self.succeeded = status == GoalStatus.SUCCEEDED and outcome == "SUCCEEDED"
-        reason = (result.reason if result is not None else "") or self.handle.get_goal_status_text()
-        if outcome == "REJECTED" or result is None:
+        reason = result.reason or self.handle.get_goal_status_text()
+        if status in (GoalStatus.REJECTED, GoalStatus.RECALLED):
             return f"{self.name}: {outcome}. {reason}".rstrip()
         state = EndEffectorState(result.state).name
         steps = "; ".join(_step(step) for step in result.steps if step.attempts)
         tail = (f" {reason}" if reason and not self.succeeded else "") + (f" [{steps}]" if steps else "")
         return f"{self.name}: {outcome} after {result.seconds:.2f} s, the end-effector is {state}.{tail}"
 
-    def lose(self) -> str:
-        """The server has gone."""
+    def lose(self, why: str) -> str:
+        """Give it up; returns that in words."""
         self.succeeded = False
-        return f"{self.name}: UNREACHABLE. HALMain has gone; what it was doing is unknown."
+        return f"{self.name}: UNREACHABLE. {why}: what became of it is unknown, see EndEffectorState."
+
+    def listed(self, message: Any) -> bool:
+        """Whether a GoalStatusArray names it."""
+        own = self.handle.comm_state_machine.action_goal.goal_id.id
+        return any(status.goal_id.id == own for status in message.status_list)
 
 
 class Goals:
@@ -74,10 +81,11 @@ class Goals:
 
     Args:
         say: takes each sentence; also called in threads of rospy.
+        patience_s: a goal is given up when HALMain does not list it for so long.
     """
 
-    def __init__(self, say: Callable[[str], None]) -> None:
-        self._say = say
+    def __init__(self, say: Callable[[str], None], patience_s: float = PATIENCE_S) -> None:
+        self._say, self._patience_s = say, patience_s
         self._names = {Command(action.command): action.name for action in ACTIONS}
         self._clients = {
             Command(action.command): actionlib.ActionClient(action.name, EndEffectorAction)
@@ -118,15 +126,20 @@ class Goals:
         return goal
 
     def wait(self, goal: Goal) -> None:
-        """Wait until a goal has ended, or its server has gone."""
-        connected = time.monotonic()
-        command = Command[goal.name.upper()]
+        """Wait until a goal has ended, or HALMain has not listed it for too long: it has gone, or hangs."""
+        client = self._clients[Command[goal.name.upper()]]
+        newest, since, said = None, time.monotonic(), False
         while not goal.ended.wait(0.1) and not rospy.is_shutdown():
-            if self._clients[command].pub_goal.get_num_connections():
-                connected = time.monotonic()
-            elif time.monotonic() - connected > _SILENT_S:
-                self._say(goal.lose())
+            before, newest = newest, client.last_status_msg
+            if newest is not None and newest is not before and goal.listed(newest):
+                since, said = time.monotonic(), False
+            silent_s = time.monotonic() - since
+            if silent_s > self._patience_s:
+                self._say(goal.lose(f"HALMain was silent for {self._patience_s:g} s"))
                 goal.ended.set()
+            elif silent_s > _SILENT_S and not said:
+                said = True
+                self._say(f"{goal.name}: HALMain is silent; waiting for it, {self._patience_s:g} s at most …")
 
     @property
     def any_failed(self) -> bool:

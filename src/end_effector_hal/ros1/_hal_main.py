@@ -52,7 +52,7 @@ class HalMainNode:
         self._publish = node.publisher(END_EFFECTOR_STATE)
         self._at_us = now_us()
         self._state = self._aggregate.message(self._at_us, self._at_us, self._presence)
-        self._goals = ServedGoals(lambda: self._state)
+        self._goals = ServedGoals(lambda: self._state, node.log)
         node.subscribe(GRIP_STATE, self._on_status(GRIP))
         node.subscribe(TOOL_CHANGE_STATE, self._on_status(TOOL_CHANGE))
         for channel, topic in pressure_topics(description):
@@ -65,6 +65,7 @@ class HalMainNode:
         node.every(STATE_HZ, self._tick)
         diagnose(node, description.name, self._health)
         node.on_close(self._close)
+        node.on_close(self._goals.close)
 
     def _on_status(self, name: str) -> Callable[[Any], None]:
         return lambda status: self._take(name, status)

@@ -7,7 +7,7 @@ from typing import Any
 from end_effector_msgs.msg import Cause, Outcome, State
 
 from end_effector_hal.control import ChangerState
-from end_effector_hal.trace import Command
+from end_effector_hal.trace import Command, EndEffectorState
 
 _WANTED = {
     Command.GRIP: State.GRIPPED,
@@ -34,4 +34,5 @@ def judge(command: Command, status: Any) -> tuple[int, str]:
     if status.state == wanted:
         return Outcome.SUCCEEDED, ""
     cancelled = command is Command.GRIP and status.cause == Cause.CANCELLED
-    return (Outcome.CANCELLED if cancelled else Outcome.FAILED), status.reason
+    reason = status.reason or f"The end-effector is {EndEffectorState(status.state).name}."
+    return (Outcome.CANCELLED if cancelled else Outcome.FAILED), reason

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import rospy
 
-from end_effector_hal.description import printable
+from end_effector_hal.wires import printable
 
 _LEVELS = (
     (logging.ERROR, rospy.logerr),
@@ -56,7 +56,7 @@ class _ToRos(logging.Handler):
             return
         if refused:
             rospy.logwarn("%d lines were left out: there were more than %g a second.", refused, PER_S)
-        lines = (printable(line) for line in self.format(record)[:LONGEST].splitlines())
+        lines = (printable(line, LONGEST) for line in self.format(record)[:LONGEST].splitlines())
         # the console shows no name, and several nodes share a terminal
         text = f"{rospy.get_name()}: " + "\n".join(lines)
         for level, log in _LEVELS:

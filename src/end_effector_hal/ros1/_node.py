@@ -16,6 +16,7 @@ from end_effector_hal.errors import EndEffectorError, RosError, UsageError
 from end_effector_hal.wires import be_steady, now_us
 
 from ._at_once import send_at_once
+from ._encodable import encodable
 from ._logging import node_logger
 from ._master import MasterWatch
 from ._name_faults import load_for_nodes
@@ -83,6 +84,8 @@ class Node:
         def publish(message: Any) -> None:
             try:
                 publisher.publish(message)
+            except UnicodeEncodeError:  # a text from outside, such as a third party's codec
+                publish(encodable(message))
             except rospy.ROSException:
                 if not self._closing:
                     raise

@@ -15,11 +15,12 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.tool import Order, read_order, read_script
 from end_effector_hal.trace import Command, EndEffectorState
 
-from ._goals import GIVE_UP_S, Goals
+from ._goals import GIVE_UP_S, PATIENCE_S, Goals
 from ._node import Node, service_class, stamp
 from ._table import (
     ARM_TOOL_CHANGER,
     END_EFFECTOR_STATE,
+    PATIENCE,
     RESET_FAULTS,
     SCRIPT,
     SUPERVISOR,
@@ -27,6 +28,7 @@ from ._table import (
     Service,
 )
 
+LEAST_PATIENCE_S, MOST_PATIENCE_S = 3.0, 3600.0
 PROMPT = "> "
 HELP = "commands: lock, unlock, grip, drop (or release), cancel, arm, reset, wait <seconds>, quit"
 
@@ -41,7 +43,7 @@ class Supervisor:
     def __init__(self, node: Node) -> None:
         self._prompting = self._reset_failed = False
         self._tell = node.publisher(SUPERVISOR_COMMANDS)
-        self._goals = Goals(self.say)
+        self._goals = Goals(self.say, _patience_s(node))
         self._adopted = threading.Event()
         node.subscribe(END_EFFECTOR_STATE, self._state_came)
 
@@ -158,6 +160,18 @@ def _script_once(node: Node) -> str:
     if script:
         rospy.delete_param(f"~{SCRIPT.name}")
     return script
+
+
+def _patience_s(node: Node) -> float:
+    text = node.parameter(PATIENCE) or str(PATIENCE_S)
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not LEAST_PATIENCE_S <= seconds <= MOST_PATIENCE_S:
+        bounds = f"{LEAST_PATIENCE_S:g} to {MOST_PATIENCE_S:g} s"
+        raise UsageError(f"~{PATIENCE.name} is {text!r}.", todo=f"It is a number of seconds, {bounds}.")
+    return seconds
 
 
 class _Interrupt:

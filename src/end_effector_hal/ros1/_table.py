@@ -160,7 +160,10 @@ DIRECTORY = Parameter(
     (DATA_LOGGER, GRIP, TOOL_CHANGE),
     "run folder that it writes; Grip, ToolChange: empty, no trace",
 )
-PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY)
+PATIENCE = Parameter(
+    "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
+)
+PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE)
 
 
 def pressure_topic(description: Description, actuator: str) -> Topic:

@@ -116,15 +116,17 @@ class UnitNode:
         if request.command == RESET:
             latched = bool(self.unit.status.changer_fault)
             answer = self.unit.command("reset") if latched else Answer(True)
-            return HalCommandResponse(answer.accepted, answer.reason, self._count)
+            return self._answered(answer)
         if request.command not in COMMANDS[self._program]:
             known = ", ".join(f"{command.name} ({command.value})" for command in COMMANDS[self._program])
-            return HalCommandResponse(False, f"{request.command} is no command here; there are {known}.", 0)
+            return self._answered(Answer(False, f"{request.command} is no command here; there are {known}."))
         if request.until_us and now_us() > request.until_us:
-            return HalCommandResponse(False, "The command came too late and was not executed.", 0)
-        answer = self.unit.command(_WORDS[Command(request.command)])
+            return self._answered(Answer(False, "The command came too late and was not executed."))
+        return self._answered(self.unit.command(_WORDS[Command(request.command)]))
+
+    def _answered(self, answer: Answer) -> Any:
         with self._lock:
-            return HalCommandResponse(answer.accepted, answer.reason, self._count)
+            return HalCommandResponse(answer.accepted, answer.reason, self._count, answer.decided)
 
     def _close(self) -> None:
         self.unit.close("sigterm")

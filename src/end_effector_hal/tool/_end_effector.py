@@ -13,10 +13,11 @@ from typing import Self
 from end_effector_hal.control import Answer, ChangerState, Status, StepReport
 from end_effector_hal.description import Description
 from end_effector_hal.errors import NotReadyError, UsageError
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.trace import Command, EndEffectorState, RecordingLimits
 from end_effector_hal.wires import Frame, LinkHealth, LinkReader, load_tool, now_us
 from end_effector_hal.wires.codecs import codec_of
 
+from ._listeners import Audience
 from ._open_unit import open_unit
 from ._ready import changer_ready, gripper_ready, missing
 from ._reset import reset
@@ -25,6 +26,9 @@ from ._witness import Witness
 
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
+_NOT_SEEN = (
+    "The {} program has ended: what became of the command is unknown, what was held by then stays held."
+)
 _MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
 
 
@@ -47,6 +51,7 @@ class EndEffector:
     Args:
         description: the tool.
         traces: the folder that gets the traces of both programs; None: nothing is recorded.
+        limits: of that folder.
 
     Example:
         >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
@@ -55,15 +60,23 @@ class EndEffector:
         ...     tool.drop()
     """
 
-    def __init__(self, description: Description, *, traces: str | Path | None = None) -> None:
+    def __init__(
+        self,
+        description: Description,
+        *,
+        traces: str | Path | None = None,
+        limits: RecordingLimits | None = None,
+    ) -> None:
         self.description = description
-        self._listeners: list[Callable[[Status], None]] = []
-        self._frame_listeners: list[Callable[[Frame], None]] = []
+        self._audience = Audience(self._audience_changed)
+        self._told: tuple[str, ...] = ()
         self._lock = threading.Lock()
         with ExitStack() as undo:
-            self._grip = open_unit(description, "grip", self._gripper_moved, traces=traces)
+            self._grip = open_unit(description, "grip", self._gripper_moved, traces=traces, limits=limits)
             undo.callback(self._grip.close)
-            self._change = open_unit(description, "tool_change", self._changer_moved, traces=traces)
+            self._change = open_unit(
+                description, "tool_change", self._changer_moved, traces=traces, limits=limits
+            )
             undo.callback(self._change.close)
             codec = codec_of(description)
             self._witness = Witness(description, codec)
@@ -76,11 +89,16 @@ class EndEffector:
             undo.pop_all()
 
     @classmethod
-    def open(cls, description: Description | str | Path, *, traces: str | Path | None = None) -> Self:
+    def open(
+        cls,
+        description: Description | str | Path,
+        *,
+        traces: str | Path | None = None,
+        limits: RecordingLimits | None = None,
+    ) -> Self:
         """Open a tool by its description and adopt its lines; raises DescriptionError, WireError."""
-        tool = cls(
-            description if isinstance(description, Description) else load_tool(description), traces=traces
-        )
+        loaded = description if isinstance(description, Description) else load_tool(description)
+        tool = cls(loaded, traces=traces, limits=limits)
         try:
             tool.start()
         except BaseException:
@@ -96,11 +114,12 @@ class EndEffector:
             unit.start()
 
     def close(self, ending: str = "sigterm") -> None:
-        """End: the line owner does what the description declares."""
+        """End: the line owner does what the description declares. Listeners get what waits for them, within 2 s."""
         for unit in self._units:
             unit.close(ending)
         self._reader.close()
         self._witness.close()
+        self._audience.close()
 
     def __enter__(self) -> Self:
         return self
@@ -126,12 +145,17 @@ class EndEffector:
         return self._reader.health
 
     def subscribe(self, listener: Callable[[Status], None]) -> None:
-        """Have every status, in order; called in the thread of a unit."""
-        self._listeners.append(listener)
+        """Have every status, in order; called in a thread of its own.
+
+        A listener that raises, or does not return within 2 s, is an alarm of the tool; it is called with the next
+        status all the same, and the alarm ends when it works again and after a :meth:`reset`. For one that is slow up
+        to 1,000 statuses wait; then the oldest are dropped.
+        """
+        self._audience.add(listener)
 
     def subscribe_frames(self, listener: Callable[[Frame], None]) -> None:
-        """Have every frame; called in the thread of the link."""
-        self._frame_listeners.append(listener)
+        """Have every frame, in order; called in a thread of its own, under the rules of :meth:`subscribe`."""
+        self._audience.add_for_frames(listener)
 
     def wait_ready(self, timeout_s: float = 5.0) -> None:
         """Wait until the tool has adopted its lines and its sensors are heard.
@@ -165,6 +189,8 @@ class EndEffector:
 
     def reset(self) -> Answer:
         """Clear latched faults and the alarms that are over; never what only a Drop ends."""
+        self._audience.acknowledge()
+        self._audience_changed()
         stays: list[str] = []
         if self._change.status.changer_fault:
             # first, for what it still shows the line owner keeps anew
@@ -203,15 +229,17 @@ class EndEffector:
         answer = self._grip.command(command)
         if not answer.accepted:
             return Outcome(False, EndEffectorState(self._grip.status.ee), answer.reason)
-        self._grip.wait(_is_over)
-        status = self._grip.status
-        return Outcome(status.ee == wanted, EndEffectorState(status.ee), status.reason, status.steps)
+        over, status = self._grip.wait(_is_over), self._grip.status
+        reached = over and status.ee == wanted
+        reason = status.reason if over else f"{_NOT_SEEN.format('grip')} {status.reason}".strip()
+        return Outcome(reached, EndEffectorState(status.ee), reason, status.steps)
 
     def _run_change(self, command: str, wanted: ChangerState) -> Outcome:
         answer = self._change.command(command)
         if not answer.accepted:
             return Outcome(False, EndEffectorState(self.status.ee), answer.reason)
-        self._change.wait(lambda status: status.command == Command.NONE)
+        if not self._change.wait(lambda status: status.command == Command.NONE):
+            return Outcome(False, EndEffectorState(self.status.ee), _NOT_SEEN.format("tool_change"))
         status = self._change.status
         reached = ChangerState(status.changer)
         why = (
@@ -225,7 +253,7 @@ class EndEffector:
     def _merged(self, status: Status, at: int) -> Status:
         change = self._change.status
         command = status.command if status.command != Command.NONE else change.command
-        alarms = tuple(dict.fromkeys((*status.alarms, *change.alarms)))
+        alarms = tuple(dict.fromkeys((*status.alarms, *change.alarms, *self._audience.alarms)))
         return replace(
             status,
             at=at,
@@ -247,15 +275,20 @@ class EndEffector:
             self._publish(self._merged(self._grip.status, status.at))
 
     def _publish(self, status: Status) -> None:
-        for listener in self._listeners:
-            listener(status)
+        self._told = self._audience.alarms
+        self._audience.status(status)
+
+    def _audience_changed(self) -> None:
+        with self._lock:
+            self._publish(self._merged(self._grip.status, now_us()))
 
     def _frame_came(self, frame: Frame) -> None:
         self._witness.frame(frame)
         for unit in self._units:
             unit.frame(frame)
-        for listener in self._frame_listeners:
-            listener(frame)
+        self._audience.frame(frame)
+        if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
+            self._audience_changed()
 
 
 def _is_over(status: Status) -> bool:

@@ -6,6 +6,9 @@ from end_effector_hal.control import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PAR
 from end_effector_hal.description import Description, VacuumActuator
 from end_effector_hal.wires import Exclusion, Need, Policy, get_codec
 
+LONGEST_WILL_US = 10_000_000
+SENSOR_FAULT = "sensor_fault"
+"""The name by which the line owner keeps that of the tool changer (IL-04)."""
 IL_01 = Need(
     NOTHING_GRIPPED, "IL-01", "nothing is gripped", "the sensors do not prove that nothing is gripped"
 )
@@ -27,6 +30,8 @@ def owner_policy(description: Description) -> Policy:
         exclusions=_exclusions(description),
         max_active_us={changer.line: to_us(changer.unlock_max_s)} if changer and not changer.latching else {},
         labels={**labels, changer.line: "unlock"} if changer else labels,
+        longest_will_us=max(LONGEST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)),
+        faults=(SENSOR_FAULT,) if changer else (),
         needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
     )
 

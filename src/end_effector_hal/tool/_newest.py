@@ -1,19 +1,32 @@
-"""The newest status of a program, and waiting for one."""
+"""The newest status of a program: kept, waited for, and told to its listener, which cannot end the program."""
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 
 from end_effector_hal.control import Status
 
+_log = logging.getLogger("end_effector_hal.tool")
+Listener = Callable[[Status], None]
+
 
 class Newest:
-    """Thread-safe; ``ended``: there will be no other."""
+    """Thread-safe; ``ended``: there will be no other.
 
-    def __init__(self, status: Status) -> None:
+    Args:
+        status: the first one; the listener does not get it.
+        listener: called with each status, in the thread that tells it; it must not wait. It may raise anything: that
+            becomes :attr:`trouble`, and it is called with the next one all the same.
+    """
+
+    def __init__(self, status: Status, listener: Listener | None = None) -> None:
         self.status = status
         self.ended = False
+        self.trouble = ""
+        """What the listener raised at its last call, a sentence; empty: nothing."""
+        self._listener = listener
         self._changed = threading.Condition()
 
     def tell(self, status: Status) -> None:
@@ -21,6 +34,17 @@ class Newest:
         with self._changed:
             self.status = status
             self._changed.notify_all()
+        if self._listener is None:
+            return
+        try:
+            self._listener(status)
+        except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
+            what = f"A listener failed, and lacks a state: {type(error).__name__}: {error}"
+            if not self.trouble:
+                _log.exception("%s", what)
+            self.trouble = self.trouble or what
+        else:
+            self.trouble = ""
 
     def end(self) -> None:
         """Whoever waits, waits no more."""

@@ -8,8 +8,9 @@ from typing import Any, Protocol
 from end_effector_hal.control import ChangerFault, Status
 from end_effector_hal.errors import WireError
 
+from ._lines import SENSOR_FAULT
+
 _log = logging.getLogger("end_effector_hal.tool")
-NAME = "sensor_fault"
 
 
 class Keeper(Protocol):
@@ -35,7 +36,7 @@ class SensorFault:
 
     def found(self) -> bool:
         """Whether one was latched before; raises WireError."""
-        self._kept = self._owner.status()["faults"].get(NAME, "") if self._owner is not None else ""
+        self._kept = self._owner.status()["faults"].get(SENSOR_FAULT, "") if self._owner is not None else ""
         return bool(self._kept)
 
     def heard(self, faults: tuple[str, ...]) -> None:
@@ -50,7 +51,7 @@ class SensorFault:
             return
         try:
             if shown:
-                self._owner.latch(NAME, status.reason)
+                self._owner.latch(SENSOR_FAULT, status.reason)
             self._kept = status.reason if shown else ""
         except WireError as error:
             _log.warning("the line owner could not keep the sensor fault: %s", error)

@@ -19,7 +19,7 @@ from end_effector_hal.wires import Frame, now_us
 from ._by_hand import drive, proof
 from ._duties import Duties
 from ._maintenance import Maintenance
-from ._newest import Newest
+from ._newest import Listener, Newest
 from ._outputs import RETRY_US, LineWriter, Outputs
 from ._question import ask
 from ._relay import Relay, Rest
@@ -28,7 +28,6 @@ from ._venting import await_venting
 from .boundary import NOBODY, Recorder
 
 _log = logging.getLogger("end_effector_hal.tool")
-Listener = Callable[[Status], None]
 HUNG_US = 3_000_000  # longer than the longest wait for the line owner
 OVERTAKEN = "The line owner took this program for dead and executed its will: it has begun anew."
 
@@ -39,7 +38,7 @@ class Unit:
     All methods are thread-safe. What comes in is decided in the thread that brings it, and asked of the line owner
     there, so that no hand-over stands between a frame and a line; whatever waits is done in the unit's own thread.
     There ``on_status`` is called, once for each step of the automata, in order, after the lines are written. Trouble
-    never leaves the unit: it becomes an alarm.
+    never leaves the unit, and what a listener or the recorder suffers never comes in: it becomes an alarm.
 
     A unit that the line owner took for dead is dead: in the middle of a grip, or when the lines are not as it left
     them, it begins anew, and adopts what it finds. Until it knows, it claims no grip.
@@ -56,7 +55,7 @@ class Unit:
     ) -> None:
         network = load_network(description.automata_path, model_constants(description))
         self._description, self._program, self._network = description, program, network
-        self._recorder, self._lines, self._on_status = recorder, recorder.lines(lines), on_status
+        self._recorder, self._lines = recorder, recorder.lines(lines)
         self._fault = fault or SensorFault()
         self._heard: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
@@ -64,7 +63,8 @@ class Unit:
         self._told: tuple[str, ...] = ()
         self._be_unborn()
         self._relay = Relay(self._due, self._recorder.settle)
-        self._newest = Newest(self._controller.status())
+        self._newest = Newest(self._controller.status(), on_status)
+        recorder.attend(lambda: self._relay.bring(lambda: self._acted([])))
         self._thread = threading.Thread(target=self._run, name=f"unit-{program}", daemon=True)
 
     def start(self) -> None:
@@ -259,11 +259,10 @@ class Unit:
             told = replace(self._duties.seen(status), alarms=(*status.alarms, *extra), reason=reason)
             self._fault.see(told)
             self._newest.tell(told)
-            if self._on_status is not None:
-                self._on_status(told)
 
     def _extra(self) -> tuple[str, ...]:
-        notices = (self._obstacle, self._outputs.alarm, *self._faults, self._maintenance.notice)
+        beside = (self._newest.trouble, self._recorder.trouble)
+        notices = (self._obstacle, self._outputs.alarm, *self._faults, self._maintenance.notice, *beside)
         return tuple(text for text in notices if text)
 
     def _written(self, statuses: list[Status], unwritten: Sequence[Status]) -> list[Status]:
@@ -297,4 +296,4 @@ class Unit:
         if self._newest.ended:
             return Answer(False, f"The {self._program} program has ended.")
         answer = ask(self._relay, question, self._acted, waits=waits)
-        return answer or Answer(False, f"The {self._program} program does not answer.")
+        return answer or Answer(False, f"The {self._program} program does not answer.", decided=False)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 
-from end_effector_hal.control import Predicates, predicates_fitted
+from end_effector_hal.control import Predicates
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.wires import Codec, Frame, Teller, get_codec, now_us
+
+from ._lines import owner_policy
 
 REPEAT_US = 50_000
 """The owner hears it at least so often; it forgets it after 150 ms."""
@@ -31,8 +33,9 @@ class Witness:
         codec = codec or get_codec(description.link.codec)
         self._teller = Teller(socket_path(description))
         self._predicates = Predicates(description, codec)
-        self._needed = bool(predicates_fitted(description, codec))
-        self._repeats = self._needed and codec.period_us > REPEAT_US // 2
+        needs = owner_policy(description).needs.values()
+        self._needed = {need.predicate for needed in needs for need in needed}
+        self._repeats = bool(self._needed) and codec.period_us > REPEAT_US // 2
         self._clock = clock
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -66,6 +69,7 @@ class Witness:
                 at = self._clock()
                 self._tell(self._predicates.advance(at), at)
 
-    def _tell(self, said: Mapping[str, bool], at: int) -> None:
+    def _tell(self, proven: Mapping[str, bool], at: int) -> None:
+        said = {name: holds for name, holds in proven.items() if name in self._needed}
         if (said != self._said or at >= self._due) and self._teller.tell(said, at):
             self._said, self._due = said, at + REPEAT_US * 4 // 5

@@ -2,6 +2,7 @@
 
 from end_effector_hal.trace._alarms import AlarmRow, AlarmsWriter, read_alarms
 from end_effector_hal.trace._draw import paper, save, timeline
+from end_effector_hal.trace._limits import RecordingLimits
 from end_effector_hal.trace._pressures import PressuresLog, PressuresWriter, read_pressures
 from end_effector_hal.trace._run import RunInfo, read_run
 from end_effector_hal.trace._states import StatesLog, StatesRow, StatesWriter, read_states
@@ -27,7 +28,7 @@ from end_effector_hal.trace._tables import (
 )
 from end_effector_hal.trace._tell import tell
 from end_effector_hal.trace._trace_file import Record, TraceFile, read_trace
-from end_effector_hal.trace._trace_writer import TraceWriter
+from end_effector_hal.trace._trace_writer import Entry, Gap, Opening, TraceWriter
 
 __all__ = [
     "AlarmRow",
@@ -38,12 +39,16 @@ __all__ = [
     "CylinderState",
     "Decision",
     "EndEffectorState",
+    "Entry",
+    "Gap",
     "Grip",
     "Moment",
+    "Opening",
     "Outcome",
     "PressuresLog",
     "PressuresWriter",
     "Record",
+    "RecordingLimits",
     "Release",
     "Reset",
     "RunInfo",

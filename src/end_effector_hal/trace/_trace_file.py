@@ -79,7 +79,7 @@ def read_trace(path: str | Path) -> TraceFile:
     topics: dict[int, str] = {}
     records: list[Record] = []
     attachments: dict[str, bytes] = {}
-    complete, note = False, "it was not closed: the program was killed, or still writes"
+    complete, note = False, "it was not closed: the program was killed or still writes, or its disk was full"
     changed = True  # until the record that carries the checksum says otherwise
     reading = _Reading(data)
     for record in reading:

@@ -7,6 +7,7 @@ from end_effector_hal.wires._claim import program_name
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires._load import Fitting, fitting, load_tool
 from end_effector_hal.wires._steady import be_steady
+from end_effector_hal.wires._text import printable
 from end_effector_hal.wires.codecs import Codec, Decoder, codec_names, get_codec
 from end_effector_hal.wires.frame import Frame, Kind, Value
 from end_effector_hal.wires.lines import (
@@ -70,6 +71,7 @@ __all__ = [
     "load_tool",
     "now_us",
     "open_port",
+    "printable",
     "program_name",
     "read_chip",
     "serve",

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import fcntl
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import LineBusyError, WireError
+from end_effector_hal.wires._text import printable
 
 
 class Claim:
@@ -34,15 +36,18 @@ class Claim:
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            holder = os.pread(self._fd, 200, 0).decode(errors="replace").strip() or "another process"
+            holder = (
+                printable(os.pread(self._fd, 200, 0).decode(errors="replace").strip()) or "another process"
+            )
             os.close(self._fd)
             raise LineBusyError(
                 f"{what} is held by {holder}.",
                 where=str(path),
                 todo="Stop that process, or wait for its end.",
             ) from error
-        os.ftruncate(self._fd, 0)
-        os.pwrite(self._fd, f"pid {os.getpid()} ({program_name()})\n".encode(), 0)
+        with suppress(OSError):  # for people only: a full disk is no reason not to have it
+            os.ftruncate(self._fd, 0)
+            os.pwrite(self._fd, f"pid {os.getpid()} ({program_name()})\n".encode(), 0)
 
     @property
     def fd(self) -> int:
@@ -67,4 +72,4 @@ def program_name(pid: int | str = "self") -> str:
         text = text[1:]
     if text[:1] == ["-c"]:  # its code says nothing to people
         text = ["python -c", *text[2:]]
-    return " ".join([Path(text[0]).name, *text[1:3]])[:80] if text else "?"
+    return printable(" ".join([Path(text[0]).name, *text[1:3]]), 80) if text else "?"

@@ -9,32 +9,61 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import wait_until
 from virtual_tool import VirtualTool
 
 from end_effector_hal.automata import Network, load_network
-from end_effector_hal.control import Controller
+from end_effector_hal.control import Answer, Controller
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.tool.boundary import Recorder, open_recorder
 from end_effector_hal.tool.replay import ProgramTrace, _review, load_trace
-from end_effector_hal.trace import Record
+from end_effector_hal.trace import Record, RecordingLimits, TraceWriter
 
 Edit = Callable[[dict[str, Any]], object]
+PIECE_S = 0.5
+
+
+def drained(writer: TraceWriter) -> None:
+    """What was handed over is written, or is lost."""
+    wait_until("the writer", lambda: not writer._queued and not writer._ordered)
 
 
 class RecordedTool(VirtualTool):
     """Both programs in virtual time, each with its trace in ``folder``."""
 
     def __init__(
-        self, folder: Path, scenario: str = "nominal", levels: dict[str, bool] | None = None
+        self,
+        folder: Path,
+        scenario: str = "nominal",
+        levels: dict[str, bool] | None = None,
+        limits: RecordingLimits | None = None,
     ) -> None:
         self.recorders: list[Recorder] = []
         self.folder = folder
 
         def recorded(description: Description, network: Network, program: str) -> Controller:
-            self.recorders.append(open_recorder(folder, description, program, at=0))
+            self.recorders.append(open_recorder(folder, description, program, at=0, limits=limits))
             return self.recorders[-1].controller(description, network, program)
 
         super().__init__(load(profile_path()), scenario, levels=levels, controller=recorded)
+
+    def run(self, seconds: float) -> None:
+        until = self.at + round(seconds * 1e6)
+        while self.at < until:
+            super().run(min(PIECE_S, (until - self.at) / 1e6))
+            self.settle()
+
+    def command(self, name: str) -> Answer:
+        answer = super().command(name)
+        self.settle()
+        return answer
+
+    def settle(self) -> None:
+        """As a unit does after each job; virtual time waits until all of it is written."""
+        for recorder in self.recorders:
+            recorder.settle()
+            assert recorder._writer is not None
+            drained(recorder._writer)
 
     def close(self) -> None:
         for recorder in self.recorders:

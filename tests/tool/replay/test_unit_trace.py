@@ -10,8 +10,8 @@ from tests.tool.replay.conftest import numbers
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import OwnerError
-from end_effector_hal.tool import Unit, _open_unit
-from end_effector_hal.tool.boundary import NOBODY, open_recorder
+from end_effector_hal.tool import Unit
+from end_effector_hal.tool.boundary import open_recorder
 from end_effector_hal.tool.replay import load_trace, review
 from end_effector_hal.trace import EndEffectorState as State
 
@@ -63,9 +63,18 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     assert statuses[-1] == State.STAND_BY
 
 
-def test_a_folder_that_cannot_be_written_is_told_and_the_tool_works(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_folder_that_cannot_be_written_is_an_alarm_and_the_tool_works(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    assert _open_unit._recorder(tmp_path / "file", load(profile_path()), "grip") is NOBODY
-    assert "no trace of grip is recorded" in caplog.text
+    tool, description = Tool(), load(profile_path())
+    recorder = open_recorder(tmp_path / "file", description, "grip")
+    tool.unit = Unit(description, "grip", tool.owner, tool.told.append, recorder)
+    tool.unit.start()
+    alarm = f"The trace of grip is not recorded: {tmp_path}/file: This is no folder. ({tmp_path}/file)."
+    tool.until(lambda status: alarm in status.alarms)
+    tool.grip_to(2)
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: status.ee == State.GRIPPED)
+    assert tool.unit.command("drop").accepted
+    tool.confirmed = dict.fromkeys(LINES, OFF)
+    tool.until(lambda status: status.ee == State.STAND_BY)
+    tool.unit.close()

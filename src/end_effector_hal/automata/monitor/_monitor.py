@@ -11,7 +11,16 @@ from collections.abc import Iterable, Mapping
 from end_effector_hal.automata._network import Network, State
 from end_effector_hal.automata._semantics import Transition
 from end_effector_hal.automata._sides import Sides
-from end_effector_hal.automata._steps import Begun, Change, Observation, Received, Step, Written
+from end_effector_hal.automata._snapshots import resume
+from end_effector_hal.automata._steps import (
+    Begun,
+    Change,
+    ExecutionSnapshot,
+    Observation,
+    Received,
+    Step,
+    Written,
+)
 from end_effector_hal.automata.monitor._objection import Kind, Objection
 from end_effector_hal.automata.monitor._situation import Situation
 from end_effector_hal.automata.monitor._watched import watched_queries
@@ -77,6 +86,27 @@ class Monitor:
         self._situation.begin(at)
         self._situation.write(writes or {}, at)
         self._judge()
+
+    def resume(self, snapshot: ExecutionSnapshot) -> None:
+        """What was recorded begins in the middle of a run, in this state."""
+        self._begun, self._event, self._broken = True, None, set()
+        self._now = snapshot.at
+        try:
+            self._situation.resume(resume(self.network, snapshot), snapshot.entered)
+        except UsageError as error:
+            self._refuse(snapshot.at, str(error))
+            return
+        self._following = True
+        if not self._situation.may_delay() and snapshot.at > snapshot.entered:
+            self._refuse(
+                snapshot.at, "The recorded state is a committed or urgent location that was not left."
+            )
+        self._judge()
+
+    @property
+    def snapshot(self) -> ExecutionSnapshot | None:
+        """Where the run stands, as far as it was observed; None: it could not be followed to here."""
+        return self._situation.snapshot(self._now) if self._following else None
 
     def observe(self, observation: Observation) -> None:
         """Judge what comes next."""

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 from end_effector_hal.automata._constraints import Bound
 from end_effector_hal.automata._network import Edge, Network, State
 from end_effector_hal.automata._semantics import Fired, Semantics, Transition
+from end_effector_hal.automata._snapshots import Resumed, snapshot_of
+from end_effector_hal.automata._steps import ExecutionSnapshot
 from end_effector_hal.errors import RangeError
 
 _OPS: dict[str, Callable[[Any, Any], bool]] = {"<": lt, "<=": le, "==": eq, ">=": ge, ">": gt}
@@ -46,6 +48,17 @@ class Situation:
         self._zero = [at] * len(self.network.clocks)
         self.chances: tuple[Chance, ...] = ()
         self._renew(self.network.initial, at, None)
+
+    def resume(self, resumed: Resumed, entered: int) -> None:
+        """Stand where an execution stood that has entered its discrete state at ``entered``."""
+        self._zero = list(resumed.zeros)
+        self.state, self.entered = resumed.state, entered
+        self.chances = tuple(self._found(resumed.ages))
+
+    def snapshot(self, at: int) -> ExecutionSnapshot:
+        """Where it stands at ``at``."""
+        ages = {chance.transition.edges: chance.since for chance in self.chances}
+        return snapshot_of(self.network, self.state, self._zero, ages, at=at, entered=self.entered)
 
     def write(self, writes: Mapping[str, int], at: int) -> None:
         """The environment sets variables."""

@@ -3,7 +3,7 @@
 from ._open import DESCRIPTION, MODEL, open_recorder
 from ._recorded_controller import RecordedController
 from ._recorder import NOBODY, Recorder
-from ._records import DECIDED, INPUTS, KINDS, OBSERVED, Header
+from ._records import DECIDED, INPUTS, KINDS, OBSERVED, STATE, Header
 
 __all__ = [
     "DECIDED",
@@ -13,6 +13,7 @@ __all__ = [
     "MODEL",
     "NOBODY",
     "OBSERVED",
+    "STATE",
     "Header",
     "RecordedController",
     "Recorder",

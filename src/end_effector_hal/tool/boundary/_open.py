@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from secrets import token_hex
 
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.trace import TraceWriter
+from end_effector_hal.trace import Opening, RecordingLimits, TraceWriter
 from end_effector_hal.wires import now_us
 
 from .._recording import content_hash, product_version
@@ -20,25 +22,42 @@ DESCRIPTION, MODEL = "description.json", "end_effector.xml"
 
 
 def open_recorder(
-    folder: str | Path, description: Description, program: str, *, at: int | None = None
+    folder: str | Path,
+    description: Description,
+    program: str,
+    *,
+    at: int | None = None,
+    limits: RecordingLimits | None = None,
 ) -> Recorder:
-    """A recorder that writes ``<program>.mcap`` into a folder; raises UsageError when it cannot be made.
+    """A recorder that writes ``<program>.mcap`` and its further segments into a folder; does not wait for the disk.
 
     ``at``: the time of the run now, µs; by default that of the monotonic clock.
     """
     at = now_us() if at is None else at
     model = description.automata_path.read_bytes()
     attachments = {DESCRIPTION: whole(description), MODEL: model}
-    writer = TraceWriter(folder, program, KINDS, now=at, attachments=attachments)
-    writer.put("header", at, header_of(description, program, at))
-    writer.flush()
-    return Recorder(writer)
+    first = header_of(description, program, at)
+
+    def header(opening: Opening) -> Header:
+        return replace(
+            first,
+            at=opening.at,
+            started=datetime.now(UTC).isoformat(),
+            segment=opening.segment,
+            follows=opening.follows,
+            gap=opening.gap,
+        )
+
+    return Recorder(
+        TraceWriter(folder, program, KINDS, now=at, attachments=attachments, header=header, limits=limits)
+    )
 
 
 def header_of(description: Description, program: str, at: int) -> Header:
     """Where a trace comes from."""
     return Header(
         at=at,
+        run=token_hex(8),
         program=program,
         description=description.name,
         hash=content_hash(description),

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from end_effector_hal.automata import Begun, Received, Step, Written
-from end_effector_hal.control import Status
+from end_effector_hal.control import ControllerSnapshot, Status
+from end_effector_hal.trace import Gap
 
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """Where a trace comes from: the first record of each."""
+    """Where a trace comes from: the first record of each segment."""
 
     at: int
     program: str
@@ -32,6 +33,14 @@ class Header:
     """The file of the description."""
     constants: Mapping[str, Any]
     """What was put into the model."""
+    run: str = ""
+    """The same in all segments of one start of the program; empty: the trace is older than segments."""
+    segment: int = 1
+    """Number of the segment since that start."""
+    follows: bool = False
+    """The segment before it was closed in good order, and nothing is missing between the two."""
+    gap: Gap | None = None
+    """What is missing before it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,8 +145,11 @@ OBSERVED: Mapping[str, type] = {"begin": Begun, "write": Written, "event": Recei
 """What the automata saw and did: what the monitor judges."""
 DECIDED: Mapping[str, type] = {**OBSERVED, "answer": Answered, "status": Status}
 """What a replay must decide the same."""
+STATE = "state"
+"""Where the controller stands: with it each segment but the first begins."""
 KINDS: Mapping[str, type] = {
     "header": Header,
+    STATE: ControllerSnapshot,
     **INPUTS,
     **DECIDED,
     "lines": LinesWritten,

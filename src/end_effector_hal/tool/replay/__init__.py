@@ -1,5 +1,6 @@
 """A recorded run looked at again: does the controller decide the same, and was it a run of the network."""
 
+from ._chain import SegmentEnd
 from ._differs import Difference
 from ._load import ProgramTrace, load_trace, traces_of
 from ._missed import missed_moments
@@ -11,6 +12,7 @@ __all__ = [
     "ProgramTrace",
     "Replay",
     "Review",
+    "SegmentEnd",
     "load_trace",
     "missed_moments",
     "replay",

@@ -120,15 +120,25 @@ def _without_header(file: TraceFile) -> UsageError:
 
 
 def traces_of(path: str | Path) -> tuple[Path, ...]:
-    """The traces in a folder, or the one that is named; raises UsageError when there is none."""
+    """The traces in a folder, or the one that is named, each program's in the order of writing.
+
+    Raises:
+        UsageError: there is none.
+    """
     path = Path(path)
     if path.suffix == SUFFIX and not path.is_dir():
         return (path,)
-    found = tuple(sorted(path.glob(f"*{SUFFIX}"))) if path.is_dir() else ()
+    found = tuple(sorted(path.glob(f"*{SUFFIX}"), key=_order)) if path.is_dir() else ()
     if not found:
         todo = "Name a folder that `eehal run --record` or `eehal demo` wrote, or a .mcap file in it."
         raise UsageError("There is no trace here.", where=str(path), todo=todo)
     return found
+
+
+def _order(path: Path) -> tuple[str, int]:
+    """``grip-10.mcap`` comes after ``grip-9.mcap``."""
+    name, _, number = path.stem.rpartition("-")
+    return (name, int(number)) if name and number.isdecimal() and len(number) < 10 else (path.stem, 1)
 
 
 @cache

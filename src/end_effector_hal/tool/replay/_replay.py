@@ -15,7 +15,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.wires import Frame
 
-from ..boundary import DECIDED, INPUTS, RecordedController
+from ..boundary import DECIDED, INPUTS, STATE, RecordedController
 from ._differs import NOTHING, Difference, first_difference
 from ._load import ProgramTrace
 
@@ -28,25 +28,30 @@ class Replay:
         inputs: how many were fed.
         compared: how many records of what was decided were the same.
         difference: the first that was not.
+        end: the state of the controller after the last input, as JSON; None: it is not known.
     """
 
     inputs: int
     compared: int
     difference: Difference | None
+    end: dict[str, Any] | None = None
 
 
-def replay(trace: ProgramTrace, description: Description, network: Network) -> Replay:
+def replay(
+    trace: ProgramTrace, description: Description, network: Network, before: dict[str, Any] | None = None
+) -> Replay:
     """Feed the inputs of a trace to a controller until it decides otherwise than recorded.
 
     Args:
-        trace: of a program.
+        trace: of a program, one segment.
         description: the tool to replay with.
         network: its automata with its constants.
+        before: the ``end`` of the segment before it, where nothing is missing between the two; None: unknown.
 
     Raises:
         UsageError: a record cannot be read.
     """
-    return _Replay(trace, description, network).run()
+    return _Replay(trace, description, network, before).run()
 
 
 _CALLS: Mapping[str, Callable[[RecordedController, Any], object]] = {
@@ -65,8 +70,15 @@ _CALLS: Mapping[str, Callable[[RecordedController, Any], object]] = {
 
 
 class _Replay:
-    def __init__(self, trace: ProgramTrace, description: Description, network: Network) -> None:
+    def __init__(
+        self,
+        trace: ProgramTrace,
+        description: Description,
+        network: Network,
+        before: dict[str, Any] | None,
+    ) -> None:
         self._trace, self._description, self._network = trace, description, network
+        self._before = before
         self._controller: RecordedController | None = None
         self._decided: deque[tuple[str, int, object]] = deque()
         self._inputs = self._compared = 0
@@ -74,7 +86,9 @@ class _Replay:
     def run(self) -> Replay:
         difference: Difference | None = None
         for number, record in enumerate(self._trace.file.records):
-            if record.kind in INPUTS:
+            if record.kind == STATE:
+                difference = self._resume(number)
+            elif record.kind in INPUTS:
                 difference = self._all_told() or self._feed(record.kind, self._trace.typed(number))
             elif record.kind in DECIDED:
                 difference = self._compare(record.kind, self._trace.content(number))
@@ -83,14 +97,40 @@ class _Replay:
         else:
             # the records after the last input may have been lost with the program
             difference = self._all_told() if self._trace.file.complete else None
-        return Replay(self._inputs, self._compared, difference)
+        end = self._state() if difference is None and self._trace.file.complete else None
+        return Replay(self._inputs, self._compared, difference, end)
+
+    def _resume(self, number: int) -> Difference | None:
+        """Go on from the recorded state: it must be where the segment before it ends, and agree with itself."""
+        state, recorded = self._trace.typed(number), self._trace.content(number)
+        if self._controller is not None or self._inputs:
+            return Difference(state.at, STATE, "a state in the middle of a segment", NOTHING)
+        self._controller = self._new_controller()
+        try:
+            self._controller.resume(state)
+        except EndEffectorError as error:
+            return Difference(state.at, STATE, "a state", f"refused: {error}")
+        self._compared += 1
+        expected = self._state() or {}
+        found = first_difference(STATE, recorded, expected)
+        return found or (first_difference(STATE, recorded, self._before) if self._before else None)
+
+    def _state(self) -> dict[str, Any] | None:
+        snapshot = self._controller.snapshot() if self._controller is not None else None
+        if snapshot is None:
+            return None
+        found: dict[str, Any] = json.loads(to_json(snapshot, fallback=dict))
+        return found
+
+    def _new_controller(self) -> RecordedController:
+        program = self._trace.header.program
+        return RecordedController(self._description, self._network, program, self._take)
 
     def _feed(self, kind: str, record: Any) -> Difference | None:
         self._inputs += 1
         try:
             if kind == "start":
-                program = self._trace.header.program
-                self._controller = RecordedController(self._description, self._network, program, self._take)
+                self._controller = self._new_controller()
             if self._controller is None:
                 return Difference(record.at, kind, f"{kind} before the start", NOTHING)
             _CALLS[kind](self._controller, record)

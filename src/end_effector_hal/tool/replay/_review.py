@@ -13,7 +13,8 @@ from end_effector_hal.description import Description, load
 from end_effector_hal.errors import DescriptionError
 
 from .._recording import content_hash
-from ..boundary import OBSERVED
+from ..boundary import OBSERVED, STATE
+from ._chain import Chain, SegmentEnd
 from ._load import ProgramTrace
 from ._replay import Replay, replay
 
@@ -29,7 +30,8 @@ class Review:
         steps: of the automata, as far as the monitor followed them.
         objections: of the monitor.
         requirements: how many of the file's requirements could be judged on the run.
-        notes: what has changed since.
+        notes: what has changed since, and what is missing.
+        end: where the segment ends, for the review of the next one.
     """
 
     trace: ProgramTrace
@@ -39,6 +41,7 @@ class Review:
     objections: tuple[Objection, ...]
     requirements: int
     notes: tuple[str, ...]
+    end: SegmentEnd
 
     @property
     def ok(self) -> bool:
@@ -56,6 +59,7 @@ class Review:
             "trace": str(self.trace.file.path),
             "program": self.trace.header.program,
             "ok": self.ok,
+            "segment": self.trace.header.segment,
             "seconds": round(seconds(self.trace.last_at), 6),
             "recorded_hash": self.trace.header.hash,
             "replayed_hash": self.hash,
@@ -77,41 +81,62 @@ class Review:
         }
 
 
-def review(trace: ProgramTrace, description: Description | None = None) -> Review:
+def review(
+    trace: ProgramTrace, description: Description | None = None, before: SegmentEnd | None = None
+) -> Review:
     """Replay a trace and judge it.
 
     Args:
-        trace: of a program.
+        trace: of a program, one segment.
         description: another tool than the one that was recorded.
+        before: where the trace before it in the folder ended, if it is of the same program; a segment that follows
+            it must begin there. None: the segment is judged alone, from the state that it begins with.
 
     Raises:
         UsageError: a record cannot be read.
         ModelError: the automata cannot be executed.
     """
     if description is not None:
-        return _review(trace, description)
+        return _review(trace, description, before)
     with trace.description() as recorded:
-        return _review(trace, recorded)
+        return _review(trace, recorded, before)
 
 
-def _review(trace: ProgramTrace, description: Description) -> Review:
+def _review(trace: ProgramTrace, description: Description, before: SegmentEnd | None) -> Review:
+    chain = Chain(trace, before)
     network = load_network(description.automata_path, model_constants(description))
     processes = getattr(description.automata, trace.header.program)
     monitor = Monitor(network, processes, description.automata.interface, requirements=True)
+    joint: list[Objection] = list(chain.objections)
     for number, record in enumerate(trace.file.records):
         if record.kind in OBSERVED:
             monitor.observe(trace.typed(number))
+        elif record.kind == STATE:
+            recorded = trace.typed(number).execution
+            monitor.resume(recorded)
+            joint += chain.compare(recorded)
+    last_at = trace.last_at
     if trace.file.complete:
-        monitor.end(trace.last_at)
+        monitor.end(last_at)
     used = content_hash(description)
+    replayed = replay(trace, description, network, chain.state)
+    complete, header = trace.file.complete, trace.header
     return Review(
         trace,
         used,
-        replay(trace, description, network),
+        replayed,
         monitor.steps,
-        tuple(monitor.objections),
+        (*joint, *monitor.objections),
         len(monitor.queries),
-        tuple(_notes(trace, description, used)),
+        (*chain.notes, *_notes(trace, description, used)),
+        SegmentEnd(
+            header.program,
+            header.run,
+            header.segment,
+            complete,
+            replayed.end,
+            monitor.snapshot if complete else None,
+        ),
     )
 
 

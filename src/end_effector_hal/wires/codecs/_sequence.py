@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.wires.codecs._codec import Codec
 
 
@@ -13,6 +15,9 @@ class Sequence:
     Args:
         seq_bits, clock_bits: their width.
     """
+
+    MEMORY: ClassVar = {"lost": int, "reboots": int, "_last": tuple[int, int] | None}
+    """What changes while frames come, for a recording that begins in the middle."""
 
     def __init__(self, *, seq_bits: int, clock_bits: int) -> None:
         self.lost = 0

@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.errors import EndEffectorError, OwnerError
 from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires._text import printable
 from end_effector_hal.wires.owner._conversation import Conversation, WillStillRunsError
+from end_effector_hal.wires.owner._token import make_token
 from end_effector_hal.wires.will import Will, WillStep, read_will
 
 _log = logging.getLogger("end_effector_hal.owner")
@@ -31,7 +33,8 @@ class OwnerClient:
     """Writes some lines through the owner; thread-safe. A thread renews the lease, every 0.25 s.
 
     When the connection is lost, one call fails with OwnerError, at the latest the next one: levels may have
-    changed, for the owner may have executed the will. The calls after it work again, once the owner does.
+    changed, for the owner may have executed the will. The calls after it work again, once the owner does. A client
+    that reads only connects again by itself.
 
     Args:
         socket_path: of the owner.
@@ -56,7 +59,7 @@ class OwnerClient:
         timeout_s: float = 1.0,
         patience_s: float = 5.0,
     ) -> None:
-        self._client, self._lines = client, list(lines)
+        self._client, self._token, self._lines = client, make_token(), list(lines)
         self._will: Will = read_will(will)
         self._timeout_s = timeout_s
         self._alive: Callable[[], bool] = lambda: True
@@ -148,12 +151,8 @@ class OwnerClient:
         """The owner's pid, clients with lease and will, and the activations that it ended (IL-03)."""
         return dict(self._call("status")["status"])
 
-    def tell(self, predicates: Mapping[str, bool], at_us: int) -> None:
-        """Say what the sensors proved at ``at_us``, and wait for the reply; `Teller` says it without waiting."""
-        self._call("tell", predicates=dict(predicates), at_us=at_us)
-
     def latch(self, fault: str, why: str) -> None:
-        """Keep a fault by name, through a restart and until `reset`; it shows in `status`, the first ``why`` stays."""
+        """Keep a fault that the owner's policy lists until `reset`; it shows in `status`, the first ``why`` stays."""
         self._call("latch", fault=fault, why=why)
 
     def reset(self) -> None:
@@ -176,9 +175,7 @@ class OwnerClient:
         self._ended.set()
         try:
             if self._lines:
-                with self._lock:
-                    # Whatever was lost before: without a bye the owner would take this for a death.
-                    self._request("bye", will=[step.as_json() for step in steps])
+                self._say_bye(steps)
         except EndEffectorError:
             if steps:
                 raise
@@ -195,6 +192,18 @@ class OwnerClient:
             # No bye: an application that fails is dead, its will counts.
             self._ended.set()
             self._abandon()
+
+    def _say_bye(self, will: Will) -> None:
+        """Also to an owner that has followed the one it knew: without a bye that would take this for a death."""
+        fields = {"will": [step.as_json() for step in will]}
+        with self._lock:
+            was_connected = self._owner.connected
+            try:
+                self._request("bye", **fields)
+            except OwnerError:
+                if not was_connected:
+                    raise
+                self._request("bye", **fields)
 
     def _abandon(self) -> None:
         if self._thread.is_alive() and self._thread is not threading.current_thread():
@@ -216,7 +225,9 @@ class OwnerClient:
             connected, known = self._owner.connected, self._faults
             try:
                 if not self._ended.is_set():
-                    self._faults = tuple(map(str, self._request("renew").get("faults", ())))
+                    self._faults = tuple(
+                        printable(str(why)) for why in self._request("renew").get("faults", ())
+                    )
             except EndEffectorError as error:
                 if connected:
                     self._lost = error if isinstance(error, OwnerError) else OwnerError(str(error))
@@ -230,7 +241,14 @@ class OwnerClient:
     def _call(self, op: str, **fields: object) -> dict[str, Any]:
         with self._lock:
             self._raise_lost()
-            return self._request(op, **fields)
+            again = self._owner.connected and not self._lines
+            try:
+                return self._request(op, **fields)
+            except OwnerError:
+                # one that only reads is closed when it said nothing for a while
+                if not again or self._owner.connected:
+                    raise
+                return self._request(op, **fields)
 
     def _raise_lost(self) -> None:
         if self._lost is not None:
@@ -276,9 +294,8 @@ class OwnerClient:
         if self._lines:
             try:
                 will = [step.as_json() for step in self._will]
-                said = self._owner.exchange(
-                    "hello", {"client": self._client, "lines": self._lines, "will": will}
-                )
+                named = {"client": self._client, "token": self._token}
+                said = self._owner.exchange("hello", {**named, "lines": self._lines, "will": will})
                 self._overtaken = self._overtaken or bool(said.get("overtaken"))
             except EndEffectorError:
                 self._owner.close()

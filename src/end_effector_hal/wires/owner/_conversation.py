@@ -9,11 +9,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from end_effector_hal.errors import EndEffectorError, LineBusyError, LineRefusedError, OwnerError, UsageError
-from end_effector_hal.wires.owner._protocol import LONGEST, read_message, write_message
+from end_effector_hal.wires._text import printable
+from end_effector_hal.wires.owner._message import LONGEST, read_reply, write_message
 
 _ERRORS: dict[str, type[EndEffectorError]] = {
     error.code: error for error in (UsageError, LineBusyError, LineRefusedError, OwnerError)
 }
+
+LONGEST_REPLY = 1 << 22
 
 
 class WillStillRunsError(LineBusyError):
@@ -112,14 +115,16 @@ class Conversation:
             data = self._socket.recv(LONGEST)
             if not data:
                 raise OSError("it closed the connection")
+            if len(self._rest) > LONGEST_REPLY:
+                raise OSError("its reply has no end")
             self._rest += data
         line, self._rest = self._rest.split(b"\n", 1)
-        return read_message(line)
+        return read_reply(line)
 
 
 def _error(reply: Mapping[str, Any]) -> EndEffectorError:
-    text, retry_us = str(reply.get("error")), reply.get("retry_us")
-    if retry_us is not None:
+    text, retry_us = printable(str(reply.get("error"))), reply.get("retry_us")
+    if isinstance(retry_us, int):
         error = WillStillRunsError(text)
         error.retry_s = retry_us / 1e6
         return error

@@ -1,121 +1,194 @@
-"""The owner's memory on disk: it survives the death of the owner, and its faults survive the loss of power.
+"""The latched faults on disk, through a loss of power. Nobody waits for the disk.
 
-Each record is the whole memory in a line, with a checksum in front; the last whole one counts. Whatever part of the
-file is lost at its end, what is left was true at some time. What changes a fault, and the start and the end of an
-owner, are on the disk before anybody is told of it (fsync); a will is not waited for: power that goes takes the
-lines with it.
+A thread writes and syncs; what it has not written within a second, or could not write, is an alarm of the line owner,
+and is tried again at each change and every second. What the next owner needs of the clients is not in here: see
+`_session_record`.
 """
 
 from __future__ import annotations
 
 import json
 import logging
-import os
-from dataclasses import replace
-from pathlib import Path
-from zlib import crc32
+import threading
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires.owner._memory import Memory, read_memory
+from end_effector_hal.wires.owner._memory import read_faults
+from end_effector_hal.wires.owner._old_journal import read_old_journal
+from end_effector_hal.wires.owner._record_file import RecordFile, Standing
+from end_effector_hal.wires.owner._storage import Storage
 
 _log = logging.getLogger("end_effector_hal.owner")
-LONGEST = 1 << 18
-"""Bytes after which the file is begun anew."""
+PATIENCE_US = 1_000_000
+"""A disk that does not answer for so long is taken for one that hangs."""
+RETRY_S = 1.0
+READ_S = 2.0
+"""Longest wait for the disk, at the start and at the end of an owner."""
+
+
+class Entry(NamedTuple):
+    """What stands in the journal.
+
+    Attributes:
+        faults: sentences by name, latched until a reset.
+        clean: the owner ended in order.
+        boot: start of the machine in which it was written.
+        doubt: why faults may be missing, a clause; empty: none is.
+    """
+
+    faults: Mapping[str, str]
+    clean: bool = True
+    boot: str = ""
+    doubt: str = ""
 
 
 class Journal:
-    """One file. Trouble with the disk is logged once and ends nothing: an owner without memory still owns.
+    """Keeps the faults of one owner. `write_next` is called by the thread that may wait for the disk, the rest is not.
 
     Args:
-        path: the file; None: remember nothing.
+        storage: where; None: keep nothing.
+        boot: names this start of the machine.
+        clock: monotonic, µs.
     """
 
-    def __init__(self, path: str | Path | None) -> None:
-        self._path = Path(path) if path else None
-        self._fd, self._size = -1, 0
-        self._last: Memory | None = None
-        self.before = read_journal(self._path) if self._path else Memory()
-        """What an earlier owner has left."""
+    def __init__(self, storage: Storage | None, boot: str, clock: Callable[[], int]) -> None:
+        self._file = RecordFile(storage) if storage else None
+        self._storage, self._boot, self._clock = storage, boot, clock
+        self._lock = threading.Lock()
+        self.changed = threading.Event()
+        """Set when there may be something to write."""
+        self._wanted = self._written = b""
+        self._since: int | None = None  # when the oldest of what is not on the disk was wanted
+        self._error = ""
 
-    def keep(self, memory: Memory) -> None:
-        """Remember it, if it is something else than before."""
-        if self._path is None or memory == self._last:
-            return
-        known, self._last = self._last, memory
-        lasting = known is None or (known.faults, known.clean) != (memory.faults, memory.clean)
-        record = _record(memory)
+    def read(self) -> Entry:
+        """What an earlier owner has left; waits for the disk."""
+        if self._file is None or self._storage is None:
+            return Entry({})
         try:
-            if self._fd < 0 or self._size > LONGEST:
-                self._begin(self._path, record)
-                return
-            self._size += os.write(self._fd, record)
-            if lasting:
-                os.fsync(self._fd)
+            old = read_old_journal(self._storage.read())
+            found = self._file.read()
         except OSError as error:
-            _log.error("the line owner's journal %s cannot be written: %s", self._path, error.strerror)
-            self._path = None
-            self._close()
+            return Entry({}, clean=False, doubt=f"its journal cannot be read ({error.strerror})")
+        if old is not None:
+            return Entry(old, clean=False)
+        if found.standing is Standing.ABSENT:
+            return Entry({})
+        if found.standing is Standing.DAMAGED:
+            return Entry({}, clean=False, doubt="its journal is damaged")
+        try:
+            given = json.loads(found.payload)
+            entry = Entry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))
+        except (ValueError, KeyError, TypeError, UsageError, RecursionError):
+            return Entry({}, clean=False, doubt="its journal is of another version")
+        if found.standing is Standing.OUTDATED:
+            return entry._replace(clean=False, doubt="the last record of its journal is torn")
+        return entry
+
+    def keep(self, faults: Mapping[str, str], *, clean: bool = False) -> None:
+        """Have this written, if it is something else than before; returns at once."""
+        if self._file is None:
+            return
+        given = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
+        payload = json.dumps(given, separators=(",", ":")).encode()
+        with self._lock:
+            if payload == self._wanted:
+                return
+            self._wanted = payload
+            if self._since is None:
+                self._since = self._clock()
+        self.changed.set()
+
+    def write_next(self) -> bool:
+        """Write what is wanted, if it is not on the disk yet; whether it is now. Waits for the disk."""
+        with self._lock:
+            payload = self._wanted
+        if self._file is None or payload == self._written:
+            return True
+        try:
+            self._file.keep(payload, synced=True)
+        except OSError as error:
+            with self._lock:
+                if not self._error:
+                    _log.error("the line owner's journal cannot be written: %s", error.strerror)
+                self._error = error.strerror or str(error)
+            return False
+        with self._lock:
+            self._written, self._error = payload, ""
+            self._since = None if payload == self._wanted else self._clock()
+        return True
 
     def close(self) -> None:
-        """The owner ends in order."""
-        if self._last is not None:
-            self.keep(replace(self._last, clean=True))
-        self._close()
+        """Give the file back."""
+        if self._storage is not None:
+            self._storage.close()
 
-    def _begin(self, path: Path, record: bytes) -> None:
-        """A new file in the place of the old one, in one step; a record that was torn goes with the old one."""
-        self._close()
-        fresh = path.with_name(f".{path.name}.new")
-        fd = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND | os.O_CLOEXEC, 0o640)
-        try:
-            os.write(fd, record)
-            os.fsync(fd)
-            os.rename(fresh, path)
-        except BaseException:
-            os.close(fd)
-            raise
-        self._fd, self._size = fd, len(record)
-        folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
-
-    def _close(self) -> None:
-        if self._fd >= 0:
-            os.close(self._fd)
-            self._fd = -1
+    @property
+    def trouble(self) -> str:
+        """Why the faults are not on the disk, a clause; empty: they are, or will be in a moment."""
+        with self._lock:
+            if self._error:
+                return self._error
+            late = self._since is not None and self._clock() - self._since > PATIENCE_US
+            return "the disk does not answer" if late else ""
 
 
-def read_journal(path: Path) -> Memory:
-    """The last memory that stands whole in a file; an empty one if there is none."""
-    memory = Memory()
-    try:
-        lines = path.read_bytes().split(b"\n")
-    except FileNotFoundError:
-        return memory
-    except OSError as error:
-        _log.error("the line owner's journal %s cannot be read: %s", path, error.strerror)
-        return memory
-    for line in lines[:-1]:
-        try:
-            memory = _read(line)
-        except UsageError as error:
-            _log.warning("%s ends early: %s", path, error)
-            break
-    return memory
+class JournalThread:
+    """Waits for the disk, so that the owner need not.
 
+    Args:
+        journal: nobody else uses it.
+    """
 
-def _record(memory: Memory) -> bytes:
-    text = json.dumps(memory.as_json(), separators=(",", ":")).encode()
-    return b"%08x %s\n" % (crc32(text), text)
+    def __init__(self, journal: Journal) -> None:
+        self._journal, self._ended = journal, False
+        self._was_read, self._taken = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
+        self._thread.start()
 
+    def read(self) -> Entry:
+        """What an earlier owner has left; a disk that hangs is not waited for: see `late`."""
+        self._was_read.wait(READ_S)
+        return self.late() or Entry(
+            {}, clean=False, doubt="its journal cannot be read (the disk does not answer)"
+        )
 
-def _read(line: bytes) -> Memory:
-    given, _, text = line.partition(b" ")
-    if given != b"%08x" % crc32(text):
-        raise UsageError("a record is damaged.")
-    try:
-        return read_memory(json.loads(text))
-    except ValueError as error:
-        raise UsageError(f"a record cannot be read: {error}") from error
+    def late(self) -> Entry | None:
+        """What an earlier owner has left, once: nothing is written before it was taken."""
+        if self._taken.is_set() or not self._was_read.is_set():
+            return None
+        self._taken.set()
+        return self._entry
+
+    def keep(self, faults: Mapping[str, str]) -> None:
+        """Have this written; returns at once."""
+        self._journal.keep(faults)
+
+    @property
+    def trouble(self) -> str:
+        """Why the faults are not on the disk; see `Journal.trouble`."""
+        return self._journal.trouble
+
+    def close(self, faults: Mapping[str, str]) -> None:
+        """The owner ends in order; a disk that hangs is not waited for."""
+        self._journal.keep(faults, clean=True)
+        self._ended = True
+        self._taken.set()
+        self._journal.changed.set()
+        self._thread.join(READ_S)
+        if self._thread.is_alive():
+            _log.error("the line owner ends, and the disk of its journal does not answer")
+
+    def _run(self) -> None:
+        self._entry = self._journal.read()
+        self._was_read.set()
+        self._taken.wait()
+        done = True
+        while True:
+            self._journal.changed.wait(None if done else RETRY_S)
+            self._journal.changed.clear()
+            ended = self._ended  # asked before: what is wanted by then is written
+            done = self._journal.write_next()
+            if ended:
+                return self._journal.close()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
@@ -18,51 +18,79 @@ from end_effector_hal.wires.owner._memory import Bequest, Memory
 from end_effector_hal.wires.owner._policy import Policy
 from end_effector_hal.wires.owner._sensed import Sensed
 from end_effector_hal.wires.owner._session import Session, WillRunsError, Write
-from end_effector_hal.wires.will import Will
+from end_effector_hal.wires.will import Will, WillStep
 
 _log = logging.getLogger("end_effector_hal.owner")
 MOST_WAITING = 64
+DOUBT = "last wills"
+"""The fault that is latched when the wills of an earlier owner are not executed."""
 
 
 class Keeper:
     """Claims the lines, and applies what its clients may write.
 
     ``at`` must not decrease. After each call, `deadline` says when `expire` and `advance` are due.
+
+    Args:
+        backend: the lines, not claimed yet.
+        policy: the lines by name, and their interlocks.
+        at: now.
+        memory: what an owner before this one has left.
+        before_change: called before lines are written, so that its memory counts as outdated meanwhile.
     """
 
-    def __init__(self, backend: LineBackend, policy: Policy, at: int, memory: Memory | None = None) -> None:
+    def __init__(
+        self,
+        backend: LineBackend,
+        policy: Policy,
+        at: int,
+        memory: Memory | None = None,
+        before_change: Callable[[], None] = lambda: None,
+    ) -> None:
         memory = memory or Memory()
         needs = [need for needs in policy.needs.values() for need in needs]
         self.policy = policy
-        self.sensed = Sensed(needs, policy.fresh_us, memory.faults)
+        self.sensed = Sensed(needs, policy.fresh_us, memory.faults, policy.faults)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
-        self._dead: deque[tuple[str, int]] = deque(maxlen=100)
-        self._backend = backend
+        self._dead: deque[tuple[str, str]] = deque(memory.dead, maxlen=100)
+        self._backend, self._before_change = backend, before_change
         self.levels = backend.request(list(policy.lines))
         self._changed = dict.fromkeys(policy.lines, at)
         for line in policy.lines:
             if self.levels[line] and any(self.levels[partner.line] for partner in policy.partners(line)):
                 _log.error("%s was found active together with a line that excludes it", policy.called(line))
 
-        for bequest in memory.clients:
-            self._resume(bequest, at)
+        self._resume(memory, at)
 
     @property
     def memory(self) -> Memory:
         """What the owner after this one must know."""
         clients = (
-            Bequest(each.client, each.pid, tuple(sorted(each.lines)), each.will, each.ended)
+            Bequest(
+                each.client, each.token, tuple(sorted(each.lines)), self._left(each), each.ended, each.pid
+            )
             for each in self.sessions
         )
-        return Memory(dict(self.sensed.faults), tuple(clients), clean=False)
+        faults, dead = dict(self.sensed.faults), tuple(self._dead)
+        return Memory(faults, tuple(clients), clean=False, levels=dict(self.levels), dead=dead)
 
     # What clients ask for
 
     def hello(
-        self, client: str, pid: int, lines: Sequence[str], will: Will, at: int, program: str = ""
+        self,
+        client: str,
+        token: str,
+        lines: Sequence[str],
+        will: Will,
+        at: int,
+        *,
+        pid: int = 0,
+        program: str = "",
     ) -> Session:
-        """A client comes, to write these lines; ``program`` is how its process was called, for the sentences.
+        """A client comes, to write these lines; one with the same name and token has come back.
+
+        ``pid`` and ``program``, how its process was called, are for the sentences only.
 
         Raises:
             UsageError: there is no such line, or the will names another one.
@@ -76,7 +104,7 @@ class Keeper:
                 hint = f" (did you mean {close[0]}?)" if close else ""
                 raise UsageError(f"this owner has no line {line}{hint}; it has {', '.join(self.levels)}.")
         for other in [each for each in self.sessions if each.absent and not each.ended]:
-            if (other.client, other.pid) == (client, pid):
+            if (other.client, other.token) == (client, token):
                 self.sessions.remove(other)
             elif other.client == client or other.lines.intersection(lines):
                 self.dead(other, "it did not come back, another program did", at)
@@ -87,17 +115,16 @@ class Keeper:
             if other.ended:
                 left = max(0, self._end(other) - at)
                 raise WillRunsError(f"the will of {other.client} is being executed.", left)
-            who = f"pid {other.pid}{f', {other.program}' if other.program else ''}"
             raise LineBusyError(
-                f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} ({who}).",
+                f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} ({other.process}).",
                 todo="Stop that process: one program writes a line.",
             )
-        session = Session(client, pid, frozenset(lines), (), at + self.policy.lease_us, program)
+        session = Session(client, token, frozenset(lines), (), at + self.policy.lease_us, pid, program)
         self._bequeath(session, will)
-        session.overtaken = (client, pid) in self._dead
-        self._dead = deque((each for each in self._dead if each != (client, pid)), maxlen=100)
+        session.overtaken = (client, token) in self._dead
+        self._dead = deque((each for each in self._dead if each != (client, token)), maxlen=100)
         self.sessions.append(session)
-        _log.info("%s (pid %d) writes %s", client, pid, ", ".join(lines))
+        _log.info("%s (%s) writes %s", client, session.process, ", ".join(lines))
         return session
 
     def write(self, session: Session, levels: Mapping[str, bool], will: Will | None, at: int) -> int:
@@ -131,18 +158,22 @@ class Keeper:
 
     def bye(self, session: Session, will: Will, at: int) -> None:
         """The client leaves in order; ``will`` is executed now, the one left before is void."""
-        self._own(session, {step.line: False for step in will})
+        self._bequeath(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
         self._end_session(session, will, at)
 
-    def reset(self, at: int) -> None:
-        """Clear latched faults and what was told of ended activations.
+    def reset(self, at: int, still: Mapping[str, str] | None = None) -> None:
+        """Clear latched faults and what was told of ended activations; ``still``: those that are the case now.
 
         Raises:
             LineRefusedError: some stay, for they still are the case; the others are cleared.
         """
         self.trips.clear()
-        if stay := self.sensed.reset(at):
+        stay = self.sensed.reset(at)
+        for name, why in (still or {}).items():
+            self.sensed.latch(name, why)
+            stay.append(why.rstrip("."))
+        if stay:
             raise LineRefusedError(f"{'; '.join(stay)}: this fault stays.")
 
     # What happens
@@ -155,7 +186,7 @@ class Keeper:
             Write(due, {name: level for name, level in w.items() if not level}) for due, w in session.queue
         ]
         session.queue = deque(write for write in waiting if write.levels)
-        self._dead.append((session.client, session.pid))
+        self._dead.append((session.client, session.token))
         self._end_session(session, will, at)
 
     def expire(self, at: int) -> list[Session]:
@@ -194,11 +225,31 @@ class Keeper:
         times += [end for line in self.policy.max_active_us if (end := self._trip_at(line)) is not None]
         return min(times, default=None)
 
-    def _resume(self, bequest: Bequest, at: int) -> None:
-        """What an owner before this one knew; lines that this one has not are forgotten."""
+    def _resume(self, memory: Memory, at: int) -> None:
+        """What an owner before this one knew; in doubt every client holds."""
+        doubt = memory.doubt or self._differing(memory.levels)
+        wills = any(bequest.will for bequest in memory.clients)
+        if doubt and (wills or (not memory.clients and any(self.levels.values()))):
+            _log.error("no last will of the owner before this one is executed: %s", doubt)
+            self.sensed.latch(DOUBT, f"What was active at the start stays active: {doubt}.")
+        for bequest in memory.clients:
+            self._come_back(bequest._replace(will=()) if doubt else bequest, at)
+
+    def _differing(self, levels: Mapping[str, bool]) -> str:
+        others = [
+            self.policy.called(line)
+            for line, level in levels.items()
+            if self.levels.get(line, level) != level
+        ]
+        return f"{', '.join(others)} was changed while there was no line owner" if others else ""
+
+    def _come_back(self, bequest: Bequest, at: int) -> None:
+        """Lines that this owner has not are forgotten."""
         lines = frozenset(bequest.lines).intersection(self.levels)
         will = tuple(step for step in bequest.will if step.line in lines)
-        session = Session(bequest.client, bequest.pid, lines, will, at + self.policy.lease_us, absent=True)
+        session = Session(
+            bequest.client, bequest.token, lines, will, at + self.policy.lease_us, bequest.pid, absent=True
+        )
         self.sessions.append(session)
         if bequest.ended:
             _log.warning("the will of %s is executed anew: %s", session.client, _told(will))
@@ -209,6 +260,16 @@ class Keeper:
         session.queue.extend(Write(at + step.after_us, {step.line: step.level}) for step in will)
         self.advance(at)
 
+    def _left(self, session: Session) -> Will:
+        """Its will; before that what it has asked to be deactivated and still waits for its line to settle."""
+        if session.ended:
+            return session.will
+        waits = {line for write in session.queue for line in write.levels}
+        return (
+            tuple(WillStep(line) for line in sorted(waits) if not self._expected(session, line))
+            + session.will
+        )
+
     def _own(self, session: Session, levels: Mapping[str, object]) -> None:
         foreign = [line for line in levels if line not in session.lines]
         if foreign:
@@ -218,6 +279,7 @@ class Keeper:
 
     def _bequeath(self, session: Session, will: Will) -> None:
         self._own(session, {step.line: False for step in will})
+        self.policy.check_will(will)
         session.will = will
 
     def _check_activation(self, line: str, levels: Mapping[str, bool], at: int) -> None:
@@ -273,6 +335,7 @@ class Keeper:
         changes = {line: level for line, level in levels.items() if self.levels[line] != level}
         if not changes:
             return
+        self._before_change()
         try:
             self._backend.set(changes)
         except WireError:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.will import Will
 
 
 class Exclusion(NamedTuple):
@@ -59,6 +60,8 @@ class Policy:
         needs: by line, what the sensors must say for it to be activated (IL-01, IL-05, IL-13).
         fresh_us: what was told of the sensors counts for so long.
         lease_us: a client that is not heard of for so long is dead.
+        longest_will_us: no step of a will is later than that after the death.
+        faults: names of the faults that clients may have kept (``latch``).
         labels: what the lines drive, for the sentences.
     """
 
@@ -69,6 +72,8 @@ class Policy:
     needs: Mapping[str, Sequence[Need]] = field(default_factory=dict)
     fresh_us: int = 150_000
     lease_us: int = 1_000_000
+    longest_will_us: int = 10_000_000
+    faults: Sequence[str] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -81,6 +86,15 @@ class Policy:
             raise UsageError(
                 f"the policy of the line owner is wrong: lines {list(self.lines)}, unknown: {unknown}.",
                 todo="Name each line once, and in the interlocks only lines that it has.",
+            )
+
+    def check_will(self, will: Will) -> None:
+        """Raises UsageError for a will that takes so long that it would lock its lines."""
+        late = [step for step in will if step.after_us > self.longest_will_us]
+        if late:
+            raise UsageError(
+                f"the will deactivates {late[0].line} {late[0].after_us} µs after the death; the longest will of this "
+                f"tool takes {self.longest_will_us} µs."
             )
 
     def partners(self, line: str) -> list[Partner]:

@@ -5,40 +5,25 @@ from __future__ import annotations
 import logging
 import os
 import selectors
-import socket
-import struct
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
-from end_effector_hal.errors import EndEffectorError, OwnerError, UsageError, WireError
-from end_effector_hal.wires._claim import Claim, program_name
+from end_effector_hal.errors import OwnerError, UsageError, WireError
+from end_effector_hal.wires._claim import Claim
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.lines import LineBackend
-from end_effector_hal.wires.owner._journal import Journal
+from end_effector_hal.wires.owner._answers import Answers, refusal
+from end_effector_hal.wires.owner._connection import Connection
+from end_effector_hal.wires.owner._connections import IDLE_US, MESSAGES, Connections
+from end_effector_hal.wires.owner._journal import Journal, JournalThread
 from end_effector_hal.wires.owner._keeper import Keeper
 from end_effector_hal.wires.owner._policy import Policy
-from end_effector_hal.wires.owner._protocol import (
-    LONGEST,
-    Request,
-    read_message,
-    read_request,
-    write_message,
-)
-from end_effector_hal.wires.owner._report import report
-from end_effector_hal.wires.owner._session import Session, WillRunsError
+from end_effector_hal.wires.owner._records import Records
+from end_effector_hal.wires.owner._session_record import SessionRecord, this_boot
 from end_effector_hal.wires.owner._socket import listen, no_socket
+from end_effector_hal.wires.owner._storage import FileStorage
 
 _log = logging.getLogger("end_effector_hal.owner")
-MOST_CLIENTS = 64
-
-
-class _Connection:
-    def __init__(self, sock: socket.socket) -> None:
-        sock.setblocking(False)
-        self.sock = sock
-        self.pid = struct.unpack("3i", sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))[0]
-        self.rest = b""
-        self.session: Session | None = None
 
 
 class LineOwner:
@@ -48,7 +33,8 @@ class LineOwner:
         backend: not requested yet.
         socket_path: Unix socket (mode 0660); its directory is made, that of a dead owner replaced.
         policy: lines and interlocks.
-        journal: file in which it remembers what the next one must know; None: it does not.
+        journal: file that keeps latched faults through a loss of power; None: none does. What the next owner must
+            know of the clients stands beside the socket.
         group: whose members may open the socket; default: that of the process.
 
     Raises:
@@ -79,19 +65,26 @@ class LineOwner:
                 raise
             raise no_socket(self._path, error) from error
         try:
-            self._journal = Journal(journal)
-            before = self._journal.before
-            self._keeper = Keeper(backend, policy, now_us(), before)
+            self._records = _records(self._path, journal)
+            before = self._records.before
             if not before.clean:
                 _log.warning("the line owner before this one did not end in order")
-            self._journal.keep(self._keeper.memory)
-            self._listener = listen(self._path, group)
+            self._keeper = Keeper(backend, policy, now_us(), before, self._records.before_change)
+            self._records.keep(self._keeper)
+            listener = listen(self._path, group)
         except BaseException:
             backend.close()
             self._claim.release()
             self._close_ends()
             raise
-        self._selector.register(self._listener, selectors.EVENT_READ)
+        self._connections = Connections(listener, self._selector)
+        self._answers = Answers(
+            self._keeper,
+            backend.levels,
+            unclean=not before.clean,
+            records=self._records,
+            drop=self._drop,
+        )
 
     def levels(self) -> dict[str, bool]:
         """Of all lines, as written last."""
@@ -100,25 +93,33 @@ class LineOwner:
     def run(self) -> None:
         """Serve until `stop`; a will that runs is executed to its end, then the lines stay as they are."""
         while not self._is_over():
-            self._serve(self._patience())
-            at = now_us()
-            if any(session.lease_until <= at and not session.ended for session in self._keeper.sessions):
-                # An owner that was stopped for a while reads what came meanwhile first: it kills nobody.
-                self._serve(0)
-                self._end_leases(at)
-            self._keeper.advance(now_us())
-            self._journal.keep(self._keeper.memory)
+            self.step(self._patience())
+
+    def step(self, wait_s: float | None) -> None:
+        """One round: what came within ``wait_s`` (None: until something comes), and what is due."""
+        self._serve(wait_s)
+        at = now_us()
+        if any(session.lease_until <= at and not session.ended for session in self._keeper.sessions):
+            # An owner that was stopped for a while reads what came meanwhile first: it kills nobody.
+            self._serve(0)
+            self._end_leases(at)
+        self._end(self._connections.idle(at), f"it said nothing for {IDLE_US // 1_000_000} s")
+        self._keeper.advance(now_us())
+        self._records.keep(self._keeper)
 
     def _serve(self, wait_s: float | None) -> None:
-        # What the sensors say comes first: it was sent before any write that follows from it.
-        for key, _ in sorted(self._selector.select(wait_s), key=_writes):
+        """One round; what one connection can have done in it is bounded, so that the others keep their leases."""
+        ready = set[Connection]()
+        for key, _ in self._selector.select(wait_s):
             if key.fd == self._wake_read:
                 self._stops += len(os.read(self._wake_read, 8))
                 self._stopped_at = self._stopped_at or now_us()
-            elif key.data is None:
-                self._accept()
+            elif isinstance(key.data, Connection):
+                ready.add(key.data)
             else:
-                self._receive(key.data)
+                self._end(self._connections.accept(), "there are too many connections")
+        for connection in self._connections.round(ready):
+            self._hear(connection)
 
     def _is_over(self) -> bool:
         if not self._stops:
@@ -129,7 +130,10 @@ class LineOwner:
         return self._stops > 1 or not waits
 
     def _patience(self) -> float | None:
-        at, due = now_us(), self._keeper.deadline
+        if self._connections.wait:
+            return 0
+        at = now_us()
+        due = min(filter(None, (self._keeper.deadline, self._connections.due())), default=None)
         if self._stops and at < (end := self._stopped_at + self._grace_us):
             due = end if due is None else min(due, end)
         return None if due is None else max(0, due - at) / 1e6
@@ -140,13 +144,11 @@ class LineOwner:
 
     def close(self) -> None:
         """Give everything back, after `run`."""
-        for key in list(self._selector.get_map().values()):
-            if isinstance(key.data, _Connection):
-                key.data.sock.close()
-        self._listener.close()
+        self._connections.close()
         self._path.unlink(missing_ok=True)
+        memory = self._keeper.memory
         self._backend.close()
-        self._journal.close()
+        self._records.close(memory)
         self._claim.release()
         self._close_ends()
 
@@ -161,127 +163,52 @@ class LineOwner:
         os.close(self._wake_read)
         os.close(self._wake)
 
-    def _accept(self) -> None:
-        try:
-            sock, _ = self._listener.accept()
-            if len(self._selector.get_map()) > MOST_CLIENTS:
-                sock.close()
-                return
-            connection = _Connection(sock)
-        except OSError as error:
-            _log.warning("a client could not be accepted: %s", error)
+    def _hear(self, connection: Connection) -> None:
+        if connection.closed:  # it was dropped in this round
             return
-        self._selector.register(connection.sock, selectors.EVENT_READ, connection)
-
-    def _receive(self, connection: _Connection) -> None:
-        try:
-            data = connection.sock.recv(LONGEST)
-        except BlockingIOError:
-            return
-        except OSError:
-            data = b""
-        *lines, connection.rest = (connection.rest + data).split(b"\n")
-        for line in lines:
-            if connection.sock.fileno() < 0:
+        connection.receive()
+        for _ in range(MESSAGES if connection.rank < 2 else MESSAGES // 4):
+            line = connection.take()
+            if line is None:
                 break
-            reply = self._answer(connection, line)
-            if reply is not None and not self._send(connection, reply):
+            reply = self._answers.answer(connection, line)
+            if connection.closed:
+                return
+            if reply is not None and not connection.send(reply):
                 self._drop(connection, "it does not read its replies")
-        if not data:
-            self._drop(connection, "its socket was closed")
-        elif len(connection.rest) > LONGEST:
-            self._send(connection, _error(None, UsageError("this message is too long.")))
+                return
+        if connection.overlong:
+            connection.send(refusal(None, UsageError("this message is too long.")))
             self._drop(connection, "its message was too long")
+        elif connection.ended and not connection.waits:
+            self._drop(connection, "its socket was closed")
 
-    def _answer(self, connection: _Connection, line: bytes) -> dict[str, Any] | None:
-        number = None
-        try:
-            message = read_message(line)
-            number = message.get("id")
-            request = read_request(message)
-            more = self._do(connection, request)
-            self._journal.keep(self._keeper.memory)  # before anybody is told
-            if request.op == "tell" and number is None:
-                return None
-        except EndEffectorError as error:
-            return _error(number, error) | {"levels": self._keeper.levels}
-        except Exception:  # noqa: BLE001 the owner must outlive whatever a client sends
-            _log.exception("a request of pid %d failed", connection.pid)
-            return _error(number, OwnerError("the line owner failed at this request; its log says why."))
-        return {"id": number, "ok": True, "error": None, "levels": self._keeper.levels} | more
-
-    def _do(self, connection: _Connection, request: Request) -> dict[str, Any]:
-        keeper, session, at = self._keeper, connection.session, now_us()
-        if request.op == "status":
-            return {
-                "status": {
-                    "pid": os.getpid(),
-                    "unclean": not self._journal.before.clean,
-                    **report(keeper, at),
-                }
-            }
-        if request.op == "levels":
-            return {"levels": self._backend.levels()}
-        if request.op == "tell":
-            keeper.sensed.tell(request.predicates, request.at_us, at)
-            return {}
-        if request.op == "latch":
-            keeper.sensed.latch(request.fault, request.why)
-            return {}
-        if request.op == "reset":
-            keeper.reset(at)
-            return {}
-        if request.op == "hello":
-            if session:
-                raise OwnerError(f"{session.client} has said hello already.")
-            pid, will = connection.pid, request.will or ()
-            session = keeper.hello(request.client, pid, request.lines, will, at, program_name(pid))
-            connection.session = session
-            return {"overtaken": session.overtaken}
-        if session is None:
-            raise OwnerError("say hello first.")
-        if request.op == "set":
-            if request.until_us is not None and at > request.until_us:
-                raise OwnerError("this write came too late and was not executed.")
-            return {"delay_us": keeper.write(session, request.levels, request.will, at)}
-        if request.op == "renew":
-            keeper.renew(session, at)
-            return {"faults": list(keeper.sensed.faults.values())}
-        keeper.bye(session, request.will or (), at)
-        connection.session = None
-        return {}
-
-    def _send(self, connection: _Connection, message: dict[str, Any]) -> bool:
-        """Whether it went out whole; a client that lets its replies pile up does not live."""
-        data = write_message(message)
-        try:
-            return connection.sock.send(data) == len(data)
-        except OSError:
-            return False
-
-    def _drop(self, connection: _Connection, why: str) -> None:
-        if connection.sock.fileno() < 0:
+    def _drop(self, connection: Connection, why: str) -> None:
+        if connection.closed:
             return
-        self._selector.unregister(connection.sock)
-        connection.sock.close()
+        self._connections.drop(connection)
+        self._answers.left(connection)
         session, connection.session = connection.session, None
         if session and not session.ended:
             self._keeper.dead(session, why, now_us())
 
+    def _end(self, connections: Iterable[Connection], why: str) -> None:
+        """Close them, and say why."""
+        for connection in connections:
+            connection.send(refusal(None, OwnerError(f"the line owner ends this connection: {why}.")))
+            self._drop(connection, why)
+
     def _end_leases(self, at: int) -> None:
         over = self._keeper.expire(at)
-        for key in list(self._selector.get_map().values()) if over else ():
-            if isinstance(key.data, _Connection) and key.data.session in over:
+        for connection in self._connections if over else ():
+            if connection.session in over:
                 error = OwnerError("the lease ended: this client was not heard of, its will is executed.")
-                self._send(key.data, _error(None, error))
-                self._drop(key.data, "its lease ended")
+                connection.send(refusal(None, error))
+                self._drop(connection, "its lease ended")
 
 
-def _writes(ready: tuple[selectors.SelectorKey, int]) -> bool:
-    data = ready[0].data
-    return isinstance(data, _Connection) and data.session is not None
-
-
-def _error(number: object, error: EndEffectorError) -> dict[str, Any]:
-    retry = {"retry_us": error.retry_us} if isinstance(error, WillRunsError) else {}
-    return {"id": number, "ok": False, "error": str(error), "code": error.code, "levels": {}} | retry
+def _records(socket_path: Path, journal: str | Path | None) -> Records:
+    boot = this_boot()
+    sessions = FileStorage(Path(f"{socket_path}.sessions"), durable=False)
+    disk = FileStorage(Path(journal), durable=True) if journal else None
+    return Records(SessionRecord(sessions, boot), JournalThread(Journal(disk, boot, now_us)))

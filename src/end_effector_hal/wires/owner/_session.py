@@ -19,6 +19,12 @@ class WillRunsError(LineBusyError):
         self.retry_us = retry_us
 
 
+def process_words(pid: int, program: str) -> str:
+    """A process for people: its pid and how it was called; pid 0: it runs where the owner does not see it."""
+    named = f", {program}" if program else ""
+    return f"pid {pid}{named}" if pid else "in another container"
+
+
 class Write(NamedTuple):
     """Levels that are applied together, not before ``due``."""
 
@@ -30,17 +36,25 @@ class Write(NamedTuple):
 class Session:
     """One client that writes lines.
 
+    ``token``: by which it is known again when it comes back; empty: it never is. ``pid``: only for people, 0 where
+    the client runs in a PID namespace that the owner does not see, as in another container.
     ``ended``: it has gone, what is queued is still to be done. ``absent``: an owner before this one knew it, and it
     was not heard of since; it has a lease's time to come back. ``overtaken``: it was taken for dead and has come back.
     """
 
     client: str
-    pid: int
+    token: str
     lines: frozenset[str]
     will: Will
     lease_until: int
+    pid: int = 0
     program: str = ""
     ended: bool = False
     absent: bool = False
     overtaken: bool = False
     queue: deque[Write] = field(default_factory=deque)
+
+    @property
+    def process(self) -> str:
+        """Which process it is, for people."""
+        return process_words(self.pid, self.program)

@@ -32,7 +32,7 @@ def listen(path: Path, group: str | None = None) -> socket.socket:
         listener.bind(str(fresh))
         _give(fresh, number, group)
         fresh.chmod(0o660)
-        listener.listen(16)
+        listener.listen(64)
         listener.setblocking(False)
         fresh.replace(path)
     except WireError:

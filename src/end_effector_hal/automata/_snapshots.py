@@ -1,0 +1,103 @@
+"""From an execution to its snapshot and back: names instead of numbers, and nothing believed that does not fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+from end_effector_hal.automata._network import Edge, Network, State
+from end_effector_hal.automata._steps import ExecutionSnapshot
+from end_effector_hal.errors import UsageError
+
+Edges = tuple[Edge, ...]
+_AND = " & "
+
+
+class Resumed(NamedTuple):
+    """A snapshot in the numbers of a network.
+
+    Attributes:
+        state: locations and values.
+        zeros: by the number of a clock.
+        ages: since when a transition, by the edges that take part, could be taken.
+    """
+
+    state: State
+    zeros: list[int]
+    ages: Mapping[Edges, int]
+
+
+def snapshot_of(
+    network: Network,
+    state: State,
+    zeros: Sequence[int],
+    ages: Mapping[Edges, int],
+    *,
+    at: int,
+    entered: int,
+) -> ExecutionSnapshot:
+    """What stands in a recording; all times are µs."""
+    pairs = zip(network.processes, state.locations, strict=True)
+    return ExecutionSnapshot(
+        at=at,
+        entered=entered,
+        locations={process.name: process.locations[number].name for process, number in pairs},
+        variables=dict(zip(network.offsets, state.values, strict=True)),
+        zeros=dict(zip(network.clocks[1:], zeros[1:], strict=True)),
+        waiting={_name(network, edges): since for edges, since in ages.items() if since != entered},
+    )
+
+
+def resume(network: Network, snapshot: ExecutionSnapshot) -> Resumed:
+    """The snapshot as numbers.
+
+    Raises:
+        UsageError: it is none of this network, or contradicts itself.
+    """
+    _same_names("processes", snapshot.locations, [process.name for process in network.processes])
+    _same_names("variables", snapshot.variables, network.offsets)
+    _same_names("clocks", snapshot.zeros, network.clocks[1:])
+    if snapshot.entered > snapshot.at or any(zero > snapshot.at for zero in snapshot.zeros.values()):
+        raise UsageError("A recorded state has times after its own.")
+    locations = []
+    for process in network.processes:
+        name = snapshot.locations[process.name]
+        numbers = [location.index for location in process.locations if location.name == name]
+        if len(numbers) != 1:
+            raise UsageError(f"A recorded state has {process.name} in {name!r}, which is no location of it.")
+        locations += numbers
+    for name, offset in network.offsets.items():
+        kind, value = network.variable(offset).type, snapshot.variables[name]
+        if not kind.low <= value <= kind.high:
+            raise UsageError(f"A recorded state has {name} = {value}, which is out of its range.")
+    values = tuple(snapshot.variables[name] for name in network.offsets)
+    ages = {_edges(network, name): since for name, since in snapshot.waiting.items()}
+    if any(since > snapshot.entered for since in ages.values()):
+        raise UsageError("A recorded state has a transition that waits since later than it can.")
+    zeros = [snapshot.at, *(snapshot.zeros[name] for name in network.clocks[1:])]
+    return Resumed(State(tuple(locations), values), zeros, ages)
+
+
+def _name(network: Network, edges: Edges) -> str:
+    return _AND.join(f"{network.processes[edge.process].name}#{edge.index}" for edge in edges)
+
+
+def _edges(network: Network, name: str) -> Edges:
+    edges = []
+    for part in name.split(_AND):
+        process, _, number = part.rpartition("#")
+        found = [each for each in network.processes if each.name == process]
+        if not found or not number.isdecimal() or len(number) > 9 or int(number) >= len(found[0].edges):
+            raise UsageError(
+                f"A recorded state names the edge {part[:60]!r}, which the network does not have."
+            )
+        edges.append(found[0].edges[int(number)])
+    return tuple(edges)
+
+
+def _same_names(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
+    differing = sorted(set(found) ^ set(expected))
+    if differing:
+        raise UsageError(
+            f"A recorded state is of another network: its {what} differ ({', '.join(differing[:3])})."
+        )

@@ -1,0 +1,19 @@
+"""Text from outside: what is shown to people, logged, published or written down can always be written as UTF-8."""
+
+from __future__ import annotations
+
+LONGEST_NAME, LONGEST_SENTENCE = 64, 500
+
+
+def is_name(given: object) -> bool:
+    """Whether it is a text of 1 to 64 printable characters: no control characters, no half of a surrogate pair."""
+    return isinstance(given, str) and 0 < len(given) <= LONGEST_NAME and given.isprintable()
+
+
+def printable(text: str, longest: int = LONGEST_SENTENCE) -> str:
+    """The text with a question mark for each character that cannot be shown; what is too long ends in an ellipsis."""
+    if len(text) > longest:
+        text = f"{text[: longest - 1]}…"
+    if text.isprintable():
+        return text
+    return "".join(each if each.isprintable() else " " if each.isspace() else "?" for each in text)
