@@ -18,7 +18,7 @@ _LEVELS = (
 )
 BURST, PER_S = 50, 5.0
 """Lines at once, and how many a second in the long run; for INFO and for what is worse each."""
-LONGEST = 2000
+LONGEST = 10_000
 """Characters of a line."""
 
 

@@ -113,7 +113,7 @@ class UnitNode:
 
     def _decide(self, request: Any) -> Any:
         if why := self._node.refuse_stranger(self._service, request):
-            return HalCommandResponse(accepted=False, reason=why)
+            return self._answered(Answer(False, why))
         if request.command == RESET:
             latched = bool(self.unit.status.changer_fault)
             answer = self.unit.command("reset") if latched else Answer(True)
