@@ -105,7 +105,12 @@ SUPERVISOR_COMMANDS = Topic(
     queue=100,
 )  # fmt: skip
 DIAGNOSTICS = Topic(
-    "/diagnostics", "diagnostic_msgs/DiagnosticArray", HAL_NODES, on="", rate_hz=DIAGNOSTICS_HZ, queue=10
+    "/diagnostics",
+    "diagnostic_msgs/DiagnosticArray",
+    (*HAL_NODES, DATA_LOGGER),
+    on="",
+    rate_hz=DIAGNOSTICS_HZ,
+    queue=10,
 )
 
 GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, internal=True)
@@ -133,7 +138,17 @@ DIRECTORY = Parameter(
     (DATA_LOGGER, GRIP, TOOL_CHANGE),
     "run folder that it writes; Grip, ToolChange: empty, no trace",
 )
-PARAMETERS = (DESCRIPTION, SCRIPT, DIRECTORY)
+SEGMENT_MB = Parameter(
+    "segment_mb",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "files of a recording are cut into such segments, MB; default: 64",
+)
+KEEP_MB = Parameter(
+    "keep_mb",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "the folder keeps so much, MB, the oldest segments are removed; default: 1000",
+)
+PARAMETERS = (DESCRIPTION, SCRIPT, DIRECTORY, SEGMENT_MB, KEEP_MB)
 
 
 def pressure_topic(description: Description, actuator: str) -> Topic:

@@ -18,6 +18,7 @@ from end_effector_hal.wires import get_codec, now_us
 
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import frame_from_message
+from ._limits import recording_limits
 from ._node import Node, stamp
 from ._statuses import status_to_message
 from ._table import DIRECTORY, RESET, SENSOR_FRAME, STATE_HZ, Service, Topic
@@ -58,7 +59,8 @@ class UnitNode:
         self._alarms: tuple[str, ...] = ()
         folder = node.parameter(DIRECTORY)
         traces = Path(folder).expanduser() if folder else None
-        self.unit = open_unit(description, program, self._on_status, traces=traces)
+        limits = recording_limits(node)
+        self.unit = open_unit(description, program, self._on_status, traces=traces, limits=limits)
         node.serve(command, self._on_command)
         node.every(STATE_HZ, self._repeat)
         diagnose(node, description.name, self._health)
