@@ -105,13 +105,9 @@ SUPERVISOR_COMMANDS = Topic(
     queue=100,
 )  # fmt: skip
 DIAGNOSTICS = Topic(
-    "/diagnostics",
-    "diagnostic_msgs/DiagnosticArray",
-    (*HAL_NODES, DATA_LOGGER),
-    on="",
-    rate_hz=DIAGNOSTICS_HZ,
-    queue=10,
-)
+    "/diagnostics", "diagnostic_msgs/DiagnosticArray", (*HAL_NODES, DATA_LOGGER),
+    on="", rate_hz=DIAGNOSTICS_HZ, queue=10,
+)  # fmt: skip
 
 GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, internal=True)
 TOOL_CHANGE_COMMAND = Service(

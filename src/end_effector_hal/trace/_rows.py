@@ -50,6 +50,9 @@ class RowFile:
         try:
             self._claim()
             self._resume()
+        except OSError as error:
+            self.close()
+            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(self.path)) from None
         except BaseException:
             self.close()
             raise
@@ -67,7 +70,7 @@ class RowFile:
         head = os.pread(self._fd, len(self._header), 0).decode(errors="replace")
         if size < len(self._header) and self._header.startswith(head):
             os.ftruncate(self._fd, 0)
-            self.append(self._header)
+            _write(self._fd, self._header.encode())
             return
         if head != self._header:
             found = head.splitlines()[0] if head.strip() else ""
