@@ -64,7 +64,7 @@ def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: Dis
         recording.values(start + 5 * SECOND, {"bottom": -80_000})
         recording.state(start + 6 * SECOND, 6, -1, [0, 0, 0])
     rows = read_states(tmp_path / "states.csv").rows
-    assert [(row.time_s, row.end_effector) for row in rows] == [(0, 3), (5, 3), (6, 6)]
+    assert [(row.time_s, row.end_effector) for row in rows] == [(0, 3), (5, 5), (6, 6)]
     assert [(row.time_s, row.text) for row in read_alarms(tmp_path / "alarms.csv")] == [(5, "Leak.")]
     info = read_run(tmp_path)
     why = "A row could not be written: No space left on device."
