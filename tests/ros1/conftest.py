@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from patience import PATIENCE_S, wait_until
+from small_disk import small_disk
 
 from end_effector_hal.demo._child import Child
 from end_effector_hal.demo._master import Master, free_port
@@ -185,8 +186,13 @@ class System:
 @pytest.fixture(scope="session")
 def session_system(tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]:
     folder = tmp_path_factory.mktemp("ros")
-    with World(load(profile_path()), "nominal", folder) as world:
+    # what is recorded goes to a disk of its own, which a test can fill
+    with (
+        small_disk(folder / "log", megabytes=256) as disk,
+        World(load(profile_path()), "nominal", folder) as world,
+    ):
         system = System(world, folder)
+        system.disk = disk  # type: ignore[attr-defined]
         system.ros.start(world.children, folder / "roscore.log", patience_s=START_S)
         # given up after 30 s; meanwhile the other tests run
         system.lonely = system.start(  # type: ignore[attr-defined]

@@ -29,6 +29,7 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
         "limits",
         "simulated",
         "start_us",
+        "gaps",
     ]
     assert list(content) == keys
 

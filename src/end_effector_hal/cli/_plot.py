@@ -59,7 +59,7 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
     for name, paths in targets.items():
         figure = timeline(log, pressures, info, alarms, missed) if name == "timeline" else paper(log, info)
         files += [save(figure, path) for path in paths]
-    notes = [note for note in (log.note, info.note, *notes, *more) if note]
+    notes = [note for note in (log.note, info.note, *info.gaps, *notes, *more) if note]
     _report(log, tell(log, info), missed, files, notes, as_json)
 
 

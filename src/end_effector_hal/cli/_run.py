@@ -25,14 +25,34 @@ if TYPE_CHECKING:
     from ._run_voice import Voice
 
 READY_S = 10.0
+RECORDING = "that records"
 
 
 @click.command("run")
 @click.argument("description", type=PathName())
 @click.option("--script", help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.")
 @click.option("--record", type=PathName(), help="Folder for the recording of the run.")
+@click.option(
+    "--segment-mb",
+    default=64.0,
+    show_default=True,
+    help="A file of the recording is cut into such segments, MB.",
+)
+@click.option(
+    "--keep-mb",
+    default=1000.0,
+    show_default=True,
+    help="The recording keeps so much, MB; the oldest segments are removed.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines: states, alarms, results.")
-def command(description: Path, script: str | None, record: Path | None, as_json: bool) -> None:
+def command(
+    description: Path,
+    script: str | None,
+    record: Path | None,
+    segment_mb: float,
+    keep_mb: float,
+    as_json: bool,
+) -> None:
     """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, quit.
 
     The line owner of the tool (`eehal owner DESCRIPTION`) must run. A command followed by `&` goes on in the
@@ -40,19 +60,21 @@ def command(description: Path, script: str | None, record: Path | None, as_json:
     description declares (`endings: sigterm`).
     """
     from end_effector_hal.tool import EndEffector, Recording, read_script
+    from end_effector_hal.trace import RecordingLimits
     from end_effector_hal.wires import be_steady, load_tool
 
     from ._run_voice import Changes, JsonLines, Words
 
+    limits = RecordingLimits.of_megabytes(segment_mb, keep_mb)
     orders = read_script(script) if script is not None else None
     loaded, voice = load_tool(description), JsonLines() if as_json else Words()
     if record is not None:
         _try_to_write(record)
     end_in_order()
     with ExitStack() as stack:
-        tool = stack.enter_context(EndEffector(loaded, traces=record))
+        tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits))
         if record is not None:
-            _record(tool, stack.enter_context(Recording(record, loaded)))
+            _record(tool, stack.enter_context(Recording(record, loaded, limits=limits)))
             stack.callback(tool.close)  # its last states are recorded
         tool.subscribe(Changes(loaded, voice).status)
         tool.start()
@@ -85,8 +107,8 @@ def _record(tool: EndEffector, recording: Recording) -> None:
         recording.state(status.at, status.ee, status.command, status.actuators)
         recording.alarms(status.at, status.alarms)
 
-    tool.subscribe(state)
-    tool.subscribe_frames(lambda frame: recording.values(frame.at, frame.values))
+    tool.subscribe(state, name=RECORDING)
+    tool.subscribe_frames(lambda frame: recording.values(frame.at, frame.values), name=RECORDING)
 
 
 class _Session:

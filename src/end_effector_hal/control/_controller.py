@@ -203,10 +203,8 @@ class Controller:
 
     def snapshot(self) -> ControllerSnapshot | None:
         """Where it stands; None: it was not started yet. Nothing is changed by it."""
-        execution = self._execution.snapshot()
-        if execution is None:
-            return None
-        return ControllerSnapshot(self._at, self.status(), execution, memory_of(self))
+        memory, execution = memory_of(self), self._execution.snapshot()
+        return ControllerSnapshot(self._at, self.status(), execution, memory) if execution else None
 
     def resume(self, snapshot: ControllerSnapshot) -> None:
         """Stand where another controller of the same description stood; for one that was not started.

@@ -43,7 +43,7 @@ class Aggregate:
         gone = presence.gone(now_us)
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
-        alarms = dict.fromkeys((*grip.alarms, *change.alarms, *notices))
+        alarms = dict.fromkeys((*notices, *grip.alarms, *change.alarms))
         absent = [(_SILENT if presence.known(name) else _AWAITED).format(name) for name in gone]
         deadline = grip.deadline_us
         return EndEffectorState(
@@ -76,7 +76,7 @@ class Aggregate:
             stale=grip.stale,
             missed=grip.missed + change.missed,
             worst_late_us=max(grip.worst_late_us, change.worst_late_us),
-            alarms=[*absent, *notices, *alarms],
+            alarms=[*absent, *alarms],
         )  # fmt: skip
 
     def _command(self, gone: Sequence[str]) -> int:

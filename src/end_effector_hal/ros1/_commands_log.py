@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -36,13 +37,13 @@ class CommandsLog:
             raise UsageError(f"Cannot be written: {error.strerror}.", where=str(path)) from None
 
     def write(self, at: int, command: Command) -> None:
-        """A command was given at ``at`` (µs)."""
+        """A command was given at ``at`` (µs); raises OSError, and it is written with the next one that can be."""
         with self._lock:
             self._file.write(f"{self._seconds(at):.6f},{int(command)}\n")
 
     def close(self) -> None:
-        """Close the file."""
-        with self._lock:
+        """Close the file; what cannot be written any more is lost."""
+        with self._lock, suppress(OSError):
             self._file.close()
 
     def __enter__(self) -> Self:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -12,13 +13,15 @@ from end_effector_hal.trace import Command
 from end_effector_hal.wires import now_us
 
 from ._commands_log import CommandsLog
+from ._diagnostics import ERROR, OK, Health, diagnose
+from ._limits import recording_limits
 from ._node import Node
 from ._stamped import Stamped
 from ._table import DATA_LOGGER, DIRECTORY, END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS
 
 
 class DataLogger:
-    """Translates messages to rows.
+    """Translates messages to rows; one that cannot be written is told once, in the log and in the diagnostics.
 
     Args:
         node: it listens through this.
@@ -30,6 +33,7 @@ class DataLogger:
         self._recording, self._commands, self._log = recording, commands, node.log
         self._stamped_states = Stamped("States of the end-effector", node.log)
         self._stamped_frames = Stamped("Sensor frames", node.log)
+        self._trouble = ""
         node.subscribe(END_EFFECTOR_STATE, self._state_came)
         node.subscribe(SENSOR_FRAME, self._frame_came)
         node.subscribe(SUPERVISOR_COMMANDS, self._command_came)
@@ -37,11 +41,12 @@ class DataLogger:
     def _state_came(self, message: Any) -> None:
         if not self._stamped_states.counts(message.at_us):
             return
-        try:
+
+        def write() -> None:
             self._recording.state(message.at_us, message.state, message.command, message.actuators)
             self._recording.alarms(message.at_us, message.alarms)
-        except EndEffectorError as error:
-            self._log.error("%s", error)
+
+        self._write(write)
 
     def _frame_came(self, message: Any) -> None:
         if not self._stamped_frames.counts(message.at_us):
@@ -50,13 +55,29 @@ class DataLogger:
             channel: value if valid else None
             for channel, value, valid in zip(message.channels, message.values, message.valid, strict=False)
         }
-        try:
-            self._recording.values(message.at_us, values)
-        except EndEffectorError as error:
-            self._log.error("%s", error)
+        self._write(lambda: self._recording.values(message.at_us, values))
 
     def _command_came(self, message: Any) -> None:
-        self._commands.write(now_us(), Command(message.command))
+        try:
+            self._commands.write(now_us(), Command(message.command))
+        except (ValueError, OSError) as error:
+            self._log.error("a command could not be written: %s", error)
+
+    def _write(self, write: Callable[[], None]) -> None:
+        try:
+            write()
+        except EndEffectorError as error:
+            if not self._trouble:
+                self._log.error("%s", error)
+            self._trouble = str(error)
+        else:
+            if self._trouble:
+                self._log.warning("rows are written again; run.json says what is missing")
+            self._trouble = ""
+
+    def health(self) -> Health:
+        """For the diagnostics."""
+        return Health(ERROR if self._trouble else OK, self._trouble or "As it should be.")
 
 
 def main(argv: list[str]) -> int:
@@ -65,9 +86,10 @@ def main(argv: list[str]) -> int:
     description = node.description()
     folder = Path(node.parameter(DIRECTORY) or f"runs/{datetime.now():%Y%m%d-%H%M%S}").expanduser()
     with (
-        Recording(folder, description, ros=True) as recording,
+        Recording(folder, description, ros=True, limits=recording_limits(node)) as recording,
         CommandsLog(folder, recording.seconds) as commands,
     ):
-        DataLogger(node, recording, commands)
+        logger = DataLogger(node, recording, commands)
+        diagnose(node, description.name, logger.health)
         node.log.info("recording into %s", folder.absolute())
         return node.spin()

@@ -120,8 +120,9 @@ SUPERVISOR_COMMANDS = Topic(
     queue=100, public=True,
 )  # fmt: skip
 DIAGNOSTICS = Topic(
-    "/diagnostics", "diagnostic_msgs/DiagnosticArray", HAL_NODES, on="", rate_hz=DIAGNOSTICS_HZ, queue=10
-)
+    "/diagnostics", "diagnostic_msgs/DiagnosticArray", (*HAL_NODES, DATA_LOGGER),
+    on="", rate_hz=DIAGNOSTICS_HZ, queue=10,
+)  # fmt: skip
 
 GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, (HAL_MAIN,))
 TOOL_CHANGE_COMMAND = Service(
@@ -163,7 +164,17 @@ DIRECTORY = Parameter(
 PATIENCE = Parameter(
     "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
 )
-PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE)
+SEGMENT_MB = Parameter(
+    "segment_mb",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "files of a recording are cut into such segments, MB; default: 64",
+)
+KEEP_MB = Parameter(
+    "keep_mb",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "the folder keeps so much, MB, the oldest segments are removed; default: 1000",
+)
+PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE, SEGMENT_MB, KEEP_MB)
 
 
 def pressure_topic(description: Description, actuator: str) -> Topic:

@@ -19,6 +19,7 @@ from end_effector_hal.wires import get_codec, now_us
 from ._commander import VALID_S
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import frame_from_message
+from ._limits import recording_limits
 from ._node import Node, stamp
 from ._status_lines import StatusLines
 from ._statuses import status_to_message
@@ -62,7 +63,8 @@ class UnitNode:
         self._alarms: tuple[str, ...] = ()
         folder = node.parameter(DIRECTORY)
         traces = Path(folder).expanduser() if folder else None
-        self.unit = open_unit(description, program, self._on_status, traces=traces)
+        limits = recording_limits(node)
+        self.unit = open_unit(description, program, self._on_status, traces=traces, limits=limits)
         node.serve(command, self._on_command)
         node.every(STATE_HZ, self._repeat)
         diagnose(node, description.name, self._health)

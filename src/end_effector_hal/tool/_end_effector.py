@@ -144,18 +144,18 @@ class EndEffector:
         """How the sensor link is, with its counters."""
         return self._reader.health
 
-    def subscribe(self, listener: Callable[[Status], None]) -> None:
+    def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
         """Have every status, in order; called in a thread of its own.
 
         A listener that raises, or does not return within 2 s, is an alarm of the tool; it is called with the next
         status all the same, and the alarm ends when it works again and after a :meth:`reset`. For one that is slow up
         to 1,000 statuses wait; then the oldest are dropped.
         """
-        self._audience.add(listener)
+        self._audience.add(listener, name)
 
-    def subscribe_frames(self, listener: Callable[[Frame], None]) -> None:
+    def subscribe_frames(self, listener: Callable[[Frame], None], *, name: str = "") -> None:
         """Have every frame, in order; called in a thread of its own, under the rules of :meth:`subscribe`."""
-        self._audience.add_for_frames(listener)
+        self._audience.add_for_frames(listener, name)
 
     def wait_ready(self, timeout_s: float = 5.0) -> None:
         """Wait until the tool has adopted its lines and its sensors are heard.

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from end_effector_hal.control import Status
+from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.wires import Frame, now_us
 
 _log = logging.getLogger("end_effector_hal.tool")
@@ -29,12 +30,13 @@ class Listening(Generic[T]):
 
     Args:
         listener: called with each item, in order.
+        name: for its alarm; empty: that of the function.
         on_alarm: called in the listener's thread when the alarm has changed.
     """
 
-    def __init__(self, listener: Callable[[T], None], on_alarm: Callable[[], None]) -> None:
+    def __init__(self, listener: Callable[[T], None], name: str, on_alarm: Callable[[], None]) -> None:
         self._listener, self._on_alarm = listener, on_alarm
-        self._who = str(getattr(listener, "__qualname__", None) or type(listener).__qualname__)
+        self._who = name or str(getattr(listener, "__qualname__", type(listener).__qualname__))
         self._waiting: deque[T] = deque()
         self._changed = threading.Condition()
         self._closed = False
@@ -95,7 +97,10 @@ class Listening(Generic[T]):
         except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
             if not self._failing:
                 _log.exception("the listener %s failed", self._who)
-                self._failing = f"The listener {self._who} failed: {type(error).__name__}: {error}"
+                why = (
+                    str(error) if isinstance(error, EndEffectorError) else f"{type(error).__name__}: {error}"
+                )
+                self._failing = f"The listener {self._who} failed: {why}"
         else:
             self._worked()
         self._called_at = None
@@ -120,13 +125,13 @@ class Audience:
         self._statuses: tuple[Listening[Status], ...] = ()
         self._frames: tuple[Listening[Frame], ...] = ()
 
-    def add(self, listener: Callable[[Status], None]) -> None:
+    def add(self, listener: Callable[[Status], None], name: str = "") -> None:
         """One more for statuses."""
-        self._statuses = (*self._statuses, Listening(listener, self._on_alarm))
+        self._statuses = (*self._statuses, Listening(listener, name, self._on_alarm))
 
-    def add_for_frames(self, listener: Callable[[Frame], None]) -> None:
+    def add_for_frames(self, listener: Callable[[Frame], None], name: str = "") -> None:
         """One more for frames."""
-        self._frames = (*self._frames, Listening(listener, self._on_alarm))
+        self._frames = (*self._frames, Listening(listener, name, self._on_alarm))
 
     def status(self, status: Status) -> None:
         """For each of them; never waits."""

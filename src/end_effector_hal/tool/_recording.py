@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
+import threading
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -13,11 +16,23 @@ from types import TracebackType
 from typing import Any, Self
 
 from end_effector_hal.description import Actuator, Description
-from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import AlarmsWriter, PressuresWriter, RunInfo, StatesWriter, read_run
+from end_effector_hal.errors import EndEffectorError, UsageError
+from end_effector_hal.trace import (
+    AlarmsWriter,
+    PressuresWriter,
+    RecordingLimits,
+    RunInfo,
+    StatesWriter,
+    read_run,
+)
 from end_effector_hal.wires import Kind, Value, get_codec, now_us
 
+from ._losses import Losses
+
+_log = logging.getLogger("end_effector_hal.tool")
 DISTRIBUTION = "end-effector-hal"
+MOST_GAPS = 100
+"""So many are kept in run.json, the newest."""
 
 
 class Recording:
@@ -26,20 +41,31 @@ class Recording:
     Times are µs on the monotonic clock. The first state is the start; what is older is written as of the start. A
     recording that is in the folder already is continued, on its own time.
 
+    While a row cannot be written each call that offers one raises, in the same words; it is tried again with each.
+    What was missed then stands in ``run.json``.
+
     Args:
         folder: made if it is missing.
         description: the tool.
         scenario: of the testbench; empty: that of a run.json that is in the folder already.
         ros: whether ROS carries the states.
+        limits: of the folder.
 
     Raises:
         UsageError: the folder cannot be written, or holds the recording of another tool.
     """
 
     def __init__(
-        self, folder: str | Path, description: Description, *, scenario: str = "", ros: bool = False
+        self,
+        folder: str | Path,
+        description: Description,
+        *,
+        scenario: str = "",
+        ros: bool = False,
+        limits: RecordingLimits | None = None,
     ) -> None:
         self.folder = Path(folder)
+        limits = limits or RecordingLimits()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -47,48 +73,81 @@ class Recording:
         begun, now = _begun(self.folder), datetime.now(UTC)
         self._begun = now_us() - round((now - (begun or now)).total_seconds() * 1_000_000)
         self._start = self._begun if begun else None
-        self._states = StatesWriter(self.folder / "states.csv", description.sequence)
-        try:
-            self._info = run_info(
+        self._lock = threading.Lock()
+        self._losses = Losses(self.folder)
+        self._latest: tuple[int, int, Sequence[int]] | None = None
+        self._standing: Sequence[str] = ()
+        before = read_run(self.folder)
+        with ExitStack() as undo:
+            self._states = StatesWriter(self.folder / "states.csv", description.sequence, limits)
+            undo.callback(self._states.close)
+            info = run_info(
                 description,
-                scenario=scenario or read_run(self.folder).scenario,
+                scenario=scenario or before.scenario,
                 ros=ros,
                 started=(begun or now).isoformat(),
             )
-            self._write_info()
+            self._info = replace(info, gaps=before.gaps if begun else ())
+            try:
+                self._write_info()
+            except OSError as error:
+                raise UsageError(f"Cannot be written: {error.strerror}.", where=str(folder)) from None
             channels = pressure_channels(description)
-            self._alarms = AlarmsWriter(self.folder / "alarms.csv")
-            self._pressures = PressuresWriter(self.folder / "pressures.csv", channels) if channels else None
-        except BaseException:
-            self._states.close()
-            raise
+            self._alarms = AlarmsWriter(self.folder / "alarms.csv", limits)
+            undo.callback(self._alarms.close)
+            pressures = self.folder / "pressures.csv"
+            self._pressures = PressuresWriter(pressures, channels, limits) if channels else None
+            undo.pop_all()
 
     def state(self, at: int, end_effector: int, command: int, actuators: Sequence[int]) -> bool:
-        """The states that hold from ``at`` on; False when they are those of the last row."""
-        if self._start is None:
-            self._start = max(at, self._begun)
-            self._write_info()
-        return self._states.write(self.seconds(at), end_effector, command, actuators)
+        """The states that hold from ``at`` on; False when they are those of the last row.
+
+        Raises:
+            EndEffectorError: rows cannot be written now.
+        """
+        with self._lock:
+            if self._start is None:
+                self._start = max(at, self._begun)
+                self._losses.info_due = True
+            self._latest = (end_effector, command, actuators)
+            written = self._write_state(at)
+            self._settle(at)
+        return written
 
     def alarms(self, at: int, alarms: Sequence[str]) -> None:
-        """The alarms that stand from ``at`` on."""
-        if self._start is not None:
-            self._alarms.write(self.seconds(at), alarms)
+        """The alarms that stand from ``at`` on; raises EndEffectorError when rows cannot be written now."""
+        with self._lock:
+            if self._start is not None:
+                self._standing = alarms
+                self._write_alarms(at)
+                self._settle(at)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
-        """What the channels carry at ``at``: gauge Pa, None for invalid; bits are not recorded."""
-        if self._pressures is not None and self._start is not None:
-            self._pressures.write(
-                self.seconds(at),
-                {name: None if value is None else value / 1000 for name, value in values.items()},
-            )
+        """What the channels carry at ``at``: gauge Pa, None for invalid; bits are not recorded.
+
+        Raises:
+            EndEffectorError: rows cannot be written now.
+        """
+        pressures = self._pressures
+        with self._lock:
+            if pressures is None or self._start is None:
+                return
+            kpa = {name: None if value is None else value / 1000 for name, value in values.items()}
+            time_s = self.seconds(at)
+            self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
+            self._settle(at)
 
     def close(self) -> None:
-        """Close the files; may be called again."""
-        self._states.close()
-        self._alarms.close()
-        if self._pressures is not None:
-            self._pressures.close()
+        """Close the files; may be called again. What cannot be written any more is told in the log."""
+        for each in (self._states, self._alarms, self._pressures):
+            try:
+                if each is not None:
+                    each.close()
+            except EndEffectorError as error:
+                _log.warning("%s", error)
+        with suppress(OSError):
+            if self._losses.over(self.seconds(now_us())):
+                self._write_info()
 
     def __enter__(self) -> Self:
         return self
@@ -102,8 +161,41 @@ class Recording:
         """µs on the monotonic clock as seconds since the start of the recording."""
         return max(0, at - (self._start or self._begun)) / 1_000_000
 
+    def _write_state(self, at: int, *, again: bool = False) -> bool:
+        assert self._latest is not None
+        states, time_s = self._latest, self.seconds(at)
+        return self._losses.write(
+            "states.csv", time_s, lambda: self._states.write(time_s, *states), again=again
+        )
+
+    def _write_alarms(self, at: int, *, again: bool = False) -> None:
+        standing, time_s = self._standing, self.seconds(at)
+        self._losses.write(
+            "alarms.csv", time_s, lambda: self._alarms.write(time_s, standing) or True, again=again
+        )
+
+    def _settle(self, at: int) -> None:
+        """Try again what is missing; raises EndEffectorError while something is."""
+        losses = self._losses
+        if "states.csv" in losses.failing and self._latest is not None:
+            self._write_state(at, again=True)  # a state that lasts comes but once
+        if "alarms.csv" in losses.failing:
+            self._write_alarms(at, again=True)
+        if not losses.failing and losses.over(self.seconds(at)):
+            losses.info_due = True
+        if losses.info_due:
+            try:
+                self._write_info()
+            except OSError as error:
+                losses.fail("run.json", self.seconds(at), error)
+            else:
+                losses.info_due = False
+                losses.failing.pop("run.json", None)
+        losses.complain()
+
     def _write_info(self) -> None:
-        replace(self._info, start_us=self._start).write(self.folder)
+        gaps = (*self._info.gaps, *self._losses.gaps)[-MOST_GAPS:]
+        replace(self._info, start_us=self._start, gaps=gaps).write(self.folder)
 
 
 def run_info(

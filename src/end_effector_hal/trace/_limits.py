@@ -19,7 +19,7 @@ REMOVED = "removed.csv"
 LEAST_SEGMENTS = 8
 """Two traces and three CSV files are written at the same time, and something of the past must stay, too."""
 _SEGMENT = re.compile(
-    r"(?:(?:grip|tool_change)(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|pressures|alarms)-\d{1,9}\.csv)",
+    r"(?:grip|tool_change)(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|pressures|alarms)(?P<closed>-\d{1,9})?\.csv",
     re.ASCII,
 )
 
@@ -68,10 +68,12 @@ def make_room(folder: Path, limits: RecordingLimits) -> tuple[str, ...]:
         if match is None:
             continue
         with suppress(OSError):  # another writer has removed it
-            found, written = path.stat(), is_written(path)
+            found = path.stat()
+            written = is_written(path) or (path.suffix == ".csv" and match["closed"] is None)
             taken += max(found.st_size, limits.segment_bytes) if written else found.st_size
             if not written:
-                number = int(match["number"] or 1)  # of two that were closed at the same time
+                # the number decides for two that were closed at the same time
+                number = int(match["number"] or (match["closed"] or "-1")[1:])
                 closed.append((found.st_mtime_ns, number, found.st_size, path))
     removed: list[str] = []
     for _, _, size, path in sorted(closed):

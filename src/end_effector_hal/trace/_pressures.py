@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Self
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.trace._limits import RecordingLimits
 from end_effector_hal.trace._rows import LONGEST_S, Line, RowFile, read_header, read_lines
 
 FIXED = ("time_s",)
@@ -45,12 +46,16 @@ class PressuresWriter:
 
     A sample is left out while every channel stays within 0.2 kPa of the last written one, for at most 0.5 s.
     When a pressure moves again the last sample left out is written too, so that the edge keeps its steepness.
-    A channel that becomes invalid or valid is written at once. Safe to use from several threads.
+    A channel that becomes invalid or valid is written at once. After samples that could not be written a row without
+    values comes first, at the time of the first of them. Safe to use from several threads.
     """
 
-    def __init__(self, path: str | Path, channels: Sequence[str]) -> None:
+    def __init__(
+        self, path: str | Path, channels: Sequence[str], limits: RecordingLimits | None = None
+    ) -> None:
         self._channels = tuple(channels)
-        self._file = RowFile(path, (*FIXED, *self._channels))
+        self._gap: Sample | None = None
+        self._file = RowFile(path, (*FIXED, *self._channels), limits, self._opening)
         self._lock = threading.Lock()
         self._last: Sample | None = None
         self._left_out: Sample | None = None
@@ -97,16 +102,23 @@ class PressuresWriter:
         return all(old is None or new is None or abs(new - old) < STEP_KPA for old, new in pairs)
 
     def _append(self, sample: Sample, *, with_left_out: bool) -> None:
-        rows = [self._left_out, sample] if with_left_out and self._left_out is not None else [sample]
-        self._file.append("".join(map(_text, rows)))
-        self._last, self._left_out = sample, None
+        rows = [self._left_out] if with_left_out and self._left_out is not None else []
+        rows += [self._gap] if self._gap is not None else []
+        self._gap = self._gap or (sample[0], (None,) * len(self._channels))
+        self._file.append("".join(map(_text, [*rows, sample])))
+        self._last, self._left_out, self._gap = sample, None, None
+
+    def _opening(self) -> str:
+        return _text(self._last) if self._last is not None else ""
 
     def close(self) -> None:
         """Write the last sample left out and close the file; may be called again."""
         with self._lock:
-            if self._left_out is not None:
-                self._append(self._left_out, with_left_out=False)
-            self._file.close()
+            try:
+                if self._left_out is not None:
+                    self._append(self._left_out, with_left_out=False)
+            finally:
+                self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -128,7 +140,9 @@ def read_pressures(path: str | Path) -> PressuresLog:
         if not line.complete:
             note = f"{line.where}: the last line is cut off and was dropped."
             break
-        samples.append(_sample(line, channels, samples[-1][0] if samples else 0.0))
+        sample = _sample(line, channels, samples[-1][0] if samples else 0.0)
+        if not samples or sample != samples[-1]:  # a segment begins with the last row of the one before it
+            samples.append(sample)
     return PressuresLog(channels, tuple(samples), str(path), note)
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import EndEffectorError, UsageError
+from end_effector_hal.trace._limits import RecordingLimits, lock, make_room
 
 LONGEST_S = 1e9
 _TAIL = 65536
@@ -22,10 +23,24 @@ class RowFile:
 
     An existing file with the same header is continued; a last line that was cut off is removed first. One
     writer at a time, held by a lock that dies with its process.
+
+    Args:
+        path: of the file.
+        columns: of its header.
+        limits: a file that has become so long is kept as ``NAME-1.csv``, ``NAME-2.csv``, …, and the next one begins
+            under the same name; None: it may become as long as it will.
+        opening: the rows with which the next one begins, so that it can be understood alone.
     """
 
-    def __init__(self, path: str | Path, columns: Sequence[str]) -> None:
+    def __init__(
+        self,
+        path: str | Path,
+        columns: Sequence[str],
+        limits: RecordingLimits | None = None,
+        opening: Callable[[], str] = str,
+    ) -> None:
         self.path = Path(path)
+        self._limits, self._opening = limits, opening
         self._header = ",".join(checked_names(columns)) + "\n"
         try:
             self._fd = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
@@ -35,26 +50,27 @@ class RowFile:
         try:
             self._claim()
             self._resume()
+        except OSError as error:
+            self.close()
+            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(self.path)) from None
         except BaseException:
             self.close()
             raise
 
     def _claim(self) -> None:
-        try:
-            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+        if not lock(self._fd):
             raise UsageError(
                 "Another program is writing this file.",
                 where=str(self.path),
                 todo="Stop it, or choose another name.",
-            ) from None
+            )
 
     def _resume(self) -> None:
         size = os.fstat(self._fd).st_size
         head = os.pread(self._fd, len(self._header), 0).decode(errors="replace")
         if size < len(self._header) and self._header.startswith(head):
             os.ftruncate(self._fd, 0)
-            self.append(self._header)
+            _write(self._fd, self._header.encode())
             return
         if head != self._header:
             found = head.splitlines()[0] if head.strip() else ""
@@ -72,25 +88,65 @@ class RowFile:
             self.last = tuple(lines[-1].split(","))
 
     def append(self, text: str) -> None:
-        """One or more whole rows, each with its line end."""
+        """One or more whole rows, each with its line end; raises EndEffectorError when they cannot be written."""
         if self._fd < 0:
             raise UsageError("This file is closed.", where=str(self.path))
-        data, size = text.encode(), os.fstat(self._fd).st_size
+        data = text.encode()
         try:
-            while data:
-                data = data[os.write(self._fd, data) :]
+            size = os.fstat(self._fd).st_size
+            if self._limits is not None and size + len(data) > self._limits.segment_bytes:
+                self._begin_segment(self._limits)
+            _write(self._fd, data)
         except OSError as error:
-            # a piece of a row would spoil every row after it
-            os.ftruncate(self._fd, size)
-            raise EndEffectorError(
-                f"A row could not be written: {error.strerror}.", where=str(self.path)
-            ) from None
+            what = f"A row could not be written: {error.strerror}."
+            raise EndEffectorError(what, where=str(self.path)) from None
+
+    def _begin_segment(self, limits: RecordingLimits) -> None:
+        """Keep the file under a number, and begin the next one; raises OSError, and nothing has changed."""
+        make_room(self.path.parent, limits)
+        fresh = self.path.with_name(f".{self.path.name}.next")
+        fd = os.open(fresh, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        try:
+            lock(fd)
+            _write(fd, (self._header + self._opening()).encode())
+            numbers = [number for number, _ in closed_segments(self.path)]
+            self.path.rename(self.path.with_stem(f"{self.path.stem}-{max(numbers, default=0) + 1}"))
+            fresh.rename(self.path)
+        except BaseException:
+            os.close(fd)
+            with suppress(OSError):
+                fresh.unlink()
+            raise
+        os.close(self._fd)
+        self._fd = fd
 
     def close(self) -> None:
         """Close the file; may be called again."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
+
+
+def _write(fd: int, data: bytes) -> None:
+    """All or nothing: a piece of a row would spoil every row after it."""
+    size = os.fstat(fd).st_size
+    try:
+        while data:
+            data = data[os.write(fd, data) :]
+    except OSError:
+        with suppress(OSError):
+            os.ftruncate(fd, size)
+        raise
+
+
+def closed_segments(path: str | Path) -> list[tuple[int, Path]]:
+    """The segments that were written before a CSV file, oldest first, with their numbers."""
+    path = Path(path)
+    pattern = re.compile(rf"{re.escape(path.stem)}-(\d{{1,9}}){re.escape(path.suffix)}", re.ASCII)
+    with suppress(OSError):
+        found = [(pattern.fullmatch(each.name), each) for each in path.parent.iterdir()]
+        return sorted((int(match[1]), each) for match, each in found if match)
+    return []
 
 
 @dataclass(frozen=True)
@@ -135,7 +191,25 @@ class Line:
 
 
 def read_lines(path: str | Path) -> Iterator[Line]:
-    """The lines of a file that are not blank; raises UsageError when it cannot be read."""
+    """The lines of a file that are not blank, those of the segments before it first; one header for all.
+
+    Raises:
+        UsageError: a file cannot be read, or has another header than the first.
+    """
+    header = ""
+    for each in (*(older for _, older in closed_segments(path)), path):
+        for line in _lines_of(each):
+            if line.number == 1 and header:
+                if line.text != header:
+                    raise line.fault(
+                        f"The header is {line.text[:60]!r}, that of the segment before is {header[:60]!r}."
+                    )
+                continue
+            header = header or line.text
+            yield line
+
+
+def _lines_of(path: str | Path) -> Iterator[Line]:
     try:
         data = Path(path).read_bytes()
     except (OSError, ValueError) as error:

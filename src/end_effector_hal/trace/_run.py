@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ KINDS = {
     **dict.fromkeys(("ros", "simulated"), bool),
     **dict.fromkeys(("actuators", "limits"), dict),
     "start_us": int,
+    "gaps": list,
 }
 _WITHIN = {"actuators": str, "limits": dict}
 
@@ -36,6 +38,7 @@ class RunInfo:
             and its ``attempts``; what is missing is not drawn.
         simulated: whether a testbench answered; None: when a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
+        gaps: in words: rows that could not be written, and when.
         note: what could not be read, a sentence; it is not written.
     """
 
@@ -49,20 +52,26 @@ class RunInfo:
     limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     simulated: bool | None = None
     start_us: int | None = None
+    gaps: tuple[str, ...] = ()
     note: str = field(default="", compare=False)
 
     def write(self, folder: str | Path) -> Path:
-        """Write ``run.json`` into a folder, whole or not at all."""
+        """Write ``run.json`` into a folder, whole or not at all; raises OSError."""
         path = Path(folder) / FILE_NAME
         content = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "note"}
         content["actuators"] = dict(self.actuators)
         content["limits"] = {name: dict(limit) for name, limit in self.limits.items()}
         beside = path.with_name(f".{FILE_NAME}.{os.getpid()}")
-        with beside.open("w", encoding="utf-8") as file:
-            file.write(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path)
+        try:
+            with beside.open("w", encoding="utf-8") as file:
+                file.write(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(path)
+        except OSError:
+            with suppress(OSError):
+                beside.unlink()
+            raise
         return path
 
     def attempts(self, actuator: str) -> int | None:
@@ -89,7 +98,7 @@ def read_run(path: str | Path) -> RunInfo:
     texts = [key for key, kind in KINDS.items() if kind is str]
     wrong = [key for key in KINDS if not _is_usable(key, content.get(key))]
     actuators, limits = content.get("actuators"), content.get("limits")
-    simulated, start_us = content.get("simulated"), content.get("start_us")
+    simulated, start_us, gaps = (content.get(key) for key in ("simulated", "start_us", "gaps"))
     return RunInfo(
         **{key: value for key in texts if isinstance(value := content.get(key), str)},
         ros=content.get("ros") is True,
@@ -97,6 +106,7 @@ def read_run(path: str | Path) -> RunInfo:
         limits=_only(limits, _WITHIN["limits"]),
         simulated=simulated if isinstance(simulated, bool) else None,
         start_us=start_us if isinstance(start_us, int) else None,
+        gaps=tuple(gap for gap in gaps if isinstance(gap, str)) if isinstance(gaps, list) else (),
         note=_not_read(path, f"of another type than it should be: {', '.join(wrong)}") if wrong else "",
     )
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Self
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.trace._limits import RecordingLimits
 from end_effector_hal.trace._rows import LONGEST_S, Line, RowFile, read_header, read_lines
 from end_effector_hal.trace._tables import Command, EndEffectorState, VacuumState
 
@@ -56,11 +57,15 @@ class StatesWriter:
     Args:
         path: the file; continued when it has the same header, refused (UsageError) when it has another.
         actuators: their names, in sequence order.
+        limits: of the folder; None: the file may become as long as it will.
     """
 
-    def __init__(self, path: str | Path, actuators: Sequence[str]) -> None:
+    def __init__(
+        self, path: str | Path, actuators: Sequence[str], limits: RecordingLimits | None = None
+    ) -> None:
         self._actuators = tuple(actuators)
-        self._file = RowFile(path, (*FIXED, *self._actuators))
+        self._lacking = False
+        self._file = RowFile(path, (*FIXED, *self._actuators), limits, self._opening)
         self._lock = threading.Lock()
         self._last: StatesRow | None = None
         if self._file.last is not None:
@@ -85,7 +90,12 @@ class StatesWriter:
         """Write the states that hold from ``time_s`` on (seconds since start); False when nothing changed.
 
         A time before that of the last row is written as that of the last row: rows stand in the order of
-        arrival. Raises UsageError for a value that Table II does not have.
+        arrival. After a row that could not be written the next one is written even if it is as the last: between
+        the two there was another state.
+
+        Raises:
+            UsageError: a value is none of Table II.
+            EndEffectorError: the row cannot be written.
         """
         values = (
             [actuators[name] for name in self._actuators]
@@ -104,13 +114,17 @@ class StatesWriter:
         except ValueError as error:
             raise UsageError(f"Not in Table II: {error}.", where=str(self._file.path)) from None
         with self._lock:
-            if self._last is not None and self._last.states == (*states, *row):
+            if not self._lacking and self._last is not None and self._last.states == (*states, *row):
                 return False
             time_s = max(round(time_s, 6), self._last.time_s if self._last else 0.0)
-            fields = [f"{time_s:.6f}", *(str(int(value)) for value in (*states, *row))]
-            self._file.append(",".join(fields) + "\n")
-            self._last = StatesRow(time_s, *states, row)
+            new = StatesRow(time_s, *states, row)
+            self._lacking = True
+            self._file.append(_text(new))
+            self._last, self._lacking = new, False
         return True
+
+    def _opening(self) -> str:
+        return _text(self._last) if self._last is not None else ""
 
     def close(self) -> None:
         """Close the file; may be called again."""
@@ -134,12 +148,18 @@ def read_states(path: str | Path) -> StatesLog:
     note = ""
     for line in lines:
         try:
-            rows.append(_row(line, actuators, rows[-1].time_s if rows else 0.0))
+            row = _row(line, actuators, rows[-1].time_s if rows else 0.0)
+            if not rows or row != rows[-1]:  # a segment begins with the last row of the one before it
+                rows.append(row)
         except UsageError:
             if line.complete:
                 raise
             note = f"{line.where}: the last line is cut off and was dropped."
     return StatesLog(actuators, tuple(rows), str(path), note)
+
+
+def _text(row: StatesRow) -> str:
+    return ",".join((f"{row.time_s:.6f}", *(str(int(value)) for value in row.states))) + "\n"
 
 
 def _row(line: Line, actuators: tuple[str, ...], earliest_s: float) -> StatesRow:

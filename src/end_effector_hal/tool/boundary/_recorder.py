@@ -45,6 +45,7 @@ class Recorder:
         if self._writer is None:
             return Controller(description, network, program)
         self._controller = RecordedController(description, network, program, self._writer.put)
+        self._controller.snapshot()  # the first one takes milliseconds: better now than in a grip
         return self._controller
 
     def lines(self, lines: LineWriter) -> LineWriter:
