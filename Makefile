@@ -24,8 +24,8 @@ test: setup ## all tests; those of real processes in wall-clock time one after t
 	@$(ROS_ENV) && pytest -q -n 2 -m "not wall and not ros"
 	@$(ROS_ENV) && pytest -q -m "wall or ros" --reruns 1 -r aR
 
-nightly: setup ## the proof at length: thousands of random networks, 8 and 32 steps, Fischer with 7 processes
-	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants
+nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the fuzzed line owner
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants tests/wires/test_owner_fuzz.py
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/deploy/test_boot.py
