@@ -252,6 +252,15 @@ def test_a_pid_does_not_tell_who_comes_back() -> None:
         new.hello("other", TOKEN, GRIP, (), 2_100 * MS, pid=0)
 
 
+def test_what_an_older_owner_wrote_down_can_be_shown(tmp_path: Path) -> None:
+    """It took texts that nobody can encode from anybody."""
+    text = rb'{"faults":{"x\ud800":"IL-04:\nb\udfffits\u0000"},"clients":[["gr\ud800p",7,[],[],true]],"clean":false}'
+    (tmp_path / "journal").write_bytes(b"%08x %s\n" % (crc32(text), text))
+    memory = read_journal(tmp_path / "journal")
+    assert memory.faults == {"x?": "IL-04: b?its?"}
+    assert memory.clients[0].client == "gr?p"
+
+
 def test_a_client_that_was_written_down_with_its_pid_alone_cannot_come_back(tmp_path: Path) -> None:
     """As the version before this one did."""
     text = b'{"faults":{},"clients":[["grip",7,["bottom"],[{"line":"bottom"}],false]],"clean":false}'
