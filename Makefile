@@ -24,7 +24,7 @@ test: setup ## all tests; those of real processes in wall-clock time one after t
 	@$(ROS_ENV) && pytest -q -n 2 -m "not wall and not ros"
 	@$(ROS_ENV) && pytest -q -m "wall or ros" --reruns 1 -r aR
 
-nightly: setup ## the proof at length: thousands of random networks, 8 and 32 steps, Fischer with 7 processes
+nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line owner fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants tests/wires/test_owner_fuzz.py
 	@$(BIN)/python tests/owner_simulation/run.py --runs 100000
 

@@ -12,6 +12,7 @@ from end_effector_hal.description import (
     CylinderActuator,
     Description,
     VacuumActuator,
+    _paths,
     camel_case,
     examine_text,
     load,
@@ -194,4 +195,5 @@ def test_the_run_directory(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
     monkeypatch.setenv("XDG_RUNTIME_DIR", "/run/user/1234")
     assert run_directory() == Path("/run/user/1234/eehal")
     monkeypatch.delenv("XDG_RUNTIME_DIR")
-    assert run_directory() == Path("/tmp/eehal-1234")
+    monkeypatch.setattr(_paths, "SHARED", tmp_path)
+    assert run_directory() == tmp_path / "eehal-1234"

@@ -330,6 +330,20 @@ def test_a_lost_owner_is_told_once_and_found_again(bench):
         grip.close()
 
 
+def test_a_client_that_only_reads_connects_again_by_itself(bench):
+    """As when it said nothing for so long that the owner has closed its connection."""
+    with bench.owner():
+        look = bench.client("look", [])
+        assert look.levels()
+    with pytest.raises(OwnerError, match="cannot be reached"):
+        look.levels()
+    with bench.owner():
+        assert look.levels()
+    with bench.owner():
+        assert look.status()["clients"] == []
+    look.close()
+
+
 def test_the_renewals_find_the_owner_again(bench):
     lost = []
     with bench.owner():

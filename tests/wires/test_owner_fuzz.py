@@ -13,8 +13,11 @@ import pytest
 from keeping import BOTTOM, UNLOCK
 from owner_grammar import Grammar
 from stepping import MS, Peer, S, Stepped
+from tests.nightly import examples
 
-RUNS = 2_000 if os.environ.get("EEHAL_NIGHTLY") else 8
+BLOCKS = examples(5) // 5
+RUNS = 5
+"""Of a block, each from its seed."""
 STEPS, MOST_PEERS, MOST_GROWTH = 60, 50, 64 << 20
 
 
@@ -106,13 +109,14 @@ def memory() -> int:
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
+@pytest.mark.parametrize("block", range(BLOCKS))
 def test_whatever_comes_the_owner_goes_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     heard, before = 0, 0
-    for seed in range(RUNS):
-        folder = tmp_path / str(seed % 8)
-        folder.mkdir(exist_ok=True)
+    for seed in range(block * RUNS, (block + 1) * RUNS):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
         owner = Stepped(folder, monkeypatch)
         try:
             watched = Watched(owner, seed)
@@ -131,8 +135,6 @@ def test_whatever_comes_the_owner_goes_on(
         caplog.clear()
         before = before or memory()
         assert memory() - before < MOST_GROWTH, f"seed {seed}"
-        for file in folder.iterdir():
-            file.unlink()
     assert heard > 30 * RUNS
 
 

@@ -25,7 +25,11 @@ def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
     """Args: ``lines``: all output lines of the tool; asks for levels and status, writes nothing."""
     from end_effector_hal.wires import OwnerClient
 
-    path = socket_path(description)
+    try:
+        path = socket_path(description)
+    except EndEffectorError as error:
+        yield _say.missing(f"{error.where}: {error.what}", error.todo)
+        return
     try:
         with OwnerClient(path, "doctor", patience_s=0) as client:
             levels, status = client.levels(), client.status()

@@ -7,6 +7,9 @@ from pathlib import Path
 
 from end_effector_hal.errors import UsageError
 
+from ._own_directory import own_directory
+
+SHARED = Path("/tmp")
 PROFILES = Path(__file__).resolve().parent.parent / "profiles"
 
 
@@ -47,10 +50,13 @@ def tool_path(description: str | Path, profile: str, *, how: str) -> Path:
 
 
 def run_directory() -> Path:
-    """Where sockets of running programs stand; it is not created here.
+    """Where sockets of running programs stand; only the last resort is created here.
 
     ``$EEHAL_RUN_DIR``, else ``/run/eehal`` if it can be written, else ``$XDG_RUNTIME_DIR/eehal``, else
-    ``/tmp/eehal-<uid>``.
+    ``/tmp/eehal-<uid>``, which is for this user alone.
+
+    Raises:
+        WireError: somebody else was first at the last resort.
     """
     if chosen := os.environ.get("EEHAL_RUN_DIR"):
         return Path(chosen)
@@ -59,4 +65,4 @@ def run_directory() -> Path:
         return system
     if runtime := os.environ.get("XDG_RUNTIME_DIR"):
         return Path(runtime) / "eehal"
-    return Path(f"/tmp/eehal-{os.getuid()}")
+    return own_directory(SHARED / f"eehal-{os.getuid()}")

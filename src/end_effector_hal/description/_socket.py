@@ -9,7 +9,11 @@ from ._paths import run_directory
 
 
 def socket_path(description: Description) -> Path:
-    """The Unix socket of the line owner: the description's, or ``<name>.sock`` in the run directory."""
+    """The Unix socket of the line owner: the description's, or ``<name>.sock`` in the run directory.
+
+    Raises:
+        WireError: the run directory is not for this user alone.
+    """
     if description.lines.socket:
         return Path(description.lines.socket)
     return run_directory() / f"{description.name}.sock"
