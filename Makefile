@@ -19,10 +19,9 @@ demo: setup ## the paper's three scenarios on real ROS, with Figs. 7 to 9
 demo-all: setup ## the same, then a cancel, a release that fails, unlock and lock
 	@$(ROS_ENV) && eehal demo --all -o runs/demo
 
-# A test of real processes that fails is played once more, and both are listed: the machine may have stood still
 test: setup ## all tests; those of real processes in wall-clock time one after the other
 	@$(ROS_ENV) && pytest -q -n 2 -m "not wall and not ros"
-	@$(ROS_ENV) && pytest -q -m "wall or ros" --reruns 1 -r aR
+	@$(ROS_ENV) && pytest -q -m "wall or ros" $(WALL_OPTIONS)
 
 nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line owner fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants tests/wires/test_owner_fuzz.py

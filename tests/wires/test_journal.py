@@ -171,6 +171,13 @@ def test_the_faults_of_version_0_1_are_read_also_behind_a_torn_record(tmp_path: 
     assert journal(tmp_path).read() == Entry(IL_03, clean=False, boot="boot")
 
 
+def test_what_version_0_1_wrote_down_can_be_shown(tmp_path: Path) -> None:
+    """It took texts that nobody can encode from anybody."""
+    text = rb'{"faults":{"x\ud800":"IL-04:\nb\udfffits\u0000"},"clients":[["gr\ud800p",7,[],[],true]],"clean":false}'
+    (tmp_path / "journal").write_bytes(b"%08x %s\n" % (crc32(text), text))
+    assert journal(tmp_path).read().faults == {"x?": "IL-04: b?its?"}
+
+
 # The thread that waits for the disk
 
 

@@ -17,6 +17,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from patience import PATIENCE_S, wait_until
+from stranger import as_nobody
 
 from end_effector_hal.errors import (
     LineBusyError,
@@ -176,6 +177,7 @@ def test_the_socket_can_be_given_to_a_group(bench):
 
 ASKING = """
 import socket, sys
+become_nobody(groups)
 try:
     socket.socket(socket.AF_UNIX).connect(sys.argv[1])
     print("connected")
@@ -196,12 +198,7 @@ def test_only_members_of_the_group_can_open_the_socket():
             serving.start()
 
             def ask(*groups):
-                # the interpreter alone: this environment may be closed to others
-                command = [os.path.realpath(sys.executable), "-I", "-c", ASKING, str(bench.socket)]
-                somebody = {"user": 65_534, "group": 65_534, "extra_groups": groups}
-                done = subprocess.run(
-                    command, capture_output=True, text=True, check=False, cwd="/", **somebody
-                )
+                done = as_nobody(ASKING, str(bench.socket), groups=groups)
                 return done.stdout.strip() or done.stderr
 
             try:
