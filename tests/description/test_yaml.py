@@ -207,6 +207,18 @@ def test_a_file_with_too_many_values_is_refused_before_it_is_read(
     assert work == {"values": NODES + 1, "walks": 0, "places": 1}
 
 
+def test_a_large_file_within_the_limits_is_walked_through_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    work = counted(monkeypatch)
+    text = "name: tool\nlink: {port: x}\nsequence:\n" + f"- a  # {'.' * 40}\n" * (NODES - 20)
+    assert 200_000 < len(text) < 256 * 1024
+    faults = examine_text(text, "tool.yaml").faults
+    assert faults
+    assert "the file holds too much" not in {fault.what for fault in faults}
+    assert work["walks"] == 0
+    assert work["values"] == NODES - 20 + 9
+    assert work["places"] <= 2 * NODES
+
+
 UNFOLDED = "a: &a [1,1,1,1,1,1,1,1,1]\n" + "".join(
     f"{chr(98 + n)}: &{chr(98 + n)} [{','.join([f'*{chr(97 + n)}'] * 9)}]\n" for n in range(9)
 )

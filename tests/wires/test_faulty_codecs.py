@@ -28,6 +28,7 @@ from end_effector_hal.wires import (
     open_port,
 )
 from end_effector_hal.wires.codecs import declared
+from end_effector_hal.wires.codecs.conformance import check_frames
 from end_effector_hal.wires.link import CodecCalls, CodecFailure, GuardedDecoder, _reader
 from end_effector_hal.wires.link import _codec_calls as calls_module
 
@@ -212,6 +213,16 @@ def test_what_a_decoder_keeps_is_measured_in_whatever_it_keeps_it(kept: object) 
     codec.decoders[-1].kept = kept  # type: ignore[assignment]
     with pytest.raises(CodecFailure, match=r"its decoder keeps 660\d\d bytes"):
         guard.feed(b"a")
+
+
+@pytest.mark.parametrize("fault", [name for name, (_, why) in FAULTS.items() if "returned a frame" in why])
+def test_the_tests_of_a_codec_s_author_find_such_frames(fault: str) -> None:
+    codec = FaultyCodec()
+    check_frames(codec, FaultyDecoder(codec).feed(b"a", 5), 1)
+    if "stamp" in FAULTS[fault][1] and fault != "nan":
+        return  # they compare the stamp with the one that was given
+    with pytest.raises(AssertionError):
+        check_frames(codec, FAULTS[fault][0](FaultyDecoder(codec), b"a", 5), 1)
 
 
 # What it says of itself

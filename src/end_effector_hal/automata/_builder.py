@@ -8,6 +8,7 @@ from lark import Token, Transformer, v_args
 
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._faults import fault, refused
+from end_effector_hal.automata._limits import DIGITS
 from end_effector_hal.automata._text import Span, Text
 
 _WORDS = {"and": "&&", "or": "||", "not": "!"}
@@ -36,7 +37,10 @@ class Builder(Transformer[Token, Any]):
     # Expressions
 
     def number(self, meta: Any, children: list[Any]) -> ast.Number:
-        return ast.Number(self._span(meta), int(children[0]))
+        span = self._span(meta)
+        if len(children[0]) > DIGITS:
+            raise fault(span, f"A number of {len(children[0])} digits.", f"Expected at most {DIGITS} digits.")
+        return ast.Number(span, int(children[0]))
 
     def boolean(self, meta: Any, children: list[Any]) -> ast.Number:
         return ast.Number(self._span(meta), int(children[0] == "true"), boolean=True)

@@ -30,6 +30,7 @@ def call_source(expressions: Expressions, node: ast.Call, function: Function) ->
         else:
             value = expressions.value(argument)
             arguments.append(expressions.checked(value, parameter.type, argument.span, what))
+    expressions.repeated(function.effects.repeats, node.span)
     expressions.effects.add(function.effects)
     return f"{function.python}({', '.join(arguments)})"
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._expressions import Expressions
 from end_effector_hal.automata._faults import did_you_mean, fault
+from end_effector_hal.automata._limits import ELEMENTS
 from end_effector_hal.automata._scope import Alias
 from end_effector_hal.automata._types import BOOL, INT, VOID, Dimension, Type
 from end_effector_hal.automata._values import WIDE
 
 _PLAIN = {"int": INT, "bool": BOOL, "void": VOID, "clock": Type("clock"), "chan": Type("chan")}
-_MOST = 1_000_000  # scalars of one array
 
 
 def resolve_type(expressions: Expressions, node: ast.TypeName) -> Type:
@@ -52,8 +52,11 @@ def resolve_dimensions(expressions: Expressions, base: Type, node: ast.Declarato
         raise fault(node.span, f"'{node.name}' cannot be void.")
     dimensions = [_dimension(expressions, dimension) for dimension in node.dimensions]
     type_ = replace(base, dimensions=(*dimensions, *base.dimensions))
-    if type_.size > _MOST:
-        raise fault(node.span, f"'{node.name}' has {type_.size} elements, more than {_MOST}.")
+    if type_.size > ELEMENTS:
+        raise fault(node.span, f"'{node.name}' has {type_.size} elements, more than {ELEMENTS}.")
+    expressions.unit.elements += type_.size
+    if expressions.unit.elements > ELEMENTS:
+        raise fault(node.span, f"With '{node.name}' more than {ELEMENTS} elements are declared.")
     return type_
 
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._binding import bind
 from end_effector_hal.automata._expressions import Expressions
 from end_effector_hal.automata._faults import did_you_mean, fault
 from end_effector_hal.automata._instance import make_process
+from end_effector_hal.automata._limits import PROCESSES
 from end_effector_hal.automata._network import Process
 from end_effector_hal.automata._places import Places
 from end_effector_hal.automata._scope import Scope
 from end_effector_hal.automata._templates import ParsedTemplate
 from end_effector_hal.automata._unit import Unit
-
-_MOST_PROCESSES = 10_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,9 +67,10 @@ class Definitions:
         """A name of the ``system`` line: one process, or one for each value of its free parameters."""
         definition = self._get(name)
         ranges = [self._free(definition, parameter, name) for parameter in definition.parameters]
+        count = len(self.processes) + prod(max(0, each.stop - each.start) for each in ranges)
+        if count > PROCESSES:  # before any of them is made
+            raise fault(name.span, f"With '{name.name}' there are {count} processes, more than {PROCESSES}.")
         for values in product(*ranges):
-            if len(self.processes) >= _MOST_PROCESSES:
-                raise fault(name.span, f"More than {_MOST_PROCESSES} processes.")
             arguments = [ast.Number(name.span, value) for value in values]
             suffix = f"({','.join(map(str, values))})" if values else ""
             index = len(self.processes)

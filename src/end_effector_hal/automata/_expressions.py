@@ -5,6 +5,7 @@ from __future__ import annotations
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._calls import call_source
 from end_effector_hal.automata._faults import fault, refused
+from end_effector_hal.automata._limits import LONGEST_BITS, REPEATS
 from end_effector_hal.automata._operators import (
     COMPARISONS,
     arithmetic,
@@ -42,16 +43,28 @@ class Expressions:
     def __init__(self, unit: Unit, scope: Scope, effects: Effects | None = None) -> None:
         self.unit, self.scope = unit, scope
         self.effects = effects if effects is not None else Effects()
+        self.repeats = 1
 
-    def inside(self, scope: Scope) -> Expressions:
-        """The same in an inner scope."""
-        return type(self)(self.unit, scope, self.effects)
+    def inside(self, scope: Scope, *, repeats: int | None = None) -> Expressions:
+        """The same in an inner scope, which is evaluated so often."""
+        inner = type(self)(self.unit, scope, self.effects)
+        inner.repeats = self.repeats if repeats is None else repeats
+        return inner
 
-    def binding(self, name: str, value: int) -> Expressions:
+    def repeated(self, count: int, span: Span) -> int:
+        """How often what is repeated ``count`` times here is evaluated; raises ModelError where that is too much."""
+        total = self.repeats * max(count, 1)
+        if total > REPEATS:
+            what = f"'{span.snippet}' runs through {total} values, more than {REPEATS}."
+            raise fault(span, what, "Take a smaller range.")
+        self.effects.repeats = max(self.effects.repeats, total)
+        return total
+
+    def binding(self, name: str, value: int, *, repeats: int | None = None) -> Expressions:
         """The same in an inner scope where a name stands for a number."""
         scope = Scope(self.scope)
         scope.symbols[name] = Constant(name, Type("int", value, value), (value,), "")
-        return self.inside(scope)
+        return self.inside(scope, repeats=repeats)
 
     # What callers ask for
 
@@ -195,11 +208,15 @@ class Expressions:
         if left.known is None or right.known is None:
             return value
         try:
-            return Value.of(self.unit.expression("", value.source)())
+            known: int = self.unit.expression("", value.source)()
         except RangeError as error:
             if isinstance(node.right, ast.Number):
                 raise fault(node.span, error.what) from None
             return value
+        if known.bit_length() > LONGEST_BITS:
+            what = f"The result of '{node.span.snippet}' has {known.bit_length()} bits."
+            raise fault(node.span, what, "UPPAAL computes with 32.")
+        return Value.of(known)
 
     def _comparison(self, node: ast.Binary) -> Value:
         left, right = self.term(node.left), self.term(node.right)

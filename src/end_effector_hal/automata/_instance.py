@@ -11,15 +11,15 @@ from end_effector_hal.automata._constraints import Condition, Quantity
 from end_effector_hal.automata._declarations import Declarations
 from end_effector_hal.automata._expressions import Expressions
 from end_effector_hal.automata._faults import fault, refused
+from end_effector_hal.automata._limits import PARTS, SELECTED
 from end_effector_hal.automata._network import Edge, Location, Process, Update
 from end_effector_hal.automata._places import Places
 from end_effector_hal.automata._scope import Effects, Scope
 from end_effector_hal.automata._templates import ParsedEdge, ParsedTemplate
+from end_effector_hal.automata._text import Span
 from end_effector_hal.automata._unit import Unit
 from end_effector_hal.automata._updates import Updates
 from end_effector_hal.automata._values import Indexed
-
-_MOST_SELECTED = 10_000  # combinations of selected values of one edge
 
 Synchronised = tuple[Quantity | None, range, Literal["", "!", "?"]]
 
@@ -35,9 +35,11 @@ def make_process(
     declarations = Declarations(unit, places, scope, prefix=f"{name}.")
     for declaration in parsed.declarations:
         declarations.take(declaration)
+    _add_parts(unit, len(parsed.location_names), parsed.template.name.whole)
     edges: list[Edge] = []
     for edge in parsed.edges:
         for expressions, selected in _selections(Expressions(unit, Scope(scope)), edge):
+            _add_parts(unit, 1, edge.drawn.place.whole)
             edges.append(_edge(expressions, edge, selected, index, len(edges)))
     return Process(
         name=name,
@@ -50,6 +52,13 @@ def make_process(
         edges=tuple(edges),
         scope=scope,
     )
+
+
+def _add_parts(unit: Unit, count: int, span: Span) -> None:
+    unit.parts += count
+    if unit.parts > PARTS:
+        what = f"More than {PARTS} locations and edges in all processes together."
+        raise fault(span, what, "Take fewer processes, or select fewer values.")
 
 
 def _location(expressions: Expressions, parsed: ParsedTemplate, number: int) -> Location:
@@ -77,8 +86,8 @@ def _selections(expressions: Expressions, edge: ParsedEdge) -> Iterator[tuple[Ex
         widened: list[tuple[Expressions, dict[str, int]]] = []
         for outer, selected in choices:
             low, high = outer.bounds(select.type)
-            if len(choices) * (high - low + 1) > _MOST_SELECTED:
-                raise fault(select.span, f"More than {_MOST_SELECTED} values are selected.")
+            if len(choices) * (high - low + 1) > SELECTED:
+                raise fault(select.span, f"More than {SELECTED} values are selected.")
             if select.name in selected:
                 raise fault(select.span, f"'{select.name}' is declared twice.")
             widened += [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from importlib.resources import files
 from typing import Any, cast
@@ -13,6 +14,7 @@ from lark.lexer import PatternStr
 from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._builder import Builder
 from end_effector_hal.automata._faults import fault, refused
+from end_effector_hal.automata._limits import NESTING, TEXT_CHARACTERS
 from end_effector_hal.automata._refused_words import REFUSED_WORDS
 from end_effector_hal.automata._text import Span, Text
 from end_effector_hal.errors import ModelError
@@ -28,6 +30,9 @@ _STARTS = [
     "items",
 ]
 
+_DEPTH = re.compile(
+    rf"//[^\n]*|/\*.*?(?:\*/|\Z)|[([{{}}\])]|(?P<signs>(?:[-+!]\s*|\bnot\s+){{{NESTING + 1}}})", re.DOTALL
+)
 _OPERAND = {"NAME", "NUMBER", "LPAR", "BOOLEAN", "DOUBLE", "SIGN", "BANG", "STEP", "QUANTIFIER"}
 _OPERATOR = {"OR", "AND", "BIT_OR", "BIT_XOR", "AMPERSAND", "EQUALITY", "COMPARISON", "EXTREME", "SHIFT"}
 _OPERATOR |= {"SIGN", "FACTOR"}
@@ -103,7 +108,24 @@ def _syntax_error(text: Text, error: UnexpectedInput) -> ModelError:
     )
 
 
+def _check_size(text: Text) -> None:
+    """Too long or too deep a text is refused before it is read."""
+    if len(text.content) > TEXT_CHARACTERS:
+        what = f"This text has {len(text.content)} characters, more than {TEXT_CHARACTERS}."
+        raise fault(text.whole, what, "Break it into parts.")
+    depth = 0
+    for found in _DEPTH.finditer(text.content):
+        token = found.group()
+        depth += (token in "([{") - (token in ")]}")
+        if depth > NESTING or found.lastgroup == "signs":
+            where = Span(text, found.start(), found.start() + 1)
+            raise fault(
+                where, f"This is nested too deeply, more than {NESTING} deep.", "Break it into parts."
+            )
+
+
 def _parse(text: Text, start: str) -> Any:
+    _check_size(text)
     try:
         return Builder(text).transform(_lark().parse(text.content, start=start))
     except _RefusedWordError as error:

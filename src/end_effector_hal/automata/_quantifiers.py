@@ -20,10 +20,11 @@ def quantified(expressions: Expressions, node: ast.Quantified) -> Value:
     low, high = expressions.bounds(node.type)
     count = high - low + 1
     if count <= _UNROLL:
-        return _unrolled(expressions, node, range(low, high + 1))
+        return unrolled(expressions, node)
+    repeats = expressions.repeated(count, node.span)
     scope, python = Scope(expressions.scope), expressions.unit.name("q")
     scope.symbols[node.variable] = Local(node.variable, Type("int", low, high), python, written=False)
-    body = expressions.inside(scope).value(node.body)
+    body = expressions.inside(scope, repeats=repeats).value(node.body)
     loop = f"for {python} in range({low}, {high + 1})"
     if node.kind == "sum":
         body = body.integer
@@ -32,8 +33,14 @@ def quantified(expressions: Expressions, node: ast.Quantified) -> Value:
     return Value(f"{word}({body.source} {loop})", 0, 1, truth=True)
 
 
-def _unrolled(expressions: Expressions, node: ast.Quantified, values: range) -> Value:
-    bodies = [expressions.binding(node.variable, value).value(node.body) for value in values]
+def unrolled(expressions: Expressions, node: ast.Quantified) -> Value:
+    """The same, written out for each value."""
+    low, high = expressions.bounds(node.type)
+    repeats = expressions.repeated(high - low + 1, node.span)
+    bodies = [
+        expressions.binding(node.variable, value, repeats=repeats).value(node.body)
+        for value in range(low, high + 1)
+    ]
     if node.kind == "sum":
         return _sum([body.integer for body in bodies])
     decisive = node.kind == "exists"

@@ -82,6 +82,8 @@ class Effects:
 
     reads: set[str] = field(default_factory=set)
     writes: set[str] = field(default_factory=set)
+    repeats: int = 1
+    """How often its innermost part is evaluated: what quantifiers and loops within each other run through."""
 
     def add(self, other: Effects) -> None:
         """Take over what another touches."""

@@ -133,7 +133,7 @@ class Statements(Updates):
         outer, python = self.expressions, self.unit.name("i")
         scope = Scope(outer.scope)
         scope.symbols[node.variable] = Local(node.variable, Type("int", low, high), python, written=False)
-        self.expressions = outer.inside(scope)
+        self.expressions = outer.inside(scope, repeats=outer.repeated(high - low + 1, node.span))
         self.emit(f"for {python} in range({low}, {high + 1}):")
         self._indented(node.body)
         self.expressions = outer

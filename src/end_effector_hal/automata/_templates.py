@@ -53,13 +53,13 @@ class ParsedTemplate:
 
     def _names(self) -> tuple[str, ...]:
         """The id stands for the name of a location that has none."""
-        names: list[str] = []
+        names: dict[str, None] = {}
         for location in self.template.locations:
             name = location.name.text.content.strip() if location.name else location.id
             if name in names:
                 place = location.name.text.whole if location.name else location.place.whole
                 raise fault(place, f"Two locations of '{self.name}' are called '{name}'.")
-            names.append(name)
+            names[name] = None
         return tuple(names)
 
     def _edge(self, edge: DrawnEdge) -> ParsedEdge:

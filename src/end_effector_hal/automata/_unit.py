@@ -33,6 +33,10 @@ class Unit:
         self._sites: list[tuple[Span, str]] = []
         self._cache: dict[str, Callable[..., Any]] = {}
         self._count = 0
+        self.elements = 0
+        """Scalars and elements of arrays that were declared so far."""
+        self.parts = 0
+        """Locations and edges that were made so far."""
         self.names: dict[str, Any] = {
             "_range": self._range,
             "_index": self._index,

@@ -14,6 +14,7 @@ from end_effector_hal.automata._document import (
     Template,
 )
 from end_effector_hal.automata._faults import did_you_mean, fault, refused
+from end_effector_hal.automata._limits import FILE_BYTES
 from end_effector_hal.automata._text import Text
 from end_effector_hal.automata._xml_tree import Element, read_xml
 from end_effector_hal.errors import ModelError
@@ -161,6 +162,9 @@ def read_document(source: bytes, path: str) -> Document:
     Raises:
         ModelError: not XML, cut off, not a UPPAAL file, or with elements outside of the subset.
     """
+    if len(source) > FILE_BYTES:
+        what = f"The file has more than {FILE_BYTES} bytes."
+        raise ModelError(what, where=path, todo="Split it, or remove what is not used.")
     root = read_xml(source, path)
     if root.tag != "nta":
         raise fault(root.place.whole, f"The file is <{root.tag}>, not a UPPAAL model.", "Expected <nta>.")
@@ -188,7 +192,8 @@ def load_document(path: str | Path) -> Document:
         ModelError: it cannot be read, or see :func:`read_document`.
     """
     try:
-        source = Path(path).read_bytes()
+        with Path(path).open("rb") as stream:
+            source = stream.read(FILE_BYTES + 1)
     except OSError as error:
         raise ModelError(f"The file cannot be read: {error.strerror}.", where=str(path)) from None
     return read_document(source, str(path))

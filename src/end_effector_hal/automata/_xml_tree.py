@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 from xml.parsers import expat
 
+from end_effector_hal.automata._limits import XML_DEPTH, XML_ELEMENTS
 from end_effector_hal.automata._text import Chunk, Text
 from end_effector_hal.errors import ModelError
 
@@ -52,7 +53,7 @@ class _Reader:
         self.parser.EntityDeclHandler = self._entity
         self.root: Element | None = None
         self.open: list[Element] = []
-        self._length = 0
+        self._count = 0
 
     def _here(self, offset: int) -> Chunk:
         parser = self.parser
@@ -65,12 +66,23 @@ class _Reader:
             self.encoding = encoding or self.encoding
 
     def _entity(self, name: str, *_: Any) -> None:
-        where = f"{self.file}:{self.parser.CurrentLineNumber}:{self.parser.CurrentColumnNumber + 1}"
         raise ModelError(
-            f"The entity '{name}' is declared.", where=where, todo="UPPAAL files have no entities."
+            f"The entity '{name}' is declared.", where=self._where(), todo="UPPAAL files have no entities."
         )
 
+    def _where(self) -> str:
+        return f"{self.file}:{self.parser.CurrentLineNumber}:{self.parser.CurrentColumnNumber + 1}"
+
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        self._count += 1
+        if len(self.open) == XML_DEPTH or self._count > XML_ELEMENTS:
+            deep = self._count <= XML_ELEMENTS
+            what = (
+                f"Elements are nested more than {XML_DEPTH} deep"
+                if deep
+                else f"More than {XML_ELEMENTS} elements"
+            )
+            raise ModelError(f"{what}.", where=self._where(), todo="This is no model that UPPAAL wrote.")
         element = Element(tag, attributes, Text("", self.file, [self._here(0)], self.encoding))
         if self.open:
             self.open[-1].children.append(element)

@@ -7,13 +7,16 @@ import select
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.errors import EndEffectorError, LinkError
 
 from ._doctor_finding import Finding, Findings, Part
 from ._doctor_holders import Holder, holders_of
+
+if TYPE_CHECKING:
+    from end_effector_hal.wires.link import GuardedDecoder
 
 LISTEN_US, ENOUGH = 2_000_000, 50
 OURS = ("eehal", "end_effector_hal", "pressure")
@@ -86,13 +89,15 @@ class Heard(NamedTuple):
 def _listen(description: Description) -> Finding:
     from end_effector_hal.wires import get_codec, open_port
     from end_effector_hal.wires.codecs import parity_of
+    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder
 
     link = description.link
     try:
         codec = get_codec(link.codec)
         baudrate = link.baudrate or codec.baudrate
         with open_port(link.port, baudrate, parity=parity_of(codec)) as port:
-            heard = _hear(port.fileno(), codec.name, max(LISTEN_US, 3 * codec.period_us))
+            calls = CodecCalls(link.port)
+            heard = _hear(port.fileno(), GuardedDecoder(codec, calls), max(LISTEN_US, 3 * codec.period_us))
     except LinkError as error:
         if " is used by " in error.what:
             return _say.warning(f"{link.port}: {error.what}", error.todo)
@@ -108,36 +113,37 @@ def _listen(description: Description) -> Finding:
     return judged(f"{link.port}, {codec.name}, {baudrate} baud", heard, codec.name)
 
 
-def _hear(fd: int, codec: str, listen_us: int) -> Heard:
-    """For ``listen_us``, or until there are enough frames; raises OSError when the port is lost."""
-    from end_effector_hal.wires import get_codec, now_us
-    from end_effector_hal.wires.codecs import asks
+def _hear(fd: int, decoder: GuardedDecoder, listen_us: int) -> Heard:
+    """For ``listen_us``, or until there are enough frames; raises OSError, LinkError when the port or codec fails."""
+    from end_effector_hal.wires import now_us
 
-    decoder, end = get_codec(codec).decoder(), now_us() + listen_us
+    end = now_us() + listen_us
     heard, before, first_us = Heard(b""), {}, 0
     while heard.frames < ENOUGH and (left := end - now_us()) > 0:
-        if asks(decoder):
-            os.write(fd, decoder.poll(now_us()).data)
-            left = min(left, max(1, decoder.due - now_us()))
-        if not select.select([fd], [], [], left / 1e6)[0]:
+        wait_s = left / 1e6
+        if decoder.asks:
+            os.write(fd, decoder.poll().data)
+            wait_s = min(wait_s, decoder.wait_s() or 0)
+        if not select.select([fd], [], [], wait_s)[0]:
             continue
         data = os.read(fd, 4096)
         if not data:
             raise OSError("end of file")
         at = now_us()
-        frames = decoder.feed(data, at)
+        frames = decoder.feed(data)
         heard = heard._replace(data=heard.data + data)
         if not frames:
             continue
         if not heard.frames:
-            before, first_us = dict(decoder.errors), at
+            before, first_us = dict(decoder.counters.errors), at
         invalid = tuple(name for name, value in frames[-1].values.items() if value is None)
-        heard = heard._replace(frames=decoder.frames, invalid=invalid, seconds=(at - first_us) / 1e6)
-    errors = {kind: count - before.get(kind, 0) for kind, count in decoder.errors.items()}
+        heard = heard._replace(frames=decoder.counters.frames, invalid=invalid, seconds=(at - first_us) / 1e6)
+    counters = decoder.counters
+    errors = {kind: count - before.get(kind, 0) for kind, count in counters.errors.items()}
     return heard._replace(
         errors={kind: count for kind, count in errors.items() if count},
-        lost=decoder.lost,
-        reboots=decoder.reboots,
+        lost=counters.lost,
+        reboots=counters.reboots,
     )
 
 
@@ -169,15 +175,17 @@ def judged(port: str, heard: Heard, codec: str) -> Finding:
 def _fitting(data: bytes, but: str) -> Iterator[str]:
     """Codecs that find frames and little else in it."""
     from end_effector_hal.wires import codec_names, get_codec
+    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder
 
     for name in codec_names():
         if name == but:
             continue
         try:
-            decoder = get_codec(name).decoder()
+            decoder = GuardedDecoder(get_codec(name), CodecCalls(name))
+            frames, counters = decoder.feed(data), decoder.counters
         except EndEffectorError:  # somebody else's, and broken
             continue
-        if decoder.feed(data, 0) and decoder.frames > sum(
-            count for kind, count in decoder.errors.items() if kind != "noise"
+        if frames and counters.frames > sum(
+            count for kind, count in counters.errors.items() if kind != "noise"
         ):
             yield name

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from ._time import to_s
 
-SAID_US = 10_000_000
-"""So long after the last refusal it is told."""
+SAID_US, LATE_SAID_US = 10_000_000, 1_000_000
+"""So long after the last refusal it is told; what came late is told otherwise as well: the readings are stale."""
+LATE_US = 60_000_000
+"""What is older has not waited so long: its stamp is wrong."""
 HIGHEST = 2**63 - 1
 
 
@@ -23,8 +25,8 @@ class StampGate:
         self.refused = 0
         """How many, since the start."""
         self._last: int | None = None
-        self._refused_at: int | None = None
-        self._text = ""
+        self._until: int | None = None
+        self._text, self._said_us = "", 0
 
     def passes(self, stamp: object, now: int) -> bool:
         """Whether a stamp counts.
@@ -38,11 +40,20 @@ class StampGate:
             self._last = stamp
             return True
         self.refused += 1
-        if not self.notices(now):  # told in the words of its beginning: it does not flicker
+        late = type(stamp) is int and 0 <= now - stamp < LATE_US and why.endswith(" old")
+        said_us = LATE_SAID_US if late else SAID_US
+        if (
+            not self.notices(now) or said_us > self._said_us
+        ):  # the words of its beginning: it does not flicker
             times = f" {self.refused} since the start." if self.refused > 1 else ""
-            doubt = "Is a clock wrong, or does somebody else publish them?"
+            doubt = (
+                "Did the machine stand still?"
+                if late
+                else "Is a clock wrong, or does somebody else publish them?"
+            )
             self._text = f"{self._what} are refused and count for nothing: one is {why}.{times} {doubt}"
-        self._refused_at = now
+            self._said_us = said_us
+        self._until = max(self._until or 0, now + said_us)
         return False
 
     def notices(self, at: int) -> tuple[str, ...]:
@@ -52,8 +63,7 @@ class StampGate:
 
     def deadline(self, at: int) -> int | None:
         """µs at which the notice ends by itself."""
-        end = None if self._refused_at is None else self._refused_at + SAID_US
-        return end if end is not None and end > at else None
+        return self._until if self._until is not None and self._until > at else None
 
     def _why_not(self, stamp: object, now: int) -> str:
         if type(stamp) is not int or not 0 <= stamp <= HIGHEST:

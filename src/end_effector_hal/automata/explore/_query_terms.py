@@ -6,7 +6,7 @@ from end_effector_hal.automata import _ast as ast
 from end_effector_hal.automata._expressions import Expressions, Term
 from end_effector_hal.automata._faults import did_you_mean, fault
 from end_effector_hal.automata._network import Network, Process
-from end_effector_hal.automata._quantifiers import _unrolled, quantified
+from end_effector_hal.automata._quantifiers import quantified, unrolled
 from end_effector_hal.automata._scope import Effects, Scope
 from end_effector_hal.automata._unit import Unit
 from end_effector_hal.automata._values import Value
@@ -64,8 +64,7 @@ class QueryExpressions(Expressions):
 
     def _quantified(self, node: ast.Quantified) -> Value:
         if _mentions_process(node.body):  # which process must be known: written out
-            low, high = self.bounds(node.type)
-            return _unrolled(self, node, range(low, high + 1))
+            return unrolled(self, node)
         return quantified(self, node)
 
 

@@ -20,6 +20,8 @@ from end_effector_hal.trace import Record, TraceFile, read_trace
 from ..boundary import DESCRIPTION, KINDS, MODEL, Header
 
 SUFFIX = ".mcap"
+FARTHEST_US = 2**63 - 1
+"""No clock shows more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +35,12 @@ class ProgramTrace:
         """A record as the dataclass that it was; raises UsageError when it is none."""
         record = self.file.records[number]
         try:
-            return _adapter(record.kind).validate_json(record.data)
+            typed = _adapter(record.kind).validate_json(record.data)
         except ValidationError as error:
             raise self._fault(number, record, error) from None
+        if abs(getattr(typed, "at", 0)) > FARTHEST_US:
+            raise self._fault(number, record, ValueError("at: it is no time"))
+        return typed
 
     def content(self, number: int) -> dict[str, Any]:
         """A record as JSON, with its time ``at``; raises UsageError when it is none."""
@@ -44,7 +49,7 @@ class ProgramTrace:
             content = record.content
         except ValueError as error:
             raise self._fault(number, record, error) from None
-        if type(content.get("at")) is not int:
+        if type(content.get("at")) is not int or abs(content["at"]) > FARTHEST_US:
             raise self._fault(number, record, ValueError("at: it has no time"))
         return content
 

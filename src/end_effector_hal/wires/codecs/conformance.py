@@ -17,6 +17,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from end_effector_hal.wires.codecs._codec import Codec, Decoder
+from end_effector_hal.wires.codecs._declared import declared
 from end_effector_hal.wires.frame import Frame, Kind, Value
 
 EXAMPLES = settings(suppress_health_check=[HealthCheck.differing_executors], deadline=None, max_examples=50)
@@ -47,17 +48,26 @@ class CodecConformance:
         return frame
 
     def test_declares_what_it_carries(self) -> None:
-        assert self.codec.name
-        assert self.codec.channels
-        assert all(isinstance(kind, Kind) for kind in self.codec.channels.values())
-        assert self.codec.period_us > 0
-        assert self.codec.baudrate > 0
+        check_declarations(self.codec)
 
     def test_vectors(self) -> None:
         assert self.vectors
         for data, frame in self.vectors:
             assert self.codec.encode(frame) == data
             assert self.codec.decoder().feed(data, frame.at) == [frame]
+
+    @EXAMPLES
+    @given(data=st.data(), at=st.integers(0, 2**62))
+    def test_frames_are_plain_and_have_the_stamp_that_was_given(self, data: st.DataObject, at: int) -> None:
+        decoder, sent = self.codec.decoder(), self.sent(data)
+        check_frames(self.codec, found := decoder.feed(sent, at), len(sent))
+        assert [frame.at for frame in found] == [at] * len(found)
+        check_counters(decoder)
+
+    def test_each_decoder_is_a_new_one(self) -> None:
+        first, second = self.codec.decoder(), self.codec.decoder()
+        first.feed(b"x", 0)
+        assert (first.bytes, second.bytes) == (1, 0)
 
     @EXAMPLES
     @given(data=st.data())
@@ -73,7 +83,8 @@ class CodecConformance:
         frames = [frame for at, chunk in enumerate(chunks) for frame in decoder.feed(chunk, at)]
         assert decoder.bytes == sum(map(len, chunks))
         assert decoder.frames == len(frames)
-        assert all(set(frame.values) <= set(self.codec.channels) for frame in frames)
+        check_frames(self.codec, frames, decoder.bytes)
+        check_counters(decoder)
 
     @EXAMPLES
     @given(noise=st.binary(max_size=300))
@@ -152,6 +163,37 @@ class CodecConformance:
             for _ in range(8):
                 decoder.feed(bytes([byte]) * self.longest_memory, 0)
             assert kept(decoder) <= self.longest_memory
+
+
+def check_declarations(codec: Codec) -> None:
+    """Plain values of the right types, the same each time: a codec of another distribution is refused without."""
+    checked = declared(codec)
+    assert (checked.name, dict(checked.channels)) == (codec.name, dict(codec.channels))
+    assert (checked.period_us, checked.baudrate) == (codec.period_us, codec.baudrate)
+
+
+def check_frames(codec: Codec, frames: object, fed: int) -> None:
+    """A list of frames with what the channels say, in whole numbers that a message has room for."""
+    assert type(frames) is list
+    assert len(frames) <= fed
+    for frame in frames:
+        assert type(frame) is Frame
+        assert type(frame.at) is int
+        assert frame.seq is None or (type(frame.seq) is int and 0 <= frame.seq < 2**31)
+        assert frame.device_ms is None or (type(frame.device_ms) is int and 0 <= frame.device_ms < 2**63)
+        assert set(frame.values) <= set(codec.channels)
+        for channel, value in frame.values.items():
+            plain = bool if codec.channels[channel] is Kind.BIT else int
+            assert value is None or type(value) is plain, channel
+            assert value is None or abs(value) < 2**31, channel
+
+
+def check_counters(decoder: Decoder) -> None:
+    """Whole numbers, by names that can be shown."""
+    numbers = (decoder.bytes, decoder.frames, decoder.lost, decoder.reboots, *decoder.errors.values())
+    assert all(type(each) is int and each >= 0 for each in numbers)
+    assert all(type(kind) is str and kind.isprintable() and len(kind) <= 40 for kind in decoder.errors)
+    assert len(decoder.errors) <= 64
 
 
 def damaged(data: st.DataObject, frame: bytes) -> bytes:

@@ -15,7 +15,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from end_effector_hal.wires.codecs._polled import PolledCodec, PolledDecoder
-from end_effector_hal.wires.codecs.conformance import EXAMPLES, damaged, kept, pieces
+from end_effector_hal.wires.codecs.conformance import (
+    EXAMPLES,
+    check_counters,
+    check_declarations,
+    check_frames,
+    damaged,
+    kept,
+    pieces,
+)
 from end_effector_hal.wires.frame import Frame, Kind, Value
 
 Talk = Sequence[tuple[bytes, bytes]]
@@ -51,11 +59,7 @@ class PolledCodecConformance:
         return frames
 
     def test_declares_what_it_carries(self) -> None:
-        assert self.codec.name
-        assert self.codec.channels
-        assert all(isinstance(kind, Kind) for kind in self.codec.channels.values())
-        assert self.codec.period_us > 0
-        assert self.codec.baudrate > 0
+        check_declarations(self.codec)
 
     def test_vectors(self) -> None:
         assert self.vectors
@@ -72,6 +76,24 @@ class PolledCodecConformance:
         decoder = self.codec.decoder()
         assert decoder.poll(decoder.due).data
         assert decoder.poll(decoder.due - 1).data == b""
+
+    def test_what_it_asks_and_when_is_plain_and_goes_on(self) -> None:
+        decoder = self.codec.decoder()
+        for _ in range(50):
+            due = decoder.due
+            polled = decoder.poll(due)
+            assert type(due) is int
+            assert type(polled.data) is bytes
+            assert len(polled.data) <= 4096
+            check_frames(self.codec, list(polled.frames), 64)
+            check_counters(decoder)
+            assert decoder.due > due, "one that is always due and never asks would keep the machine busy"
+
+    @EXAMPLES
+    @given(data=st.data())
+    def test_frames_are_plain(self, data: st.DataObject) -> None:
+        frames = self.cycle(self.codec.decoder(), self.values(data))
+        check_frames(self.codec, frames, len(frames))
 
     @EXAMPLES
     @given(data=st.data())

@@ -30,7 +30,8 @@ class LinkHealth:
         error: why it is down; a sentence, else "".
         last_frame: µs, when the last frame came; None: none has.
         opened: how many times the port was opened.
-        bytes, frames, lost, reboots, errors: counters of the decoder since the start, see `Decoder`.
+        bytes, frames, lost, reboots, errors: counters of the decoders since the start, see `Decoder`;
+            ``errors["codec"]``: how often the codec itself failed.
     """
 
     state: LinkState
