@@ -2,123 +2,17 @@
 
 from __future__ import annotations
 
-import logging
 import re
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
+from goals_of_hal_main import GRIP, GRIPPED, GRIPPING, RELEASE, STAND_BY, STATUSES, Hal
 from patience import wait_until
 
 pytestmark = pytest.mark.ros
 DOCS = Path(__file__).parents[2] / "docs/actions.md"
-STATUSES = ("PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED", "RECALLED", "LOST")
-STAND_BY, GRIPPED, GRIPPING = 6, 3, 1
-NONE, GRIP, RELEASE = -1, 2, 3
-
-
-class Wire:
-    """In place of a publisher."""
-
-    def __init__(self) -> None:
-        self.sent: list[Any] = []
-
-    def publish(self, message: Any) -> None:
-        self.sent.append(message)
-
-
-class Node:
-    """In place of the node that executes: answers what a test says, or hangs until it is let go."""
-
-    def __init__(self) -> None:
-        self.asked: list[int] = []
-        self.replies: list[Any] = []
-        self.goes_on = threading.Event()
-        self.goes_on.set()
-
-    def ask(self, command: int) -> Any:
-        from end_effector_hal.ros1._commander import Reply
-
-        self.asked.append(command)
-        assert self.goes_on.wait(60.0)
-        return self.replies.pop(0) if self.replies else Reply(True, "", 7)
-
-
-class Hal:
-    """HALMain's goals, without a master."""
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        import rospy
-        from end_effector_msgs.msg import EndEffectorState, StepReport
-
-        from end_effector_hal.ros1 import _served_goals
-        from end_effector_hal.ros1._action_server import GoalServer
-
-        def start(server: Any) -> None:
-            server.result_pub, server.status_pub, server.feedback_pub = Wire(), Wire(), Wire()
-            server.status_list_timeout, server.started = rospy.Duration(5.0), True
-
-        monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
-        monkeypatch.setattr(rospy.rostime, "_rostime_current", None)
-        self.grip, self.tool_change = Node(), Node()
-        monkeypatch.setattr(GoalServer, "start", start)
-        monkeypatch.setattr(
-            _served_goals,
-            "Commander",
-            lambda service: self.grip if service.server == "Grip" else self.tool_change,
-        )
-        self.state = EndEffectorState(state=GRIPPING, steps=[StepReport(actuator="cylinder")])
-        self.goals = _served_goals.ServedGoals(lambda: self.state, logging.getLogger("tests.goals"))
-        self._servers = {server.ns: server for server in self.goals._servers}
-
-    def send(self, goal_id: str = "a", action: str = "TriggerGrip") -> None:
-        import rospy
-        from actionlib_msgs.msg import GoalID
-        from end_effector_msgs.msg import EndEffectorActionGoal
-
-        message = EndEffectorActionGoal(goal_id=GoalID(rospy.Time.now(), goal_id))
-        self._servers[action].internal_goal_callback(message)
-
-    def cancel(self, goal_id: str = "a", action: str = "TriggerGrip") -> None:
-        from actionlib_msgs.msg import GoalID
-
-        self._servers[action].internal_cancel_callback(GoalID(id=goal_id))
-
-    def accepted(self, goal_id: str = "a") -> None:
-        def active() -> bool:
-            running = self.goals._running
-            return running is not None and running.handle.get_goal_id().id == goal_id
-
-        wait_until("the acceptance", active)
-
-    def says(self, node: str = "Grip", **fields: Any) -> None:
-        from end_effector_msgs.msg import UnitStatus
-
-        self.goals.on_status(node, UnitStatus(**{"since_us": 5, "count": 7, "command": NONE, **fields}))
-
-    def end(self, goal_id: str = "a", action: str = "TriggerGrip") -> tuple[str, str]:
-        """Names of status and outcome, once it is there."""
-        from actionlib_msgs.msg import GoalStatus
-        from end_effector_msgs.msg import Outcome
-
-        def found() -> list[Any]:
-            sent = self._servers[action].result_pub.sent
-            return [each for each in sent if each.status.goal_id.id == goal_id]
-
-        (message,) = wait_until(f"the result of {goal_id}", found)
-        status = next(name for name in STATUSES if getattr(GoalStatus, name) == message.status.status)
-        outcome = next(
-            name
-            for name, value in vars(Outcome).items()
-            if name.isupper() and value == message.result.outcome
-        )
-        assert message.result.state == self.state.state
-        assert message.result.reason == message.status.text
-        assert bool(message.result.reason) == (outcome != "SUCCEEDED"), message
-        self.result = message.result
-        return status, outcome
 
 
 @pytest.fixture

@@ -101,6 +101,7 @@ def test_a_bad_patience_is_a_sentence(system: Any, text: str) -> None:
     assert done.stderr.strip().splitlines()[-1] == (
         f"supervisor: ~patience is '{text}'. It is a number of seconds, 3 to 3600 s."
     )
+    assert system.cli(*RUN, "_script:=quit").returncode == 0, "the next one does not have it"
 
 
 def test_a_bad_script_is_a_sentence(system: Any) -> None:

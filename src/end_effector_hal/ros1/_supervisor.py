@@ -25,6 +25,7 @@ from ._table import (
     SCRIPT,
     SUPERVISOR,
     SUPERVISOR_COMMANDS,
+    Parameter,
     Service,
 )
 
@@ -138,7 +139,7 @@ class Supervisor:
 def main(argv: list[str]) -> int:
     """Run the node; ends by itself after its script, or at `quit`: the end-effector goes on without it."""
     node = Node(SUPERVISOR, argv)
-    script = read_script(_script_once(node))
+    script = read_script(_once(node, SCRIPT))
     supervisor = Supervisor(node)
     interrupt = _Interrupt()
     try:
@@ -154,16 +155,16 @@ def main(argv: list[str]) -> int:
     return code
 
 
-def _script_once(node: Node) -> str:
-    """The script; it does not stay on the parameter server, or the next Supervisor would play it again."""
-    script = node.parameter(SCRIPT)
-    if script:
-        rospy.delete_param(f"~{SCRIPT.name}")
-    return script
+def _once(node: Node, parameter: Parameter) -> str:
+    """A parameter; it does not stay on the parameter server, or the next Supervisor would have it as well."""
+    text = node.parameter(parameter)
+    if text:
+        rospy.delete_param(f"~{parameter.name}")
+    return text
 
 
 def _patience_s(node: Node) -> float:
-    text = node.parameter(PATIENCE) or str(PATIENCE_S)
+    text = _once(node, PATIENCE) or str(PATIENCE_S)
     try:
         seconds = float(text)
     except ValueError:
