@@ -164,10 +164,6 @@ def test_what_is_no_snapshot_is_refused_in_words(path: tuple[str | int, ...]) ->
         ("variables", {"nothing": 0}),
         ("zeros", {"nothing": 0}),
         ("entered", 10**12),
-        ("waiting", {"Gripper#99999": 0}),
-        ("waiting", {"Gripper#x": 0}),
-        ("waiting", {"Nobody#0": 0}),
-        ("waiting", {"Gripper#0": 10**12}),
     ],
 )
 def test_a_state_that_the_network_cannot_have_is_refused(name: str, change: Any) -> None:

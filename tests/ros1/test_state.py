@@ -135,11 +135,11 @@ def test_diagnostics_come_from_every_node_once_a_second(system: Any) -> None:
     try:
         system.until(
             "three of each",
-            lambda: len(seen) >= 5 and all(len(times) >= 3 for times in seen.values()),
+            lambda: len(seen) >= 6 and all(len(times) >= 3 for times in seen.values()),
         )
     finally:
         subscriber.unregister()
-    assert set(seen) == {"/HALMain", "/Grip", "/ToolChange", "/Pressure", "/Position"}
+    assert set(seen) == {"/HALMain", "/Grip", "/ToolChange", "/Pressure", "/Position", "/DataLogger"}
     for times in seen.values():
         assert times[2] - times[0] == pytest.approx(2.0, abs=1.5)
 

@@ -53,6 +53,7 @@ def ear() -> Iterator[Ear]:
         (KeyError("x"), "KeyError: 'x'"),
         (SystemExit(3), "SystemExit: 3"),
         (EndEffectorError("No row.", where="here"), "here: No row."),
+        (ValueError("\udcff\n" + "x" * 1000), f"ValueError: ? {'x' * 286}"),
     ],
 )
 def test_what_it_raises_is_an_alarm_until_it_works_and_somebody_has_seen_it(

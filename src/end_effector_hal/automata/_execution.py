@@ -148,15 +148,8 @@ class Execution:
         """Where it stands; None: it is not started."""
         if self._now is None:
             return None
-        schedule = self._schedule
-        return snapshot_of(
-            self.network,
-            self._state,
-            self._clocks.zeros,
-            schedule.ages,
-            at=self._now,
-            entered=schedule.entered,
-        )
+        zeros, entered = self._clocks.zeros, self._schedule.entered
+        return snapshot_of(self.network, self._state, zeros, at=self._now, entered=entered)
 
     def resume(self, snapshot: ExecutionSnapshot) -> None:
         """Stand where another execution of the same network stood.
@@ -167,7 +160,7 @@ class Execution:
         resumed = resume(self.network, snapshot)
         self._state, self._now = resumed.state, snapshot.at
         self._clocks.resume(resumed.zeros)
-        self._schedule.resume(resumed.state, snapshot.entered, resumed.ages)
+        self._schedule.renew(resumed.state, snapshot.entered, None)
 
     def run(self, until: int) -> tuple[Step, ...]:
         """Advance in virtual time, from deadline to deadline, each of them met."""

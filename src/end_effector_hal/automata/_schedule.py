@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from end_effector_hal.automata._constraints import Bound
 from end_effector_hal.automata._network import State
 from end_effector_hal.automata._outlook import Outlooks, Prospect
 from end_effector_hal.automata._semantics import Transition
-from end_effector_hal.automata._snapshots import Edges
 
 ALWAYS, NEVER = -(1 << 62), 1 << 62
 
@@ -82,19 +81,10 @@ class Schedule:
 
     def renew(self, state: State, now: int, taken: Transition | None) -> None:
         """Find the candidates of a state entered now; those that were candidates before keep their age."""
-        age = self.ages
+        outlook, self.entered = self._outlooks.at(state), now
+        age = {c.prospect.transition.edges: c.since for c in self.candidates}
         if taken:
             age.pop(taken.edges, None)
-        self.resume(state, now, age)
-
-    @property
-    def ages(self) -> dict[Edges, int]:
-        """Of each candidate: the edges that take part, and since when its data guards hold."""
-        return {candidate.prospect.transition.edges: candidate.since for candidate in self.candidates}
-
-    def resume(self, state: State, now: int, age: Mapping[Edges, int]) -> None:
-        """Find the candidates of a state that was entered at ``now``, with the age that some of them have."""
-        outlook, self.entered = self._outlooks.at(state), now
         _, self.last = self._clocks.window(outlook.stay)
         # invariants that somebody's lateness has broken already: no edge is to blame for that
         expired = outlook.stay if self.last < now else ()

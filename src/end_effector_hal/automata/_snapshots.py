@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from end_effector_hal.automata._network import Edge, Network, State
+from end_effector_hal.automata._network import Network, State
 from end_effector_hal.automata._steps import ExecutionSnapshot
 from end_effector_hal.errors import UsageError
-
-Edges = tuple[Edge, ...]
-_AND = " & "
 
 
 class Resumed(NamedTuple):
@@ -19,22 +16,14 @@ class Resumed(NamedTuple):
     Attributes:
         state: locations and values.
         zeros: by the number of a clock.
-        ages: since when a transition, by the edges that take part, could be taken.
     """
 
     state: State
     zeros: list[int]
-    ages: Mapping[Edges, int]
 
 
 def snapshot_of(
-    network: Network,
-    state: State,
-    zeros: Sequence[int],
-    ages: Mapping[Edges, int],
-    *,
-    at: int,
-    entered: int,
+    network: Network, state: State, zeros: Sequence[int], *, at: int, entered: int
 ) -> ExecutionSnapshot:
     """What stands in a recording; all times are µs."""
     pairs = zip(network.processes, state.locations, strict=True)
@@ -44,7 +33,6 @@ def snapshot_of(
         locations={process.name: process.locations[number].name for process, number in pairs},
         variables=dict(zip(network.offsets, state.values, strict=True)),
         zeros=dict(zip(network.clocks[1:], zeros[1:], strict=True)),
-        waiting={_name(network, edges): since for edges, since in ages.items() if since != entered},
     )
 
 
@@ -71,28 +59,8 @@ def resume(network: Network, snapshot: ExecutionSnapshot) -> Resumed:
         if not kind.low <= value <= kind.high:
             raise UsageError(f"A recorded state has {name} = {value}, which is out of its range.")
     values = tuple(snapshot.variables[name] for name in network.offsets)
-    ages = {_edges(network, name): since for name, since in snapshot.waiting.items()}
-    if any(since > snapshot.entered for since in ages.values()):
-        raise UsageError("A recorded state has a transition that waits since later than it can.")
     zeros = [snapshot.at, *(snapshot.zeros[name] for name in network.clocks[1:])]
-    return Resumed(State(tuple(locations), values), zeros, ages)
-
-
-def _name(network: Network, edges: Edges) -> str:
-    return _AND.join(f"{network.processes[edge.process].name}#{edge.index}" for edge in edges)
-
-
-def _edges(network: Network, name: str) -> Edges:
-    edges = []
-    for part in name.split(_AND):
-        process, _, number = part.rpartition("#")
-        found = [each for each in network.processes if each.name == process]
-        if not found or not number.isdecimal() or len(number) > 9 or int(number) >= len(found[0].edges):
-            raise UsageError(
-                f"A recorded state names the edge {part[:60]!r}, which the network does not have."
-            )
-        edges.append(found[0].edges[int(number)])
-    return tuple(edges)
+    return Resumed(State(tuple(locations), values), zeros)
 
 
 def _same_names(what: str, found: Iterable[str], expected: Iterable[str]) -> None:

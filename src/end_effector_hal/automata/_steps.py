@@ -69,7 +69,9 @@ class Reaction:
 
 @dataclass(frozen=True, slots=True)
 class ExecutionSnapshot:
-    """Where an execution stands: enough to go on from, in words that another process of the network understands.
+    """Where an execution stands: enough to go on from.
+
+    Since when a transition could be taken is not in it: between two calls nothing is due but what a clock makes due.
 
     Attributes:
         at: µs, the latest time that was told.
@@ -77,8 +79,6 @@ class ExecutionSnapshot:
         locations: name of the location by process.
         variables: value by name.
         zeros: by clock: the instant, µs, at which it was zero.
-        waiting: transitions that will be taken if nothing happens before, and that could be taken before the discrete
-            state was entered: their edges (``Gripper#4``) and since when their data guards hold, µs.
     """
 
     at: int
@@ -86,7 +86,6 @@ class ExecutionSnapshot:
     locations: Mapping[str, str]
     variables: Mapping[str, int]
     zeros: Mapping[str, int]
-    waiting: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,9 @@ from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from end_effector_hal.control import Status
-from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.wires import Frame, now_us
+
+from ._error_text import error_text, sendable
 
 _log = logging.getLogger("end_effector_hal.tool")
 MOST_WAITING = 1_000
@@ -36,7 +37,7 @@ class Listening(Generic[T]):
 
     def __init__(self, listener: Callable[[T], None], name: str, on_alarm: Callable[[], None]) -> None:
         self._listener, self._on_alarm = listener, on_alarm
-        self._who = name or str(getattr(listener, "__qualname__", type(listener).__qualname__))
+        self._who = sendable(name or str(getattr(listener, "__qualname__", type(listener).__qualname__)))
         self._waiting: deque[T] = deque()
         self._changed = threading.Condition()
         self._closed = False
@@ -97,10 +98,7 @@ class Listening(Generic[T]):
         except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
             if not self._failing:
                 _log.exception("the listener %s failed", self._who)
-                why = (
-                    str(error) if isinstance(error, EndEffectorError) else f"{type(error).__name__}: {error}"
-                )
-                self._failing = f"The listener {self._who} failed: {why}"
+                self._failing = f"The listener {self._who} failed: {error_text(error)}"
         else:
             self._worked()
         self._called_at = None

@@ -8,6 +8,8 @@ from collections.abc import Callable
 
 from end_effector_hal.control import Status
 
+from ._error_text import error_text
+
 _log = logging.getLogger("end_effector_hal.tool")
 Listener = Callable[[Status], None]
 
@@ -39,7 +41,7 @@ class Newest:
         try:
             self._listener(status)
         except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
-            what = f"A listener failed, and lacks a state: {type(error).__name__}: {error}"
+            what = f"A listener failed, and lacks a state: {error_text(error)}"
             if not self.trouble:
                 _log.exception("%s", what)
             self.trouble = self.trouble or what

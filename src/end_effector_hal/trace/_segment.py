@@ -27,7 +27,7 @@ LEAST_ROOM = MEGABYTE // 2
 """Bytes that must be free before a file is begun: with less it would be full at once."""
 
 
-class Segment:
+class SegmentFile:
     """One MCAP file, being written; whatever is in it is whole batches.
 
     Args:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.trace._limits import RecordingLimits, make_room
-from end_effector_hal.trace._segment import Segment
+from end_effector_hal.trace._segment import SegmentFile
 
 _log = logging.getLogger("end_effector_hal.trace")
 MOST_WAITING = 3_000
@@ -116,8 +116,8 @@ class TraceWriter:
         self._lock = threading.Lock()
         self._queued = 0
         self._gap: Gap | None = None
-        self._fresh: Segment | None = None
-        self._segment: Segment | None = None
+        self._fresh: SegmentFile | None = None
+        self._segment: SegmentFile | None = None
         self._number = 0
         self._full_at = 0
         self._ordered = True  # a segment that is not begun yet
@@ -259,10 +259,10 @@ class TraceWriter:
             _finished(before)
         self.wants_state = True
 
-    def _make(self) -> Segment:
+    def _make(self) -> SegmentFile:
         if self._folder.is_dir():
             make_room(self._folder, self._limits)
-        return Segment(
+        return SegmentFile(
             self._folder, self._program, self._kinds, attachments=self._attachments, day_us=self._day_us
         )
 
@@ -273,7 +273,7 @@ class TraceWriter:
             self._fresh.discard()
 
 
-def _finished(segment: Segment) -> bool:
+def _finished(segment: SegmentFile) -> bool:
     """Whether a segment could be closed with its checksum."""
     try:
         segment.finish()

@@ -153,7 +153,6 @@ def set_at(*path: str | int, value: Any) -> Edit:
         set_at("execution", "entered", value=1),
         set_at("execution", "variables", "cause_at", value=1),
         set_at("execution", "zeros", value={}),
-        set_at("execution", "waiting", value={"Gripper#0": 1}),
         set_at("at", value=1),
     ],
 )

@@ -12,8 +12,9 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import OwnerError
 from end_effector_hal.tool import Unit
 from end_effector_hal.tool.boundary import open_recorder
-from end_effector_hal.tool.replay import load_trace, review
+from end_effector_hal.tool.replay import load_trace, review, traces_of
 from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.trace import RecordingLimits
 
 pytestmark = pytest.mark.wall
 
@@ -61,6 +62,29 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     assert any(step["line"] == BOTTOM for content in lines for step in content["will"])
     statuses = [trace.content(number)["ee"] for number in numbers(trace, "status")]
     assert statuses[-1] == State.STAND_BY
+
+
+def test_a_unit_begins_segments_while_it_works(tmp_path: Path) -> None:
+    tool, description = Tool(), load(profile_path())
+    limits = RecordingLimits(30_000, 100_000_000)
+    recorder = open_recorder(tmp_path, description, "grip", limits=limits)
+    tool.unit = Unit(description, "grip", tool.owner, tool.told.append, recorder)
+    tool.unit.start()
+    tool.grip_to(2)
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: status.ee == State.GRIPPED)
+    tool.until(lambda _: len(traces_of(tmp_path)) >= 4)
+    assert tool.unit.command("drop").accepted
+    tool.confirmed = dict.fromkeys(LINES, OFF)
+    tool.until(lambda status: status.ee == State.STAND_BY)
+    tool.unit.close()
+    before = None
+    for path in traces_of(tmp_path):
+        found = review(load_trace(path), before=before)
+        assert found.ok, found.as_json()
+        assert review(load_trace(path)).ok
+        assert found.trace.file.complete
+        before = found.end
 
 
 def test_a_folder_that_cannot_be_written_is_an_alarm_and_the_tool_works(tmp_path: Path) -> None:

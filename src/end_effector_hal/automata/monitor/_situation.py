@@ -53,12 +53,11 @@ class Situation:
         """Stand where an execution stood that has entered its discrete state at ``entered``."""
         self._zero = list(resumed.zeros)
         self.state, self.entered = resumed.state, entered
-        self.chances = tuple(self._found(resumed.ages))
+        self.chances = tuple(self._found({}))
 
     def snapshot(self, at: int) -> ExecutionSnapshot:
         """Where it stands at ``at``."""
-        ages = {chance.transition.edges: chance.since for chance in self.chances}
-        return snapshot_of(self.network, self.state, self._zero, ages, at=at, entered=self.entered)
+        return snapshot_of(self.network, self.state, self._zero, at=at, entered=self.entered)
 
     def write(self, writes: Mapping[str, int], at: int) -> None:
         """The environment sets variables."""

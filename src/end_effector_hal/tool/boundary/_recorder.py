@@ -11,6 +11,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.trace import TraceWriter
 from end_effector_hal.wires import now_us
 
+from .._error_text import error_text, sendable
 from .._outputs import LineWriter
 from ._recorded_controller import RecordedController
 from ._recorded_lines import RecordedLines
@@ -33,7 +34,7 @@ class Recorder:
     @property
     def trouble(self) -> str:
         """Why what happens now is not recorded, a sentence; empty: it is, or nothing is to be recorded."""
-        return self._defect or (self._writer.trouble if self._writer is not None else "")
+        return sendable(self._defect or (self._writer.trouble if self._writer is not None else ""))
 
     def attend(self, on_trouble: Callable[[], None]) -> None:
         """Have it called when :attr:`trouble` has changed, in any thread; it must not wait."""
@@ -65,7 +66,7 @@ class Recorder:
             self._begin_segment(self._writer)
         except Exception as error:  # noqa: BLE001 a defect of the recorder ends no program
             _log.exception("no further segment of a trace can be begun")
-            self._defect = f"The trace has come to its end: {type(error).__name__}: {error}."
+            self._defect = f"The trace has come to its end: {error_text(error)}"
 
     def close(self) -> None:
         """Nothing more comes; waits two seconds at most for the disk."""

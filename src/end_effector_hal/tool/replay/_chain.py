@@ -83,7 +83,7 @@ class Chain:
 
 
 def _first_difference(seen: ExecutionSnapshot, recorded: ExecutionSnapshot) -> str:
-    for what in ("locations", "variables", "zeros", "waiting"):
+    for what in ("locations", "variables", "zeros"):
         ours, theirs = getattr(seen, what), getattr(recorded, what)
         for name in sorted(ours.keys() | theirs.keys()):
             if ours.get(name) != theirs.get(name):
