@@ -24,7 +24,7 @@ class Statuses:
     """The statuses of a program, each at its time in s; waiting moves the clock."""
 
     def __init__(self, **at: Any) -> None:
-        self.at_s = 0.0
+        self.at_s, self.ended = 0.0, False
         self._coming = [(float(name.removeprefix("ms_")) / 1000, each) for name, each in at.items()]
         _, self.status = self._coming.pop(0)
 
@@ -43,7 +43,7 @@ def waited(**at: Any) -> tuple[float, bool]:
     changer = load(profile_path()).tool_changer
     assert changer
     statuses = Statuses(**at)
-    await_venting(statuses, changer)  # type: ignore[arg-type]
+    await_venting(statuses, changer, lambda: round(statuses.at_s * 1e6))  # type: ignore[arg-type]
     return statuses.at_s, statuses.status.vented and statuses.status.ee == STAND_BY
 
 
@@ -73,8 +73,17 @@ def test_what_does_not_come_is_not_waited_for(state: Any) -> None:
 
 
 def test_feedback_that_comes_back_ends_the_wait() -> None:
-    assert waited(ms_0=status(STAND_BY, GONE), ms_300=status(STAND_BY, PARTIAL)) == (0.3, False)
+    assert waited(ms_0=status(STAND_BY, GONE), ms_300=status(STAND_BY, PARTIAL)) == (
+        pytest.approx(0.45),
+        False,
+    )
+
+
+def test_feedback_that_comes_and_goes_at_its_threshold_does_not() -> None:
+    flicker = {"ms_20": status(STAND_BY, PARTIAL), "ms_60": status(STAND_BY, GONE)}
+    proof = status(STAND_BY, GONE, vented=True)
+    assert waited(ms_0=status(STAND_BY, GONE), **flicker, ms_600=proof) == (0.6, True)
 
 
 def test_the_wait_has_an_end() -> None:
-    assert waited(ms_0=status(STAND_BY, GONE)) == (pytest.approx(0.5 + FALL_S), False)
+    assert waited(ms_0=status(STAND_BY, GONE)) == (pytest.approx(0.5 + FALL_S + LAG_S), False)
