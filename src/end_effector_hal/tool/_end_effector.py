@@ -272,7 +272,9 @@ class EndEffector:
         self._grip.tell(unlock_valve=int(status.unlock_output))
         with self._lock:
             # read under the lock: a status of the gripping must not be told after the one that follows it
-            self._publish(self._merged(self._grip.status, status.at))
+            grip = self._grip.status
+            # nor as of a time before its own: this one may have waited while the gripping went on
+            self._publish(self._merged(grip, max(grip.at, status.at)))
 
     def _publish(self, status: Status) -> None:
         self._told = self._audience.alarms

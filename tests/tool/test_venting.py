@@ -1,0 +1,89 @@
+"""How long an unlock waits for its proof, in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.tool._venting import FALL_S, LAG_S, await_venting
+from end_effector_hal.trace import EndEffectorState
+
+STAND_BY, RELEASING, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.RELEASING, EndEffectorState.GRIPPED
+UNKNOWN, GONE, PARTIAL = 0, 1, 2
+
+
+def status(ee: EndEffectorState, evidence: int, *, vented: bool = False) -> Any:
+    return SimpleNamespace(ee=ee, evidence=(evidence, GONE), vented=vented)
+
+
+class Statuses:
+    """The statuses of a program, each at its time in s; waiting moves the clock."""
+
+    def __init__(self, **at: Any) -> None:
+        self.at_s, self.ended = 0.0, False
+        self._coming = [(float(name.removeprefix("ms_")) / 1000, each) for name, each in at.items()]
+        _, self.status = self._coming.pop(0)
+
+    def wait(self, until: Callable[[Any], bool], timeout_s: float) -> bool:
+        end_s = self.at_s + timeout_s
+        while not until(self.status):
+            if not self._coming or self._coming[0][0] > end_s:
+                self.at_s = end_s
+                return False
+            self.at_s, self.status = self._coming.pop(0)
+        return True
+
+
+def waited(**at: Any) -> tuple[float, bool]:
+    """For how long in s, and whether the proof is there then."""
+    changer = load(profile_path()).tool_changer
+    assert changer
+    statuses = Statuses(**at)
+    await_venting(statuses, changer, lambda: round(statuses.at_s * 1e6))  # type: ignore[arg-type]
+    return statuses.at_s, statuses.status.vented and statuses.status.ee == STAND_BY
+
+
+def test_what_is_proven_is_not_waited_for() -> None:
+    assert waited(ms_0=status(STAND_BY, GONE, vented=True)) == (0, True)
+
+
+@pytest.mark.parametrize(
+    "before", [status(RELEASING, PARTIAL), status(RELEASING, GONE), status(STAND_BY, PARTIAL)]
+)
+def test_the_end_of_a_release_that_is_under_way_is_waited_for(before: Any) -> None:
+    """A drop has returned: the other program has seen its end, this one not yet."""
+    proof = status(STAND_BY, GONE, vented=True)
+    assert waited(ms_0=before, ms_140=status(STAND_BY, GONE), ms_700=proof) == (0.7, True)
+
+
+def test_that_the_other_program_is_at_rest_is_waited_for_as_well() -> None:
+    proven = {"ms_0": status(RELEASING, GONE, vented=True), "ms_20": status(STAND_BY, GONE, vented=True)}
+    assert waited(**proven) == (0.02, True)
+
+
+@pytest.mark.parametrize(
+    "state", [status(GRIPPED, PARTIAL), status(STAND_BY, PARTIAL), status(STAND_BY, UNKNOWN)]
+)
+def test_what_does_not_come_is_not_waited_for(state: Any) -> None:
+    assert waited(ms_0=state) == (pytest.approx(LAG_S), False)
+
+
+def test_feedback_that_comes_back_ends_the_wait() -> None:
+    assert waited(ms_0=status(STAND_BY, GONE), ms_300=status(STAND_BY, PARTIAL)) == (
+        pytest.approx(0.45),
+        False,
+    )
+
+
+def test_feedback_that_comes_and_goes_at_its_threshold_does_not() -> None:
+    flicker = {"ms_20": status(STAND_BY, PARTIAL), "ms_60": status(STAND_BY, GONE)}
+    proof = status(STAND_BY, GONE, vented=True)
+    assert waited(ms_0=status(STAND_BY, GONE), **flicker, ms_600=proof) == (0.6, True)
+
+
+def test_the_wait_has_an_end() -> None:
+    assert waited(ms_0=status(STAND_BY, GONE)) == (pytest.approx(0.5 + FALL_S + LAG_S), False)
