@@ -519,9 +519,11 @@ def test_a_reader_loses_no_byte(machine: Machine, program: str, tmp_path: Path) 
         assert time.monotonic() - started < 1.5, "it listened"
         pty.write(b"def!")
         assert reader.stdout.readline() == "abcdef!\n"
-    assert what == (
-        f"{machine.port} is read by pid {reader.pid} ({f'{program} {machine.port}'[:80]}); "
-        "not listened to, its bytes are theirs"
+    called = f"{program} {machine.port}"
+    called = called if len(called) <= 80 else f"{called[:79]}…"
+    assert (
+        what
+        == f"{machine.port} is read by pid {reader.pid} ({called}); not listened to, its bytes are theirs"
     )
     assert level == ("ok" if program == "eehal-like" else "warning")
 

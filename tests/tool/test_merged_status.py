@@ -20,7 +20,7 @@ def test_the_gripping_is_not_told_as_of_a_time_before_its_own() -> None:
     changer = replace(Tool().unit.status, at=1_000)
     gripped = replace(changer, at=21_000, ee=EndEffectorState.GRIPPED)
     tool: Any = object.__new__(EndEffector)
-    tool._lock, tool._listeners = threading.Lock(), [told.append]
+    tool._lock, tool._audience = threading.Lock(), SimpleNamespace(status=told.append, alarms=())
     tool._grip = SimpleNamespace(status=gripped, tell=lambda **_: None)
     tool._change = SimpleNamespace(status=changer)
     tool._changer_moved(changer)

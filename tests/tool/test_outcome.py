@@ -11,6 +11,7 @@ from lone_unit import Tool
 
 from end_effector_hal.control import Answer, ChangerState, Status
 from end_effector_hal.tool import EndEffector
+from end_effector_hal.tool._listeners import Audience
 from end_effector_hal.trace import Command
 from end_effector_hal.trace import EndEffectorState as State
 
@@ -30,7 +31,8 @@ class Ended:
 
 @pytest.fixture
 def tool() -> Any:
-    tool = object.__new__(EndEffector)
+    tool: Any = object.__new__(EndEffector)
+    tool._audience = Audience(lambda: None)
     status = Tool().unit.status
     tool._grip = Ended(replace(status, ee=State.RELEASING, command=Command.RELEASE))
     tool._change = Ended(replace(status, changer=ChangerState.LOCKED, command=Command.LOCK))
