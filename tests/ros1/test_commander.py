@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ class Proxy:
 
     answers: list[Any]
     calls: list[tuple[int, int]]
+    transport = SimpleNamespace(header={"callerid": "/Grip"})
 
     def __init__(self, *_: Any, **__: Any) -> None:
         pass
