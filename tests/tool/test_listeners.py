@@ -191,4 +191,6 @@ def test_a_grip_whose_program_ends_says_so(world: World) -> None:
         tool._grip._newest.end()
         asking.join(60)
         assert not outcomes[0].succeeded
-        assert outcomes[0].reason.startswith("The grip program has ended: what became of the command is unknown")
+        assert outcomes[0].reason.startswith(
+            "The grip program has ended: what became of the command is unknown"
+        )
