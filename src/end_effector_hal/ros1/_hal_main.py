@@ -98,12 +98,12 @@ class HalMainNode:
         notices = (*self._strangers.alarms(), *self._stamped.notices(now))
         state = self._aggregate.message(self._at_us, now, self._presence, notices)
         state.header.stamp = stamp(stamp_us)
-        if state.state != self._state.state:
-            old, new = (TableState(each.state).name for each in (self._state, state))
+        earlier, self._state = self._state, state
+        self._publish(state)
+        if state.state != earlier.state:
+            old, new = (TableState(each.state).name for each in (earlier, state))
             why = next(iter(state.alarms), "") if GRIP in self._gone else state.reason
             self._log.info("%s", transition(old, new, state.command, why))
-        self._state = state
-        self._publish(state)
 
     def _tick(self) -> None:
         with self._lock:
