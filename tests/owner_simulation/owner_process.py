@@ -80,7 +80,9 @@ class OwnerProcess:
         self._world = world
         self._connections: dict[FarEnd, Connection] = {}
         self.journal = JournalThread(world)
-        self._records = Records(SessionRecord(world.memory, world.boot, world.clock), self.journal)
+        self._records = Records(
+            SessionRecord(world.memory, world.mark, world.boot, world.clock), self.journal
+        )
         self.keeper = Keeper(
             Lines(world), policy, world.now, self._records.before, self._records.before_change
         )

@@ -84,6 +84,7 @@ class World:
         self.lines = dict.fromkeys(POLICY.lines, False)
         self.judge = Judge(self.lines, GRIP_LINES)
         self.memory = SimulatedDisk("memory", self.hazard)
+        self.mark = SimulatedDisk("mark", self.hazard)
         self.disk = SimulatedDisk("disk", self.hazard)
         self.ends: list[NearEnd] = []
         self.owner: OwnerProcess | None = None
@@ -153,11 +154,13 @@ class World:
                 self._doomed.add("owner")
                 self._heal_at["owner"] = later
             case "disk full" | "memory full":
-                disk = self.disk if fault.startswith("disk") else self.memory
-                disk.full, self._heal_at[fault] = True, later
+                for disk in [self.disk] if fault.startswith("disk") else [self.memory, self.mark]:
+                    disk.full = True
+                self._heal_at[fault] = later
             case "disk fails" | "memory fails":
-                disk = self.disk if fault.startswith("disk") else self.memory
-                disk.failing, self._heal_at[fault] = True, later
+                for disk in [self.disk] if fault.startswith("disk") else [self.memory, self.mark]:
+                    disk.failing = True
+                self._heal_at[fault] = later
             case "disk hangs":
                 self.disk.hangs, self._heal_at[fault] = True, later
             case "e-stop":
@@ -219,9 +222,9 @@ class World:
             case "disk hangs":
                 self.disk.hangs = False
             case "memory full":
-                self.memory.full = False
+                self.memory.full = self.mark.full = False
             case "memory fails":
-                self.memory.failing = False
+                self.memory.failing = self.mark.failing = False
             case "e-stop":
                 self.e_stop_open = False
 
@@ -351,6 +354,7 @@ class World:
         self._doomed.discard("power")
         self.disk.lose_power()
         self.memory.remove()
+        self.mark.remove()
         self.boot = f"boot {self.now}"
         for name in self.lines:
             self.lines[name] = False

@@ -299,3 +299,34 @@ def test_when_both_are_killed_the_next_owner_does_what_the_client_has_left(tmp_p
     with bench.owner(), bench.look() as look:
         assert not look.status()["unclean"]
         assert look.status()["faults"] == {}
+
+
+@pytest.mark.parametrize(
+    "hurt", ["the end is cut", "the end is empty", "the start is empty", "an older copy"]
+)
+def test_a_record_of_the_sessions_that_was_hurt_drops_nothing(tmp_path: Path, hurt: str) -> None:
+    bench = Bench(tmp_path, tmp_path, tmp_path)
+    record = tmp_path / "sock.sessions"
+    with bench.owner() as first:
+        program = bench.program()
+        program.attend(alive=lambda: False)
+        bench.grip(program)
+        older = record.read_bytes()
+        program.set({}, [])  # GRIPPED
+        first.kill()
+        first.wait(PATIENCE_S)
+    program.close()
+    whole = record.read_bytes()
+    half = len(whole) // 2
+    record.write_bytes(
+        {
+            "the end is cut": whole[:half],
+            "the end is empty": whole[:half] + bytes(half),
+            "the start is empty": bytes(half) + whole[half:],
+            "an older copy": older,
+        }[hurt]
+    )
+    with bench.owner():
+        wait_until("the program is dead", lambda: not _clients(bench))
+        assert bench.active() == {BOTTOM, TOP}
+        assert "last wills" in bench.faults()

@@ -12,7 +12,7 @@ from keeping import BOTTOM, GRIP, LINES, TOKEN, TOP
 from end_effector_hal.wires.owner import WillStep
 from end_effector_hal.wires.owner import _storage as module
 from end_effector_hal.wires.owner._memory import Bequest, Memory
-from end_effector_hal.wires.owner._record_file import RecordFile
+from end_effector_hal.wires.owner._record_file import SLOT, RecordFile
 from end_effector_hal.wires.owner._session_record import RETRY_US, SessionRecord, this_boot
 from end_effector_hal.wires.owner._storage import FileStorage
 
@@ -28,7 +28,8 @@ MEMORY = Memory(
 
 def record(folder: Path, boot: str = "boot", at: list[int] | None = None) -> SessionRecord:
     clock = [0] if at is None else at
-    return SessionRecord(FileStorage(folder / "sessions", durable=False), boot, lambda: clock[0])
+    storage, mark = (FileStorage(folder / name, durable=False) for name in ("sessions", "generation"))
+    return SessionRecord(storage, mark, boot, lambda: clock[0])
 
 
 def test_what_is_kept_is_read(tmp_path: Path) -> None:
@@ -40,7 +41,7 @@ def test_what_is_kept_is_read(tmp_path: Path) -> None:
     left = record(tmp_path).read()
     assert left
     assert left.clients == (GRIPPING,)
-    assert left.doubt == "the owner before this one died while it changed a line"
+    assert left.doubt.startswith("the owner before this one died while it changed a line")
     first.keep(MEMORY)
     assert record(tmp_path).read() == MEMORY
 
@@ -110,3 +111,37 @@ def test_it_is_tried_again_at_each_change_and_every_second(
     first.keep(Memory())
     assert len(tried) == 3
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_older_record_that_is_whole_is_a_doubt(tmp_path: Path) -> None:
+    """Such as a copy of an earlier moment: its levels may be those that are found."""
+    first = record(tmp_path)
+    first.keep(MEMORY)
+    copy = (tmp_path / "sessions").read_bytes()
+    first.keep(Memory(clean=False))
+    (tmp_path / "sessions").write_bytes(copy)
+    left = record(tmp_path).read()
+    assert left
+    assert left.doubt == "the record of the sessions is not the latest one"
+    first.keep(MEMORY)
+    (tmp_path / "generation").unlink()
+    left = record(tmp_path).read()
+    assert left
+    assert left.doubt == "the record of the sessions is not the latest one"
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("lost", [(0, SLOT), (SLOT, 2 * SLOT)])
+def test_a_part_that_has_gone_is_a_doubt(tmp_path: Path, count: int, lost: tuple[int, int]) -> None:
+    first = record(tmp_path)
+    for number in range(count):
+        first.keep(Memory(clean=False, faults={str(number): "it is latched"}))
+    whole = (tmp_path / "sessions").read_bytes()
+    for content in (
+        whole[: lost[0]] + bytes(SLOT) + whole[lost[1] :],
+        whole[: lost[0]],
+        whole[: lost[1] - 1],
+    ):
+        (tmp_path / "sessions").write_bytes(content)
+        left = record(tmp_path).read()
+        assert left is None or left.doubt

@@ -27,7 +27,7 @@ from ._witness import Witness
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
 _NOT_SEEN = (
-    "The {} program has ended: what became of the command is unknown, what was held by then stays held."
+    "The {} program has ended: what became of the command is unknown. Read the state before the next one."
 )
 _MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from end_effector_hal.control import Status
+from end_effector_hal.errors import EndEffectorError
 from end_effector_hal.wires import Frame, now_us
 
 from ._error_text import error_text, sendable
@@ -97,7 +98,9 @@ class Listening(Generic[T]):
             self._listener(item)
         except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
             if not self._failing:
-                _log.exception("the listener %s failed", self._who)
+                _log.error(
+                    "the listener %s failed", self._who, exc_info=not isinstance(error, EndEffectorError)
+                )
                 self._failing = f"The listener {self._who} failed: {error_text(error)}"
         else:
             self._worked()

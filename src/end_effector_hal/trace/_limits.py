@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import logging
 import os
 import re
+import stat
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -135,3 +137,17 @@ def _note(folder: Path, name: str, size: int) -> None:
 
 def _mb(count: int) -> str:
     return f"{count / MEGABYTE:g} MB"
+
+
+def still_there(path: Path, fd: int) -> None:
+    """Raises OSError when this open file does not stand at its path any more: what is written to it is lost."""
+    found, own = os.stat(path), os.fstat(fd)
+    if (found.st_dev, found.st_ino) != (own.st_dev, own.st_ino):
+        raise OSError(errno.ENOENT, "another file stands in its place")
+
+
+def read_file(path: str | Path) -> bytes:
+    """All of a regular file; raises OSError, also for what would be waited for, such as a pipe."""
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        raise OSError(errno.EINVAL, "this is no file")
+    return Path(path).read_bytes()

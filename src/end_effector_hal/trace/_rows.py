@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import EndEffectorError, UsageError
-from end_effector_hal.trace._limits import RecordingLimits, lock, make_room
+from end_effector_hal.trace._limits import RecordingLimits, lock, make_room, read_file, still_there
 
 LONGEST_S = 1e9
 _TAIL = 65536
@@ -93,6 +93,7 @@ class RowFile:
             raise UsageError("This file is closed.", where=str(self.path))
         data = text.encode()
         try:
+            still_there(self.path, self._fd)
             size = os.fstat(self._fd).st_size
             if self._limits is not None and size + len(data) > self._limits.segment_bytes:
                 self._begin_segment(self._limits)
@@ -211,7 +212,7 @@ def read_lines(path: str | Path) -> Iterator[Line]:
 
 def _lines_of(path: str | Path) -> Iterator[Line]:
     try:
-        data = Path(path).read_bytes()
+        data = read_file(path)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise UsageError(f"Cannot be read: {reason}.", where=str(path)) from None

@@ -17,7 +17,7 @@ from pydantic_core import to_json
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.trace._json_schema import plain_schema
-from end_effector_hal.trace._limits import MEGABYTE, lock, next_number, numbered
+from end_effector_hal.trace._limits import MEGABYTE, lock, next_number, numbered, still_there
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
@@ -81,6 +81,7 @@ class SegmentFile:
         """Write what was added, all of it or nothing; raises OSError."""
         data = self._sink.take()
         written = 0
+        still_there(self.path, self._fd)
         try:
             while written < len(data):
                 written += os.write(self._fd, data[written:])

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.trace._limits import read_file
 
 MAGIC = b"\x89MCAP0\r\n"
 DATA_END_BYTES = 13
@@ -71,7 +72,7 @@ def read_trace(path: str | Path) -> TraceFile:
     from mcap.records import Attachment, Channel, DataEnd, Footer, Message
 
     try:
-        data = path.read_bytes()
+        data = read_file(path)
     except OSError as error:
         raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
     if data[: len(MAGIC)] != MAGIC[: len(data)]:

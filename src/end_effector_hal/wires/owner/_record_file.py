@@ -25,13 +25,16 @@ _UNFINISHED = 0xFFFFFFFF
 """The length of a record that was only begun."""
 
 
+_NEVER_WRITTEN = _HEADER.pack(MAGIC, 0, _UNFINISHED, 0)
+
+
 class Standing(Enum):
     """What was found in a file of records."""
 
     ABSENT = "absent"
     WHOLE = "whole"
     OUTDATED = "outdated"
-    """A whole record, and a later one that was begun and not finished."""
+    """A whole record, and a later one that was begun and not finished, or may have been lost."""
     DAMAGED = "damaged"
     """Something stands there, but no whole record."""
 
@@ -67,9 +70,16 @@ class RecordFile:
         content = self._storage.read()
         self._made = len(content) == 2 * SLOT
         found = _read(content)
+        if found.standing is Standing.WHOLE and not self._made:
+            found = found._replace(standing=Standing.OUTDATED)  # a part of the file has gone
         self._generation = found.generation
         self._foul = found.standing is Standing.DAMAGED
         return found
+
+    @property
+    def next_generation(self) -> int:
+        """The number of the record that `keep` writes next."""
+        return self._generation + 1
 
     def begin(self) -> None:
         """Something is about to change: until the next `keep`, the record before is outdated."""
@@ -85,14 +95,21 @@ class RecordFile:
         if self._made:
             self._write(self._generation + 1, record)
             if self._foul:
-                self._write(self._generation, _HEADER.pack(MAGIC, 0, _UNFINISHED, 0))
+                self._write(self._generation, _NEVER_WRITTEN)
             if synced:
                 self._storage.sync()
         else:
-            self._storage.create(b"\0" * _place(self._generation + 1) + record, 2 * SLOT)
+            slots = {_place(self._generation + 1): record, _place(self._generation): _NEVER_WRITTEN}
+            content = b"".join(slots[at].ljust(SLOT, b"\0") for at in sorted(slots))
+            self._storage.create(content, 2 * SLOT)
             self._made = True
         self._generation += 1
         self._begun = self._foul = False
+
+    def remove(self) -> None:
+        """Have no record; the next one makes a new file."""
+        self._storage.remove()
+        self._made = False
 
     def close(self) -> None:
         """Give the file back."""
@@ -125,8 +142,11 @@ def _read(content: bytes) -> Found:
     if whole is None:
         empty = all(slot.standing is Standing.ABSENT for slot in slots)
         return Found(Standing.ABSENT if empty else Standing.DAMAGED)
-    if any(slot.standing is Standing.DAMAGED and slot.generation > whole.generation for slot in slots):
-        return whole._replace(standing=Standing.OUTDATED)
+    for slot in slots:
+        # both slots are written when the file is made: one that is empty was lost
+        lost = slot.standing is Standing.ABSENT
+        if lost or (slot.standing is Standing.DAMAGED and slot.generation > whole.generation):
+            return whole._replace(standing=Standing.OUTDATED)
     return whole
 
 

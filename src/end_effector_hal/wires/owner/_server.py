@@ -209,6 +209,8 @@ class LineOwner:
 
 def _records(socket_path: Path, journal: str | Path | None) -> Records:
     boot = this_boot()
-    sessions = FileStorage(Path(f"{socket_path}.sessions"), durable=False)
+    sessions, mark = (
+        FileStorage(Path(f"{socket_path}.{name}"), durable=False) for name in ("sessions", "generation")
+    )
     disk = FileStorage(Path(journal), durable=True) if journal else None
-    return Records(SessionRecord(sessions, boot, now_us), JournalThread(Journal(disk, boot, now_us)))
+    return Records(SessionRecord(sessions, mark, boot, now_us), JournalThread(Journal(disk, boot, now_us)))

@@ -3,7 +3,8 @@
 It stands in a file of the run directory, which is memory (tmpfs): it outlives the process and not the machine, as the
 lines do. Its room is taken at the start, so that a full disk does not concern it. Before a line changes, the record
 is marked as outdated; it is whole again once the wills that go with the new levels are in it. Whatever is outdated,
-damaged, of another boot, or does not fit the levels that are found means *hold*: no last will is executed.
+damaged, not the latest by its number, of another boot, or does not fit the levels that are found means *hold*: no last
+will is executed.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+import struct
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -22,21 +24,25 @@ from end_effector_hal.wires.owner._storage import Storage
 
 _log = logging.getLogger("end_effector_hal.owner")
 RETRY_US = 1_000_000
+_MARK = struct.Struct("<Q")
 
 
 class SessionRecord:
     """One file; trouble with it is an alarm and ends nothing.
 
     Args:
-        storage: where; None: keep nothing.
+        storage: where.
+        mark: where the number of the latest record stands, apart from the record: an older one that is whole, such as
+            a copy, does not match it.
         boot: names this start of the machine.
         clock: monotonic, µs.
     """
 
-    def __init__(self, storage: Storage | None, boot: str, clock: Callable[[], int]) -> None:
-        self._storage, self._boot, self._clock = storage, boot, clock
+    def __init__(self, storage: Storage, mark: Storage, boot: str, clock: Callable[[], int]) -> None:
+        self._mark, self._boot, self._clock = mark, boot, clock
         self._retry_at = 0
-        self._file = RecordFile(storage) if storage else None
+        self._file = RecordFile(storage)
+        self._marked = False
         self._tried: Memory | None = None
         self._begun = False
         self.trouble = ""
@@ -44,12 +50,11 @@ class SessionRecord:
 
     def read(self) -> Memory | None:
         """What the owner before this one has left in this boot, with its doubt; None: nothing."""
-        if self._file is None:
-            return None
         try:
-            found = self._file.read()
+            found, mark = self._file.read(), self._mark.read()
         except OSError as error:
             return Memory(clean=False, doubt=f"the record of the sessions cannot be read ({error.strerror})")
+        self._marked = len(mark) == _MARK.size
         if found.standing is Standing.ABSENT:
             return None
         if found.standing is Standing.DAMAGED:
@@ -61,15 +66,16 @@ class SessionRecord:
             memory = read_memory(given["memory"])
         except (ValueError, KeyError, TypeError, UsageError, RecursionError):
             return Memory(clean=False, doubt="the record of the sessions is of another version")
+        doubt = ""
         if found.standing is Standing.OUTDATED:
-            return replace(
-                memory, clean=False, doubt="the owner before this one died while it changed a line"
-            )
-        return memory
+            doubt = "the owner before this one died while it changed a line, or a part of its record has gone"
+        elif mark != _MARK.pack(found.generation):
+            doubt = "the record of the sessions is not the latest one"
+        return replace(memory, clean=False, doubt=doubt) if doubt else memory
 
     def begin(self) -> None:
         """A line is about to change: the record is outdated until the next `keep`."""
-        if self._file is not None and not self._begun:
+        if not self._begun:
             self._begun = True
             try:
                 self._file.begin()
@@ -78,8 +84,6 @@ class SessionRecord:
 
     def keep(self, memory: Memory) -> None:
         """Keep it, if it is something else than before, or is outdated, or could not be kept for a while."""
-        if self._file is None:
-            return
         due = bool(self.trouble) and self._clock() >= self._retry_at
         if memory == self._tried and not self._begun and not due:
             return
@@ -87,6 +91,7 @@ class SessionRecord:
         given = {"boot": self._boot, "memory": memory.as_json()}
         payload = json.dumps(given, separators=(",", ":")).encode()
         try:
+            self._write_mark(_MARK.pack(self._file.next_generation))
             self._file.keep(payload)
         except OSError as error:
             self._fail(error)
@@ -95,17 +100,26 @@ class SessionRecord:
 
     def close(self) -> None:
         """Give the file back."""
-        if self._file is not None:
-            self._file.close()
+        self._file.close()
+        self._mark.close()
+
+    def _write_mark(self, mark: bytes) -> None:
+        if self._marked:
+            self._marked = False  # until this write has succeeded
+            self._mark.write(0, mark)
+        else:
+            self._mark.create(mark, _MARK.size)
+        self._marked = True
 
     def _fail(self, error: OSError) -> None:
         if not self.trouble:
             _log.error("the record of the sessions cannot be kept: %s", error.strerror)
         self.trouble, self._retry_at = error.strerror or str(error), self._clock() + RETRY_US
-        if self._storage is not None:
-            # What stands there would be believed: without a record the next owner holds.
+        # What stands there would be believed: without a record the next owner holds.
+        self._marked = False
+        for remove in (self._file.remove, self._mark.remove):
             with contextlib.suppress(OSError):
-                self._storage.remove()
+                remove()
 
 
 def this_boot() -> str:
