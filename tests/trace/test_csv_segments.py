@@ -181,3 +181,15 @@ def test_a_full_disk_at_a_segments_end_changes_nothing(tmp_path: Path, disk: Ful
     assert (tmp_path / "states-1.csv").exists()
     times = [row.time_s for row in read_states(tmp_path / "states.csv").rows]
     assert times == [*range(1, number + 1), number + 2]
+
+
+def test_a_file_that_goes_is_a_sentence(tmp_path: Path) -> None:
+    """What is written to it would be lost without a word."""
+    with StatesWriter(tmp_path / "states.csv", ("a",), LIMITS) as writer:
+        writer.write(0, 1, 2, [0])
+        (tmp_path / "states.csv").rename(tmp_path / "elsewhere")
+        with pytest.raises(EndEffectorError, match="No such file or directory"):
+            writer.write(1, 1, 2, [1])
+        shutil.copy(tmp_path / "elsewhere", tmp_path / "states.csv")
+        with pytest.raises(EndEffectorError, match="another file stands in its place"):
+            writer.write(2, 1, 2, [0])

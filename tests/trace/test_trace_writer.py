@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import logging
 import os
+import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -226,6 +227,30 @@ def test_a_file_that_was_made_in_vain_is_removed(tmp_path: Path, disk: Disk) -> 
     wait_until("the disk", lambda: recording.writer.wants_state)
     recording.writer.close()  # before anybody has given a state
     assert [path.name for path in tmp_path.glob("*.mcap")] == ["grip.mcap"]
+
+
+def test_a_folder_that_goes_is_trouble_and_is_made_again(tmp_path: Path, disk: Disk) -> None:
+    folder = tmp_path / "run"
+    recording = Recording(folder)
+    recording.say(3)
+    recording.drain()
+    shutil.rmtree(folder)
+    recording.say()
+    wait_until("the folder", lambda: recording.writer.wants_state)
+    recording.say(2)
+    recording.writer.close()
+    assert "No such file or directory" in recording.told[0]
+    assert contents(folder / "grip.mcap") == (
+        Head(5, 2, False, Gap(4, 2, "No such file or directory")),
+        [5, 6],
+    )
+
+
+@pytest.mark.timeout(20)
+def test_a_pipe_in_the_place_of_a_trace_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "grip.mcap")
+    with pytest.raises(UsageError, match="this is no file"):
+        read_trace(tmp_path / "grip.mcap")
 
 
 def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
