@@ -149,7 +149,9 @@ def test_in_doubt_no_will_is_executed() -> None:
     new.expire(10 * S)
     new.advance(20 * S)
     assert lines.written == []
-    assert new.sensed.faults == {"last wills": "What was active at the start stays active: it is torn."}
+    assert new.sensed.faults == {
+        "last wills": "No last will was executed, because it is torn: what was active stays active."
+    }
     assert new.hello("grip", OTHER, GRIP, (), 20 * S)
 
 

@@ -229,7 +229,9 @@ class Keeper:
         doubt = memory.doubt or self._differing(memory.levels)
         if doubt and any(self.levels.values()):
             _log.error("no last will of the owner before this one is executed: %s", doubt)
-            self.sensed.latch(DOUBT, f"What was active at the start stays active: {doubt}.")
+            self.sensed.latch(
+                DOUBT, f"No last will was executed, because {doubt}: what was active stays active."
+            )
         for bequest in memory.clients:
             self._come_back(bequest._replace(will=()) if doubt else bequest, at)
 
