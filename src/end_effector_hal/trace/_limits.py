@@ -149,5 +149,7 @@ def still_there(path: Path, fd: int) -> None:
 def read_file(path: str | Path) -> bytes:
     """All of a regular file; raises OSError, also for what would be waited for, such as a pipe."""
     if not stat.S_ISREG(os.stat(path).st_mode):
+        if Path(path).is_dir():
+            raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
         raise OSError(errno.EINVAL, "this is no file")
     return Path(path).read_bytes()

@@ -202,8 +202,11 @@ class TraceWriter:
         self._end()
 
     def _take(self, batch: list[Entry]) -> None:
+        self._write(batch)
         with self._lock:
             self._queued -= len(batch)
+
+    def _write(self, batch: list[Entry]) -> None:
         segment = self._segment
         if segment is None:
             self._lose(batch[0][1], len(batch), "the disk does not work")
