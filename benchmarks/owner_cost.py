@@ -17,16 +17,19 @@ from typing import Any
 from figures import Figures, figures
 from usage import Meter, Usage
 
+from end_effector_hal.arbiter import OwnerClient, Teller
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import output_lines, program_lines
-from end_effector_hal.wires import OwnerClient, Teller, VirtualChip, VirtualLines, WillStep, now_us
+from end_effector_hal.runtime import output_lines, program_lines
+from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 
 # The owner of the tool without IL-10, whose wait would be all that is measured.
 OWNER = """
 import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import owner_policy
+from end_effector_hal.runtime import owner_policy
 from end_effector_hal.wires import VirtualLines, serve
 chip, socket = sys.argv[1:]
 policy = replace(owner_policy(load(profile_path())), min_switch_us=0)

@@ -15,9 +15,11 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import Unit
-from end_effector_hal.tool.boundary import NOBODY, open_recorder
-from end_effector_hal.wires import Frame, WillStep, now_us
+from end_effector_hal.runtime import Unit
+from end_effector_hal.runtime.boundary import NOBODY, open_recorder
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.wires import now_us
 
 FRAMES, WARM_UP, PERIOD_S = 150, 20, 0.02
 REST = {

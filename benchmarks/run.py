@@ -20,9 +20,9 @@ from owner_cost import measure_owner
 from rich.console import Console
 from table import print_latencies, print_owner, print_usage, print_verification
 
-from end_effector_hal.demo import need_ros
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import EndEffectorError, RosError
+from end_effector_hal.errors import ReportedError, RosError
+from end_effector_lab.demo import need_ros
 
 PARTS = {"core": "without ROS", "ros": "through ROS"}
 OTHERS = ("owner", "verification")
@@ -105,6 +105,6 @@ if __name__ == "__main__":
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         sys.exit(main())
-    except EndEffectorError as error:
+    except ReportedError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_code)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from usage import Meter, Usage
 
-from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.errors import ReportedError
 
 from ._driven import Driven
 from ._floor import Floor
@@ -54,7 +54,7 @@ def measure(
             result.product.append(pair[0])
             result.floor.append(pair[1])
     if not result.product:
-        raise EndEffectorError("No block could be measured.", todo="Is the machine very busy? Try again.")
+        raise ReportedError("No block could be measured.", todo="Is the machine very busy? Try again.")
     return result
 
 
@@ -65,7 +65,7 @@ def hold(
     say(f"holding for {seconds:g} s")
     client.tell("grip")
     if failed := client.wait_done(expected_s=1.0, timeout_s=LONGEST_S):
-        raise EndEffectorError(f"It could not be gripped: {failed[-1]}")
+        raise ReportedError(f"It could not be gripped: {failed[-1]}")
     meter = Meter(pids)
     time.sleep(seconds)
     return meter.read()

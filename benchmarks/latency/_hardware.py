@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from end_effector_hal.demo._child import Child
-from end_effector_hal.demo._world import EEHAL, START_S, World
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LinkError, OwnerError
+from end_effector_lab.demo._child import Child
+from end_effector_lab.demo._world import EEHAL, START_S, World
 
 
 class Hardware(World):

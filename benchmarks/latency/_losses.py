@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from end_effector_hal.description import Description, VacuumActuator
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
 
 from ._blocks import LONGEST_S, Tail, read
 from ._driven import Driven

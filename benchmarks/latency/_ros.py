@@ -7,10 +7,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from end_effector_hal.demo._children import Children
-from end_effector_hal.demo._master import Master
 from end_effector_hal.description import Description
 from end_effector_hal.errors import RosError
+from end_effector_lab.demo._children import Children
+from end_effector_lab.demo._master import Master
 
 from ._blocks import Tail, hold, measure
 from ._driven import Driven

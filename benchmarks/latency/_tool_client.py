@@ -14,8 +14,9 @@ import threading
 import time
 from pathlib import Path
 
-from end_effector_hal.tool import EndEffector, Status
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.control import Status
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import be_steady, now_us
 
 LOST_S = 10.0

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.errors import ReportedError
 
 BENCHMARKS = Path(__file__).parents[1]
 
@@ -53,13 +53,13 @@ class Subject:
 
 
 def check(name: str, size: int, longest_s: float) -> Subject:
-    """Check a subject of `_worker` in a process of its own; raises EndEffectorError when that fails."""
+    """Check a subject of `_worker` in a process of its own; raises ReportedError when that fails."""
     command = [sys.executable, "-m", "verification._worker", name, str(size)]
     try:
         done = subprocess.run(command, cwd=BENCHMARKS, capture_output=True, timeout=longest_s)
         finished, text = done.returncode == 0, done.stdout
         if not finished:
-            raise EndEffectorError(f"{name} {size} failed:\n{done.stderr.decode()[-2000:]}")
+            raise ReportedError(f"{name} {size} failed:\n{done.stderr.decode()[-2000:]}")
     except subprocess.TimeoutExpired as stopped:
         finished, text = False, stopped.stdout or b""
     notes = [json.loads(line) for line in text.decode().split("\n")[:-1]]

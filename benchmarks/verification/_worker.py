@@ -14,11 +14,11 @@ import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from end_effector_hal.automata import Network, load_network, make_network, read_document
-from end_effector_hal.automata.explore import Explorer
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool.proof import prove, requirements_of
+from end_effector_hal.verification.proof import prove, requirements_of
+from timed_automata import Network, load_network, make_network, read_document
+from timed_automata.explore import Explorer
 
 from ._fischer import fischer
 

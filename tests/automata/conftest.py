@@ -9,8 +9,8 @@ from xml.sax.saxutils import escape, unescape
 
 import pytest
 
-from end_effector_hal.automata import Network, State, Transition, load_network
-from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.errors import ReportedError
+from timed_automata import Network, State, Transition, load_network
 
 _LABELS = {"select": "select", "guard": "guard", "sync": "synchronisation", "assign": "assignment"}
 
@@ -105,10 +105,10 @@ def value() -> Callable[[Network, State, str], int]:
 
 
 @pytest.fixture
-def pointed() -> Callable[[EndEffectorError], str]:
+def pointed() -> Callable[[ReportedError], str]:
     """What stands in the file at the place that an error names, to the end of the line, without escapes."""
 
-    def pointed(error: EndEffectorError) -> str:
+    def pointed(error: ReportedError) -> str:
         file, line, column = error.where.rsplit(":", 2)
         return unescape(Path(file).read_text(encoding="utf-8").split("\n")[int(line) - 1][int(column) - 1 :])
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import RangeError, Semantics
+from end_effector_hal.errors import RangeError
+from timed_automata import Semantics
 
 
 def fired(load, declarations, updates, **constants):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import make_network, read_document
 from end_effector_hal.errors import ModelError
+from timed_automata import make_network, read_document
 
 # (declarations, template's declarations, edge, what the message says, what the place points at)
 MISTAKES = [

@@ -2,8 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import Change, Event, Execution, RangeError
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import RangeError, UsageError
+from timed_automata import Change, Event, Execution
 
 MS = 1000
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from end_effector_hal.automata import Event, Execution, _outlook, load_network
+from timed_automata import Event, Execution, _outlook, load_network
 
 MODEL = Path(__file__).parent / "models" / "two_steps.xml"
 EVENTS = ["begin", "stop", "confirmed[0]", "confirmed[1]", "gone[0]", "gone[1]"]

@@ -2,8 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import Event, Execution, RangeError
-from end_effector_hal.errors import ModelError, UsageError
+from end_effector_hal.errors import ModelError, RangeError, UsageError
+from timed_automata import Event, Execution
 
 MS = 1000
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from end_effector_hal.automata import RangeError, Semantics, load_network, make_network, read_document
-from end_effector_hal.errors import ModelError
+from end_effector_hal.errors import ModelError, RangeError
+from timed_automata import Semantics, load_network, make_network, read_document
 
 WORLD = """
 int[-100000, 100000] r;

@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.automata import (
+from end_effector_hal.errors import ModelError
+from timed_automata import (
     Network,
     _definitions,
     _parser,
@@ -18,7 +19,7 @@ from end_effector_hal.automata import (
     make_network,
     read_document,
 )
-from end_effector_hal.automata._limits import (
+from timed_automata._limits import (
     DIGITS,
     ELEMENTS,
     FILE_BYTES,
@@ -30,7 +31,6 @@ from end_effector_hal.automata._limits import (
     XML_DEPTH,
     XML_ELEMENTS,
 )
-from end_effector_hal.errors import ModelError
 
 BIG = 2_000_000_000
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import load_network
 from end_effector_hal.errors import ModelError
+from timed_automata import load_network
 
 CONSTRUCTS = [
     ("struct { int a; } s;", "", "'struct', a structure", "struct"),

@@ -2,7 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import RangeError, Semantics
+from end_effector_hal.errors import RangeError
+from timed_automata import Semantics
 
 IDLE = "state A, B; init A; trans"
 
@@ -12,7 +13,7 @@ def after(network, transition):
 
 
 def test_a_state_is_a_value():
-    from end_effector_hal.automata import State
+    from timed_automata import State
 
     assert {State((0, 1), (2,)): 1}[State((0, 1), (2,))] == 1
 

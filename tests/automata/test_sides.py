@@ -2,8 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import Execution
 from end_effector_hal.errors import ModelError, UsageError
+from timed_automata import Execution
 
 QUIET = "state A; init A;"
 

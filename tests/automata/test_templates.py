@@ -2,8 +2,8 @@
 
 import pytest
 
-from end_effector_hal.automata import Semantics, load_network
 from end_effector_hal.errors import ModelError
+from timed_automata import Semantics, load_network
 
 
 def all_values(network):

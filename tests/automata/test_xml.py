@@ -6,16 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from end_effector_hal import automata
-from end_effector_hal.automata import (
-    export,
-    load_document,
-    load_network,
-    make_network,
-    read_document,
-    write_document,
-)
+from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError, UsageError
+from timed_automata import export, load_document, load_network, make_network, read_document, write_document
 
 LAMP = Path(__file__).parent / "models" / "lamp.xml"
 
@@ -193,5 +186,5 @@ def test_what_is_no_uppaal_file(source, message):
 
 
 def test_the_shipped_automata_are_read_and_written_back():
-    path = Path(automata.__file__).parents[1] / "profiles" / "verdin_gripper" / "end_effector.xml"
+    path = load(profile_path()).automata_path
     assert export(load_network(path)) == path.read_bytes()

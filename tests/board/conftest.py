@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from by_hand import only_when_asked
 
-from end_effector_hal.board import board_parts
+from end_effector_lab.board import board_parts
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "gpiochip"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from owned import Owner
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import output_lines
+from end_effector_hal.runtime import output_lines
 
 LINES = sorted(output_lines(load(profile_path())))
 HELD = dict.fromkeys(LINES, False) | {"SODIMM_208": True, "SODIMM_212": True}

@@ -11,11 +11,11 @@ import pytest
 from rich.console import Console
 from same_story import differences
 
-from end_effector_hal.board import play_on_board, run_board
-from end_effector_hal.demo import Scenario, run_demo, scenarios
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.testbench import edges_of
-from end_effector_hal.trace import StatesLog, read_states
+from end_effector_hal.recording import StatesLog, read_states
+from end_effector_lab.board import play_on_board, run_board
+from end_effector_lab.demo import Scenario, run_demo, scenarios
+from end_effector_lab.testbench import edges_of
 
 HERE = Path(__file__).parent
 TOOL = load(profile_path())

@@ -11,15 +11,15 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.board import _parts as module
-from end_effector_hal.board import board_parts, need_its_wires
-from end_effector_hal.board._cpio import write_archive
-from end_effector_hal.board._kept import keep
-from end_effector_hal.board._root import write_root
-from end_effector_hal.cli._board import command
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import BoardError, RosError, UsageError
-from end_effector_hal.testbench import Events, edges_of
+from end_effector_lab.board import _parts as module
+from end_effector_lab.board import board_parts, need_its_wires
+from end_effector_lab.board._cpio import write_archive
+from end_effector_lab.board._kept import keep
+from end_effector_lab.board._root import write_root
+from end_effector_lab.commands._board import command
+from end_effector_lab.testbench import Events, edges_of
 
 EEHAL = (sys.executable, "-c", "from end_effector_hal.cli import main; main()")
 
@@ -62,7 +62,7 @@ def older(tmp_path: Path, name: str) -> Path:
 
 IN_USE = """
 import pathlib, sys
-from end_effector_hal.board._kept import keep
+from end_effector_lab.board._kept import keep
 
 print(keep(pathlib.Path(sys.argv[1])), flush=True)
 input()
@@ -183,7 +183,7 @@ def test_the_root_is_what_was_built_and_the_project_and_the_job(tmp_path: Path) 
         b"job\0",
         b"echo done",
         b"opt/more\0",
-        b"site/end_effector_hal/cli/_board.py\0",
+        b"site/end_effector_lab/commands/_board.py\0",
         b"RNDADDENTROPY",
     ):
         assert part in root

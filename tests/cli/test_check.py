@@ -10,9 +10,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from end_effector_hal.cli import _check, _schema
+from end_effector_hal.codecs import codec_of
 from end_effector_hal.description import load, markdown, profile_path, schema_text
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires.codecs import codec_of
 
 SHIPPED = profile_path().read_text(encoding="utf-8")
 Check = Callable[..., Result]

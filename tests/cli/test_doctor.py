@@ -23,21 +23,17 @@ from click.testing import CliRunner, Result
 from proving import proving
 from stranger import as_nobody
 
-from end_effector_hal.cli import _doctor, _doctor_lines, _doctor_machine, _doctor_ros
-from end_effector_hal.cli._doctor_finding import Finding, Level
-from end_effector_hal.cli._doctor_holders import holders_of
-from end_effector_hal.demo._world import EEHAL, World
+from end_effector_hal.arbiter import LineOwner
+from end_effector_hal.cli.doctor import _doctor, _lines, _link, _machine, _owner, _ros
+from end_effector_hal.cli.doctor._finding import Finding, Level
+from end_effector_hal.cli.doctor._holders import holders_of
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.tool import output_lines, owner_policy
-from end_effector_hal.wires import (
-    Frame,
-    LineOwner,
-    PtyPair,
-    VirtualChip,
-    VirtualLines,
-    get_codec,
-    read_chip,
-)
+from end_effector_hal.runtime import output_lines, owner_policy
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires.lines import VirtualChip, VirtualLines, read_chip
+from end_effector_hal.wires.link import PtyPair
+from end_effector_lab.demo._world import EEHAL, World
 
 LINES = output_lines(load(profile_path()))
 CODEC = get_codec("ees1-ascii")
@@ -222,7 +218,7 @@ def test_never_a_traceback(machine: Machine, monkeypatch: pytest.MonkeyPatch) ->
     def breaks() -> Iterator[Finding]:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(_doctor_ros, "look_at_ros", breaks)
+    monkeypatch.setattr(_ros, "look_at_ros", breaks)
     assert machine.finding("ros") == (
         "missing",
         "it could not be looked at: ZeroDivisionError: no reason given",
@@ -296,7 +292,7 @@ def gpio(name: str, consumer: str | None = None, *, used: bool = False) -> Simpl
 
 def look_at(kernel: object, folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setitem(sys.modules, "gpiod", kernel)  # type: ignore[arg-type]
-    found = _doctor_lines.look_at_lines(load(profile_path()), LINES, f"{folder}/chip*")
+    found = _lines.look_at_lines(load(profile_path()), LINES, f"{folder}/chip*")
     return [f"{finding.level.value}: {finding.what}" for finding in found]
 
 
@@ -333,7 +329,7 @@ def test_no_chip_and_the_wrong_library(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
-    from end_effector_hal.wires import OwnerClient
+    from end_effector_hal.arbiter import OwnerClient
 
     proven = proving(machine.socket, locked=True, nothing_gripped=False, parked=True)
     machine.findings("owner")  # the first look takes longer than what is said counts
@@ -352,7 +348,7 @@ def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
 
 
 def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(machine: Machine, owner: LineOwner) -> None:
-    from end_effector_hal.wires import OwnerClient
+    from end_effector_hal.arbiter import OwnerClient
 
     with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client:
         client.latch("sensor_fault", "IL-04: both bits are set.")
@@ -398,9 +394,8 @@ def test_an_owner_that_hangs_is_named(machine: Machine) -> None:
 def test_an_owner_where_somebody_else_put_it(
     machine: Machine, owner: LineOwner, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from end_effector_hal.cli import _doctor_owner
 
-    monkeypatch.setattr(_doctor_owner, "_FOLDERS", (tmp_path,))
+    monkeypatch.setattr(_owner, "_FOLDERS", (tmp_path,))
     machine.describe(text=machine.path.read_text().replace(f"{machine.socket}", f"{tmp_path}/x/owner.sock"))
     assert machine.finding("owner") == (
         "missing",
@@ -411,7 +406,7 @@ def test_an_owner_where_somebody_else_put_it(
 
 STRANGER = """
 import contextlib, io, sys
-from end_effector_hal.cli._doctor import command
+from end_effector_hal.cli.doctor._doctor import command
 with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
     command(["/dev/stdin", *sys.argv[1:]])  # as root: whatever it takes to look is loaded by this
 become_nobody(groups)
@@ -477,9 +472,8 @@ def test_a_channel_that_the_tool_does_not_use_is_no_matter(machine: Machine) -> 
 
 
 def test_silence_noise_and_another_codec(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    from end_effector_hal.cli import _doctor_link
 
-    monkeypatch.setattr(_doctor_link, "LISTEN_US", 200_000)
+    monkeypatch.setattr(_link, "LISTEN_US", 200_000)
     with PtyPair(machine.port) as pty:
         assert machine.finding("link")[:2] == (
             "missing",
@@ -607,7 +601,7 @@ def test_no_master(machine: Machine, monkeypatch: pytest.MonkeyPatch, uri: str) 
 
 
 def test_without_ros_the_tool_runs(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_doctor_ros, "PACKAGES", ("rospy", "no_such_package"))
+    monkeypatch.setattr(_ros, "PACKAGES", ("rospy", "no_such_package"))
     absent, *_ = machine.findings("ros")
     assert (absent[0], "no_such_package" in absent[1]) == ("warning", True)
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
@@ -624,7 +618,7 @@ def test_messages_without_their_launch_files(machine: Machine, monkeypatch: pyte
 
     stand_in = SimpleNamespace(RosPack=RosPack, ResourceNotFound=NotFound)
     monkeypatch.setitem(sys.modules, "rospkg", stand_in)  # type: ignore[arg-type]
-    monkeypatch.setattr(_doctor_ros, "_there", lambda name: True)
+    monkeypatch.setattr(_ros, "_there", lambda name: True)
     what = "end_effector_msgs are built; roslaunch does not find end_effector_hal"
     assert ("warning", what) in [finding[:2] for finding in machine.findings("ros")]
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
@@ -638,23 +632,23 @@ def test_hints_about_time() -> None:
     def told(finding: Finding) -> tuple[Level, str]:
         return finding.level, finding.what
 
-    assert told(_doctor_machine.kernel("#1 SMP PREEMPT_DYNAMIC x", realtime=False))[0] is Level.OK
-    assert told(_doctor_machine.kernel("#1 SMP PREEMPT_RT x", realtime=False)) == (
+    assert told(_machine.kernel("#1 SMP PREEMPT_DYNAMIC x", realtime=False))[0] is Level.OK
+    assert told(_machine.kernel("#1 SMP PREEMPT_RT x", realtime=False)) == (
         Level.OK,
         "kernel with PREEMPT_RT",
     )
-    assert told(_doctor_machine.kernel("#1 SMP x", realtime=False))[0] is Level.WARNING
-    assert told(_doctor_machine.load(2.0, 2)) == (Level.OK, "load 2.0 on 2 processors")
-    assert told(_doctor_machine.load(1.1, 1))[0] is Level.WARNING
-    assert told(_doctor_machine.lateness(25_000, 50_000))[0] is Level.OK
-    assert told(_doctor_machine.lateness(25_001, 50_000))[0] is Level.WARNING
-    assert told(_doctor_machine.lateness(99_000, None))[0] is Level.OK
+    assert told(_machine.kernel("#1 SMP x", realtime=False))[0] is Level.WARNING
+    assert told(_machine.load(2.0, 2)) == (Level.OK, "load 2.0 on 2 processors")
+    assert told(_machine.load(1.1, 1))[0] is Level.WARNING
+    assert told(_machine.lateness(25_000, 50_000))[0] is Level.OK
+    assert told(_machine.lateness(25_001, 50_000))[0] is Level.WARNING
+    assert told(_machine.lateness(99_000, None))[0] is Level.OK
 
 
 def test_the_reaction_bound_is_that_of_the_description(
     machine: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_doctor_machine, "worst_wake_up_us", lambda: 7_000)
+    monkeypatch.setattr(_machine, "worst_wake_up_us", lambda: 7_000)
     text = machine.path.read_text()
     machine.describe(text=text.replace("reaction_ms: 50", "reaction_ms: 10"))
     assert machine.findings("machine")[-1][:2] == (

@@ -12,7 +12,7 @@ import pytest
 
 from end_effector_hal.cli import main
 from end_effector_hal.description import profile_path
-from end_effector_hal.wires import VirtualChip
+from end_effector_hal.wires.lines import VirtualChip
 
 SHAPE = {"code", "file", "line", "column", "message"}
 

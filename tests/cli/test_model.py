@@ -11,9 +11,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from end_effector_hal.cli._main import main
-from end_effector_hal.cli._model import command
+from end_effector_hal.cli.model._model import command
 from end_effector_hal.description import profile_path
-from end_effector_hal.trace import read_run, read_states
+from end_effector_hal.recording import read_run, read_states
 
 SHIPPED = profile_path()
 AUTOMATA = SHIPPED.with_name("end_effector.xml")

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 from patience import wait_until
 
-from end_effector_hal.demo._world import EEHAL, World
+from end_effector_hal.arbiter import OwnerClient
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import NotReadyError
-from end_effector_hal.tool import EndEffector
-from end_effector_hal.wires import OwnerClient
+from end_effector_hal.runtime import EndEffector
+from end_effector_lab.demo._world import EEHAL, World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
 LONG_S = 60.0

@@ -13,10 +13,11 @@ import pytest
 from patience import PATIENCE_S, wait_until
 from small_disk import SmallDisk, small_disk
 
-from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool.replay import load_trace, traces_of
-from end_effector_hal.trace import EndEffectorState, read_run, read_states
+from end_effector_hal.recording import read_run, read_states
+from end_effector_hal.verification.replay import load_trace, traces_of
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.demo._world import EEHAL, World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(240)]
 

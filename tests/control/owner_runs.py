@@ -6,14 +6,13 @@ import random
 import re
 from dataclasses import dataclass, field
 
-from end_effector_hal.automata import make_network, read_document
-from end_effector_hal.automata.explore import Explorer
+from end_effector_hal.arbiter import Keeper, Policy
 from end_effector_hal.control import Status, model_constants, will_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.trace import Command, EndEffectorState
-from end_effector_hal.wires import WillStep
-from end_effector_hal.wires.owner import Keeper, Policy
+from end_effector_hal.vocabulary import Command, EndEffectorState, WillStep
+from timed_automata import make_network, read_document
+from timed_automata.explore import Explorer
 
 MS = 1000
 _KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Owner|Wills)</name>.*?</template>\n", re.DOTALL)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.control import Evidence, Predicates, Senses, ToolEvidence
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.sensing import Predicates, Senses
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import Evidence, ToolEvidence
 
 PERIOD = 20_000
 

@@ -8,8 +8,9 @@ import pytest
 from tests.declared import declared
 from virtual_tool import VirtualTool
 
-from end_effector_hal.control import Cause, Status, will_of
+from end_effector_hal.control import Status, will_of
 from end_effector_hal.description import Description
+from end_effector_hal.vocabulary import Cause
 
 OFF, GRIPPING, GRIP_ERROR, GRIPPED, RELEASING, RELEASE_ERROR, STAND_BY = range(7)
 NONE, GRIP, RELEASE, CANCEL = -1, 2, 3, 4

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.control import Cause
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.vocabulary import Cause
 
 OFF, GRIPPING, GRIP_ERROR, GRIPPED, RELEASING, RELEASE_ERROR, STAND_BY = range(7)
 NONE, GRIP, RELEASE, CANCEL = -1, 2, 3, 4

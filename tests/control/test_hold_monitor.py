@@ -9,10 +9,12 @@ from random import Random
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.control import Senses, Status
-from end_effector_hal.control._hold_monitor import HoldMonitor
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.sensing import Senses
+from end_effector_hal.sensing._hold_monitor import HoldMonitor
+from end_effector_hal.signals import Frame
 
 GRIP_ERROR, GRIPPED, STAND_BY = 2, 3, 6
 

@@ -7,7 +7,7 @@ from virtual_tool import VirtualTool
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.wires import Frame
+from end_effector_hal.signals import Frame
 
 DUE = 6_000_000
 

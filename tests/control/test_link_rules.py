@@ -5,9 +5,12 @@ from __future__ import annotations
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.control import Evidence, Senses, Status
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.sensing import Senses
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import Evidence
 
 GRIPPED, STAND_BY = 3, 6
 PERIOD = 20_000

@@ -8,9 +8,9 @@ import pytest
 from owner_runs import random_run
 from tests.declared import declared
 
+from end_effector_hal.arbiter import Keeper, Policy
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.tool import owner_policy
-from end_effector_hal.wires.owner import Keeper, Policy
+from end_effector_hal.runtime import owner_policy
 
 SEEDS = range(24)
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.control import Predicates, predicates_fitted
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, EStop, load, profile_path
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.sensing import Predicates, predicates_fitted
+from end_effector_hal.signals import Frame
 
 MS, PERIOD = 1_000, 20_000
 QUIET = {

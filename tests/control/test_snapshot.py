@@ -13,11 +13,11 @@ from pydantic import TypeAdapter
 from pydantic_core import to_json
 from virtual_tool import VirtualTool
 
-from end_effector_hal.automata import load_network
 from end_effector_hal.control import Controller, ControllerSnapshot, model_constants
-from end_effector_hal.control._memory import PART
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
+from end_effector_hal.signals._memory import PART
+from timed_automata import load_network
 
 DESCRIPTION = load(profile_path())
 NETWORK = load_network(DESCRIPTION.automata_path, model_constants(DESCRIPTION))

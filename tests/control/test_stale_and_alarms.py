@@ -10,11 +10,12 @@ from pathlib import Path
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.automata import Network, load_network
+from end_effector_hal.codecs import Decoder, get_codec
 from end_effector_hal.control import Status, model_constants
 from end_effector_hal.description import Description, EStop, load, profile_path, used_channels
-from end_effector_hal.trace import display_name
-from end_effector_hal.wires import Decoder, Frame, Kind, Value, get_codec
+from end_effector_hal.signals import Frame, Kind, Value
+from end_effector_hal.vocabulary import display_name
+from timed_automata import Network, load_network
 
 GRIPPED, STAND_BY = 3, 6
 MIXED = Path(__file__).parents[1] / "kill_matrix" / "mixed_endings.yaml"

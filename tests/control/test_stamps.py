@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.control import Predicates, Senses, StampGate, Status
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.tool import Witness
-from end_effector_hal.wires import Frame, Value, get_codec
+from end_effector_hal.runtime import Witness
+from end_effector_hal.sensing import Predicates, Senses
+from end_effector_hal.signals import Frame, StampGate, Value
 
 GRIPPING, GRIPPED, STAND_BY = 1, 3, 6
 YEAR_2038 = 2_147_483_647_000_000

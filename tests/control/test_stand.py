@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.control import ToolPlace, tool_place
-from end_effector_hal.control._readings import Readings
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import ToolChanger, load, profile_path
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.sensing import ToolPlace, tool_place
+from end_effector_hal.sensing._readings import Readings
+from end_effector_hal.signals import Frame
 
 CHANGER = ToolChanger(line="SODIMM_206")
 

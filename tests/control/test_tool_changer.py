@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.automata import load_network
-from end_effector_hal.control import Answer, ChangerFault, ChangerState, Controller, Status, model_constants
+from end_effector_hal.control import Answer, Controller, Status, model_constants
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.wires import Frame
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import ChangerFault, ChangerState
+from timed_automata import load_network
 
 STAND_BY, GRIPPED = 6, 3
 READINGS = {

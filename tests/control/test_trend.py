@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from end_effector_hal.control._trend import Trend
+from end_effector_hal.signals._trend import Trend
 
 PERIOD = 20_000
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from end_effector_hal.automata import Network, load_network
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Answer, Controller, Status, model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import Bench, SensorBoard, Sent
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.signals import Frame
+from end_effector_lab.testbench import Bench, SensorBoard, Sent
+from timed_automata import Network, load_network
 
 
 class VirtualTool:

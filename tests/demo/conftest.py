@@ -8,9 +8,10 @@ import pytest
 from virtual_tool import VirtualTool
 
 from end_effector_hal.control import Status
-from end_effector_hal.demo import Scenario, scenarios
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.trace import Command, EndEffectorState, StatesLog, StatesWriter, read_states
+from end_effector_hal.recording import StatesLog, StatesWriter, read_states
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_lab.demo import Scenario, scenarios
 
 NAMES = {
     Command.LOCK: "lock",

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.demo._children import Children
 from end_effector_hal.errors import OwnerError
+from end_effector_lab.demo._children import Children
 
 pytestmark = pytest.mark.wall
 

@@ -16,14 +16,14 @@ import pytest
 from click.testing import CliRunner
 from rich.console import Console
 
-from end_effector_hal.cli._demo import command
-from end_effector_hal.demo import Report, fresh_folder, judge, need_ros, print_table, run_demo, scenarios
-from end_effector_hal.demo import _world as world_module
 from end_effector_hal.description import Description, profile_path
-from end_effector_hal.errors import EndEffectorError, OwnerError, RosError, UsageError
-from end_effector_hal.testbench import Testbench, open_inputs, open_port
-from end_effector_hal.trace import StatesLog, read_pressures, read_run, read_states
-from end_effector_hal.wires import read_chip
+from end_effector_hal.errors import OwnerError, ReportedError, RosError, UsageError
+from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
+from end_effector_hal.wires.lines import read_chip
+from end_effector_lab.commands._demo import command
+from end_effector_lab.demo import Report, fresh_folder, judge, need_ros, print_table, run_demo, scenarios
+from end_effector_lab.demo import _world as world_module
+from end_effector_lab.testbench import Testbench, open_inputs, open_port
 
 FILES = {
     "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv",
@@ -203,7 +203,7 @@ class Played:
 
     def __init__(self) -> None:
         self.reports: list[Report] = []
-        self.error: EndEffectorError | None = None
+        self.error: ReportedError | None = None
         self.asked: dict[str, Any] = {}
 
     def __call__(
@@ -219,7 +219,7 @@ class Played:
 def played(monkeypatch: pytest.MonkeyPatch, reports: list[Report]) -> Played:
     stand_in = Played()
     stand_in.reports = reports
-    monkeypatch.setattr("end_effector_hal.demo.run_demo", stand_in)
+    monkeypatch.setattr("end_effector_lab.demo.run_demo", stand_in)
     return stand_in
 
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.demo import Report, Scenario, judge, scenarios
 from end_effector_hal.description import Description
-from end_effector_hal.trace import Command, EndEffectorState, StatesLog, StatesRow
+from end_effector_hal.recording import StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_lab.demo import Report, Scenario, judge, scenarios
 
 NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
 Rows = list[StatesRow]

@@ -10,8 +10,14 @@ import pytest
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.description import load as load_description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.tool import Recording, content_hash, run_info
-from end_effector_hal.trace import read_pressures, read_run, read_states
+from end_effector_hal.recording import (
+    Recording,
+    content_hash,
+    read_pressures,
+    read_run,
+    read_states,
+    run_info,
+)
 from end_effector_hal.wires import now_us
 
 S = 1_000_000

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.demo._answers import answered
-from end_effector_hal.demo._replayed import replayed
 from end_effector_hal.description import Description
-from end_effector_hal.tool.boundary import open_recorder
+from end_effector_hal.runtime.boundary import open_recorder
+from end_effector_lab.demo._answers import answered
+from end_effector_lab.demo._replayed import replayed
 
 
 @pytest.fixture

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from tests.declared import declared
 
-from end_effector_hal.demo import Scenario, culprit_of, scenarios, unplayable
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import parse_scenario
-from end_effector_hal.tool import read_script
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.runtime import read_script
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_lab.demo import Scenario, culprit_of, scenarios, unplayable
+from end_effector_lab.testbench import parse_scenario
 
 NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
 

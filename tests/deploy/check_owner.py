@@ -8,10 +8,12 @@ import sys
 import time
 from itertools import pairwise
 
+from end_effector_hal.arbiter import OwnerClient, Teller
 from end_effector_hal.description import load
-from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.tool import program_lines
-from end_effector_hal.wires import OwnerClient, Teller, now_us, read_chip
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.runtime import program_lines
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import read_chip
 
 CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-owner"
 BOTTOM, CYLINDER, TOP = program_lines(load("/etc/eehal/end_effector.yaml"), "grip")
@@ -36,7 +38,7 @@ def serves(other_than):
             with OwnerClient(SOCKET, "check", patience_s=0) as client:
                 if client.status()["pid"] != other_than:
                     return time.monotonic() - begin
-        except EndEffectorError:
+        except ReportedError:
             pass
         time.sleep(0.05)
     return None

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import output_lines, program_lines
-from end_effector_hal.wires import VirtualChip
+from end_effector_hal.runtime import output_lines, program_lines
+from end_effector_hal.wires.lines import VirtualChip
 
 DEPLOY = Path(__file__).parents[2] / "deploy" / "systemd"
 CHECK = Path(__file__).with_name("check_owner.py")

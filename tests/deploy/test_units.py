@@ -12,7 +12,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.tool import owner_policy
+from end_effector_hal.runtime import owner_policy
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 UNITS = sorted((DEPLOY / "systemd").glob("*.service"))
@@ -120,7 +120,7 @@ def test_containers_have_what_they_need_and_no_more() -> None:
 
 
 def test_a_container_is_well_when_the_doctor_says_so() -> None:
-    from end_effector_hal.cli._doctor import PARTS
+    from end_effector_hal.cli.doctor._doctor import PARTS
 
     recipe = (DEPLOY / "container" / "Containerfile").read_text()
     default = re.search(r"EEHAL_HEALTH=(\S+)", recipe)
@@ -133,7 +133,7 @@ def test_a_container_is_well_when_the_doctor_says_so() -> None:
 
 
 def test_the_image_has_a_package_for_every_module_of_ros() -> None:
-    from end_effector_hal.cli._doctor_ros import PACKAGES
+    from end_effector_hal.cli.doctor._ros import PACKAGES
 
     packages = (DEPLOY / "container" / "packages.txt").read_text().split()
     assert packages == sorted(packages)

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import _paths, load, profile_path, run_directory
-from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.tool import run_owner
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.runtime import run_owner
 
 VICTIM, OTHER = 65_534, 65_533
 
@@ -38,7 +38,7 @@ def as_user(uid: int, do: Callable[[], object]) -> str:
             os.setgid(uid)
             os.setuid(uid)
             said = str(do())
-        except EndEffectorError as error:
+        except ReportedError as error:
             said = str(error)
         except BaseException as error:  # noqa: BLE001 whatever it is, the parent must see it
             said = repr(error)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from end_effector_hal.trace import EndEffectorState, StatesLog
+from end_effector_hal.recording import StatesLog
+from end_effector_hal.vocabulary import EndEffectorState
 
 States = tuple[int, ...]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from end_effector_hal.wires import Edge
+from end_effector_hal.wires.lines import Edge
 
 
 def edges_of(events: Path) -> list[Edge]:

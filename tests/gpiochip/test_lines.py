@@ -9,8 +9,8 @@ from guest import HERE, run_guest
 from machines import Machine
 
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import VirtioGpioInputs
-from end_effector_hal.tool import output_lines
+from end_effector_hal.runtime import output_lines
+from end_effector_lab.testbench.virtio_gpio import VirtioGpioInputs
 
 PYTEST = "pytest -q -p no:cacheprovider --timeout 240"
 LONGEST_S = 240.0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from same_story import same_story
 
-from end_effector_hal.trace import Command, EndEffectorState, StatesLog, StatesRow
+from end_effector_hal.recording import StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 State = EndEffectorState
 STORY = (

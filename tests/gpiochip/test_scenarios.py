@@ -16,12 +16,13 @@ from same_story import same_story
 from seen import edges_of
 from virtual_lines import OnVirtualLines
 
-from end_effector_hal.demo import judge, scenarios
-from end_effector_hal.demo._children import Children
-from end_effector_hal.demo._pictures import draw
-from end_effector_hal.demo._world import EEHAL
 from end_effector_hal.description import Description
-from end_effector_hal.trace import EndEffectorState, StatesLog, read_run, read_states
+from end_effector_hal.recording import StatesLog, read_run, read_states
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.demo import judge, scenarios
+from end_effector_lab.demo._children import Children
+from end_effector_lab.demo._pictures import draw
+from end_effector_lab.demo._world import EEHAL
 
 NAMES = ("nominal", "fails-once", "never-confirms")
 ROS = os.environ.get("EEHAL_GPIOCHIP_ROS", "").split() or list(NAMES)

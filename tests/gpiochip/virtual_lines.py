@@ -10,9 +10,9 @@ from pathlib import Path
 
 from priority import GUEST, MEMORY, before_others
 
-from end_effector_hal.demo._world import EEHAL
 from end_effector_hal.description import Description
-from end_effector_hal.trace import StatesLog, read_states
+from end_effector_hal.recording import StatesLog, read_states
+from end_effector_lab.demo._world import EEHAL
 
 LONGEST_S = 300.0
 TIMES = 2

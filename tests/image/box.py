@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.demo._child import Child
-from end_effector_hal.demo._children import Children
+from end_effector_lab.demo._child import Child
+from end_effector_lab.demo._children import Children
 
 ISOLATION = os.environ.get("BUILDAH_ISOLATION", "chroot")
 

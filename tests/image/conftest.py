@@ -18,9 +18,9 @@ sys.path[:0] = [str(HERE)]
 
 from box import Box, buildah  # noqa: E402 its folder is in the path only now
 
-from end_effector_hal.demo._children import Children  # noqa: E402
-from end_effector_hal.demo._world import EEHAL  # noqa: E402
 from end_effector_hal.description import profile_path  # noqa: E402
+from end_effector_lab.demo._children import Children  # noqa: E402
+from end_effector_lab.demo._world import EEHAL  # noqa: E402
 
 ASKED = os.environ.get("EEHAL_IMAGE", "")
 MACHINE = {"x86_64": "amd64", "aarch64": "arm64"}.get(os.uname().machine)

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from box import Box
 
-from end_effector_hal.demo._child import Child
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import output_lines, program_lines
-from end_effector_hal.wires import VirtualChip
+from end_effector_hal.runtime import output_lines, program_lines
+from end_effector_hal.wires.lines import VirtualChip
+from end_effector_lab.demo._child import Child
 
 TOOL = load(profile_path())
 IMPORTS = (
-    "import end_effector_hal.tool, gpiod, pydantic_core, rospy, actionlib, end_effector_msgs.msg as msg, matplotlib;"
+    "import end_effector_hal.runtime, gpiod, pydantic_core, rospy, actionlib, end_effector_msgs.msg as msg, matplotlib;"
     "print(gpiod.api_version, msg.EndEffectorGoal.__name__)"
 )
 

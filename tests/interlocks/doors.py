@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from rig import BLOW_OFF, BOTTOM, CYLINDER, TOP, UNLOCK, Rig, refusal
 
-from end_effector_hal.control import ChangerState
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.vocabulary import ChangerState
+from end_effector_hal.vocabulary import EndEffectorState as State
 
 INTERLOCKS = tuple(f"IL-{number:02}" for number in range(1, 14))
 DOORS = ("action", "service", "socket")
@@ -294,7 +294,7 @@ def _(rig: Rig) -> str:
 
 @cell("IL-10", "action", r"^0 intervals under 50 ms$")
 def _(rig: Rig) -> str:
-    from end_effector_hal.wires import ChipWatcher, Edge
+    from end_effector_hal.wires.lines import ChipWatcher, Edge
 
     edges: list[Edge] = []
     with ChipWatcher(rig.chip, edges.append):
@@ -326,7 +326,7 @@ def _(rig: Rig) -> str:
 
 @cell("IL-11", "action", r"^0 activations after a restart$")
 def _(rig: Rig) -> str:
-    from end_effector_hal.tool import open_unit
+    from end_effector_hal.runtime import open_unit
 
     rig.gripped()
     rig.odd |= {"bottom": 0, "top": 0}

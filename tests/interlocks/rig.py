@@ -8,13 +8,16 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from end_effector_hal.control import Answer, ChangerState, Status
+from end_effector_hal.arbiter import LineOwner, OwnerClient
+from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import BlowOff, Description, EStop, VacuumActuator, load, profile_path
-from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.tool import Unit, Witness, open_unit, output_lines, owner_policy
-from end_effector_hal.trace import Command
-from end_effector_hal.trace import EndEffectorState as State
-from end_effector_hal.wires import Frame, LineOwner, OwnerClient, VirtualChip, VirtualLines, now_us
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.runtime import Unit, Witness, open_unit, output_lines, owner_policy
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import ChangerState, Command
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 
 UNLOCK, BOTTOM, CYLINDER, TOP = "SODIMM_206", "SODIMM_208", "SODIMM_210", "SODIMM_212"
 BLOW_OFF = "SODIMM_214"
@@ -169,6 +172,6 @@ def refusal(client: OwnerClient, line: str, **more: object) -> str:
     """The sentence of the owner; it must refuse."""
     try:
         client.set({line: True}, **more)  # type: ignore[arg-type]
-    except EndEffectorError as error:
+    except ReportedError as error:
         return str(error)
     raise AssertionError(f"{line} was activated")

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 
 from cells import GRIPPED, GRIPPING, RELEASING, UNLOCKING, Cell
 
-from end_effector_hal.control import ChangerState
 from end_effector_hal.description import Description
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.vocabulary import ChangerState
+from end_effector_hal.vocabulary import EndEffectorState as State
 
 Switch = tuple[str, bool]
 """A line and its new level."""

@@ -9,8 +9,8 @@ from typing import Any
 
 from waiting import until
 
-from end_effector_hal.demo._child import Child
-from end_effector_hal.demo._children import Children
+from end_effector_lab.demo._child import Child
+from end_effector_lab.demo._children import Children
 
 SUCCEEDED = 5
 

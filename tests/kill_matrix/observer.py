@@ -8,7 +8,7 @@ from pathlib import Path
 
 from waiting import until
 
-from end_effector_hal.wires import ChipWatcher, Edge, read_chip
+from end_effector_hal.wires.lines import ChipWatcher, Edge, read_chip
 
 
 class Observer:

@@ -17,8 +17,8 @@ from prepare import GONE, Prepared, prepare
 from system import LAUNCHED, System
 from waiting import Late, pause, until
 
-from end_effector_hal.control import ChangerState
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.vocabulary import ChangerState
+from end_effector_hal.vocabulary import EndEffectorState as State
 
 SETTLED_S = 30.0
 NOTICED_S = 2.5

@@ -9,9 +9,9 @@ from cells import GRIPPED, GRIPPING, RELEASING, STAND_BY, UNLOCKING, Cell
 from system import System
 from waiting import Late, until
 
-from end_effector_hal.control import ChangerState
-from end_effector_hal.demo._child import Child
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.vocabulary import ChangerState
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_lab.demo._child import Child
 
 GONE = 1
 

@@ -21,10 +21,10 @@ from system import System
 from table import show
 from waiting import Late, Stopped, stopping
 
-from end_effector_hal.demo import need_ros
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, profile_path
-from end_effector_hal.errors import EndEffectorError, UsageError
-from end_effector_hal.wires import load_tool
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_lab.demo import need_ros
 
 console = Console(width=190, highlight=False)
 
@@ -33,7 +33,7 @@ def main() -> int:
     arguments = _arguments()
     try:
         description, cells = _asked(arguments)
-    except EndEffectorError as error:
+    except ReportedError as error:
         Console(stderr=True, highlight=False, soft_wrap=True).print(error, markup=False)
         return error.exit_code
     if arguments.list:
@@ -41,7 +41,7 @@ def main() -> int:
         return 0
     try:
         need_ros()
-    except EndEffectorError as error:
+    except ReportedError as error:
         console.print(str(error))
         return 3
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
@@ -102,7 +102,7 @@ class Matrix:
                     again = self._play(system, again)
         except Stopped:
             return
-        except (EndEffectorError, Late) as error:
+        except (ReportedError, Late) as error:
             console.print(f"system {number} cannot be started: {error}", style="red")
 
     def _play(self, system: System, again: tuple[Cell, str] | None) -> tuple[Cell, str] | None:
@@ -113,7 +113,7 @@ class Matrix:
             play = Play(system, cell)
             try:
                 row = play.run()
-            except (Late, EndEffectorError) as error:
+            except (Late, ReportedError) as error:
                 wanted = play.expected.text(play.names)
                 row = Row(cell, wanted, f"could not be played: {error}", False, time.monotonic() - begun)
             if not row.ok and not before:
@@ -137,7 +137,7 @@ class Matrix:
 
 
 def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
-    """The tool, and its cells that are to be played; raises EndEffectorError."""
+    """The tool, and its cells that are to be played; raises ReportedError."""
     description = load_tool(arguments.description)
     if description.tool_changer is None:
         raise UsageError(

@@ -12,12 +12,12 @@ from hands import Hands
 from observer import Observer
 from waiting import Late, until
 
-from end_effector_hal.demo._child import Child
-from end_effector_hal.demo._master import Master
-from end_effector_hal.demo._world import EEHAL, World
+from end_effector_hal.arbiter import OwnerClient
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.errors import EndEffectorError, RosError
-from end_effector_hal.wires import OwnerClient
+from end_effector_hal.errors import ReportedError, RosError
+from end_effector_lab.demo._child import Child
+from end_effector_lab.demo._master import Master
+from end_effector_lab.demo._world import EEHAL, World
 
 LAUNCHED = ("HALMain", "Grip", "ToolChange", "Pressure", "Position", "LineOwner")
 START_S = 60.0
@@ -124,7 +124,7 @@ class System:
         try:
             with OwnerClient(self.plant.socket, "observer", patience_s=0.0, timeout_s=0.3) as owner:
                 return {each["client"] for each in owner.status()["clients"] if not each["ended"]}
-        except EndEffectorError:
+        except ReportedError:
             return set()
 
     def is_up(self) -> bool:

@@ -12,7 +12,7 @@ from expected import expected
 from tests.declared import declared
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.vocabulary import EndEffectorState as State
 
 UNLOCK, BOTTOM, CYLINDER, TOP = "SODIMM_206", "SODIMM_208", "SODIMM_210", "SODIMM_212"
 

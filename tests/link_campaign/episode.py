@@ -11,12 +11,12 @@ from faults import KINDS, NOMINAL, LinkFault, plant, together
 from judge import Judge, undetected
 from virtual_tool import VirtualTool
 
-from end_effector_hal.automata import Network
-from end_effector_hal.control import ChangerState, Status
+from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import Sent
-from end_effector_hal.trace import Command, EndEffectorState
-from end_effector_hal.wires import Frame
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
+from end_effector_lab.testbench import Sent
+from timed_automata import Network
 
 FUNCTIONS = ("rest", "grip", "hold", "drop", "cancel", "lock", "unlock")
 Cell = tuple[str, str]

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from faults import LinkFault
 from oracle import Oracle
 
-from end_effector_hal.control import Answer, ChangerState, Evidence, Status
+from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import Bench
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, Evidence
+from end_effector_lab.testbench import Bench
 
 STALE_US = 150_000
 SAMPLES_US = 80_000

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 
 from end_effector_hal.description import Description, VacuumActuator
-from end_effector_hal.testbench import Bench
+from end_effector_lab.testbench import Bench
 
 MARGIN_KPA = 1.5
 """Noise and lag of a sensor: so far may a truthful one be off."""

@@ -11,12 +11,12 @@ from summary import as_json, holds
 from virtual import in_virtual_time
 from wall import play_for
 
+from end_effector_hal.codecs import _ees1_ascii, _ees1_cobs
 from end_effector_hal.control import Status
-from end_effector_hal.control._link_rules import LinkRules
-from end_effector_hal.control._readings import Readings
-from end_effector_hal.control._senses import Senses
 from end_effector_hal.control._telling import Telling
-from end_effector_hal.wires.codecs import _ees1_ascii, _ees1_cobs
+from end_effector_hal.sensing._link_rules import LinkRules
+from end_effector_hal.sensing._readings import Readings
+from end_effector_hal.sensing._senses import Senses
 
 
 def test_nothing_that_a_link_does_harms() -> None:

@@ -8,9 +8,9 @@ from functools import cache
 
 from episode import Episode, Found
 
-from end_effector_hal.automata import Network, load_network
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, load, profile_path
+from timed_automata import Network, load_network
 
 EACH = 20
 CODECS = ("ees1-ascii", "ees1-cobs")

@@ -15,14 +15,16 @@ from episode import Found
 from faults import KINDS, NOMINAL
 from judge import Judge
 
-from end_effector_hal.control import Answer, ChangerState, Status
-from end_effector_hal.demo._world import EEHAL, START_S, World
+from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.errors import EndEffectorError, NotReadyError, OwnerError
-from end_effector_hal.testbench import PtyPort, Testbench, VirtualInputs, Watcher
-from end_effector_hal.tool import EndEffector
-from end_effector_hal.trace import Command, EndEffectorState
-from end_effector_hal.wires import ChipWatcher, Edge, Value, now_us
+from end_effector_hal.errors import NotReadyError, OwnerError, ReportedError
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.signals import Value
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import ChipWatcher, Edge
+from end_effector_lab.demo._world import EEHAL, START_S, World
+from end_effector_lab.testbench import PtyPort, Testbench, VirtualInputs, Watcher
 
 LATE_US = 1_000_000
 LONGEST_S = 2.0
@@ -36,14 +38,14 @@ class Hardware(World, Watcher):
     def __init__(self, description: Description, folder: Path) -> None:
         super().__init__(description, NOMINAL, folder)
         self.judge: Judge | None = None
-        self.error: EndEffectorError | None = None
+        self.error: ReportedError | None = None
 
     def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
         if self.judge:
             self.judge.oracle.look(at)
             self.judge.claims(at)
 
-    def failed(self, error: EndEffectorError) -> None:
+    def failed(self, error: ReportedError) -> None:
         self.error = error
 
     def _start(self) -> None:

@@ -8,11 +8,12 @@ from xml.sax.saxutils import escape
 
 import pytest
 
-from end_effector_hal.automata import Network, RangeError, make_network, read_document
-from end_effector_hal.automata.explore import Explorer, Overview, overview
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool.proof import requirements_of
+from end_effector_hal.errors import RangeError
+from end_effector_hal.verification.proof import requirements_of
+from timed_automata import Network, make_network, read_document
+from timed_automata.explore import Explorer, Overview, overview
 
 _TRANSITION = re.compile(r"\t*<transition\b.*?</transition>\n", re.DOTALL)
 _LOCATION = re.compile(r'<location id="([^"]+)"[^>]*>\s*<name[^>]*>(\w+)</name>.*?</location>', re.DOTALL)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.automata import Event, Execution, Network, RangeError, Step
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import ModelError
+from end_effector_hal.errors import ModelError, RangeError
+from timed_automata import Event, Execution, Network, Step
 
 EXECUTED = ("Gripper", "Actuator", "Changer", "Arming")
 MUTANTS = [

@@ -7,10 +7,10 @@ import random
 import pytest
 from tests.mutants.test_executors import EXECUTED, MUTANTS, RUNS, SAME, play
 
-from end_effector_hal.automata import Execution, Observation, Step
-from end_effector_hal.automata.monitor import Monitor
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError
+from timed_automata import Execution, Observation, Step
+from timed_automata.monitor import Monitor
 
 
 class Watched:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.automata.explore import overview
-from end_effector_hal.tool.proof import requirements_of
+from end_effector_hal.verification.proof import requirements_of
+from timed_automata.explore import overview
 
 MUTANTS = tomllib.loads(Path(__file__).with_name("mutants.toml").read_text(encoding="utf-8"))["mutant"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
 
 TROUBLES = {"journal", "session record"}
 """Faults that say that faults cannot be kept."""

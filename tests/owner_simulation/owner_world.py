@@ -15,15 +15,15 @@ from owner_judge import Judge
 from owner_process import OwnerProcess
 from owner_wire import NearEnd
 
-from end_effector_hal.automata import load_network
+from end_effector_hal.arbiter import OwnerClient, _answers, _client, _conversation
+from end_effector_hal.arbiter._message import write_message
 from end_effector_hal.control import Status, model_constants
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import EndEffectorError, LineBusyError
-from end_effector_hal.tool import Unit, _newest, _unit, owner_policy, program_lines
-from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires import Frame, OwnerClient
-from end_effector_hal.wires.owner import _answers, _client, _conversation
-from end_effector_hal.wires.owner._message import write_message
+from end_effector_hal.errors import LineBusyError, ReportedError
+from end_effector_hal.runtime import Unit, _newest, _unit, owner_policy, program_lines
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState
+from timed_automata import load_network
 
 TICK_US, RENEW_US = 50_000, 250_000
 TOOL = load(profile_path())
@@ -306,7 +306,7 @@ class World:
     def _start_program(self) -> None:
         try:
             self.program = Program(self)
-        except EndEffectorError:
+        except ReportedError:
             return  # tried again
         except ProgramKilledError:
             self._bury()
@@ -463,7 +463,7 @@ class Program:
         judge.latched.clear()  # whoever dies in between may have done it or not
         try:
             self._client.reset()
-        except EndEffectorError:
+        except ReportedError:
             owner = self._world.owner
             judge.latched |= before & set(owner.keeper.sensed.faults) if owner else set()
             return False
@@ -471,7 +471,7 @@ class Program:
 
     def leave(self) -> None:
         """SIGTERM."""
-        with suppress(EndEffectorError):
+        with suppress(ReportedError):
             self._client.close(self._unit._duties.will(self._unit.status, "sigterm"))
         self._world.program = None
         self._world.judge.commanded = False

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from owner_world import FAULTS
 
-from end_effector_hal.wires.owner import _client, _sensed, _session_record
-from end_effector_hal.wires.owner._keeper import Keeper
+from end_effector_hal.arbiter import _client, _sensed, _session_record
+from end_effector_hal.arbiter._keeper import Keeper
 from owner_simulation import Met, play, table
 
 RUNS, PARTS = 2_000, 4

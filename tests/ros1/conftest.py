@@ -17,12 +17,12 @@ import pytest
 from patience import PATIENCE_S, wait_until
 from small_disk import small_disk
 
-from end_effector_hal.demo._child import Child
-from end_effector_hal.demo._master import Master, free_port
-from end_effector_hal.demo._world import World
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import RosError
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.demo._child import Child
+from end_effector_lab.demo._master import Master, free_port
+from end_effector_lab.demo._world import World
 
 ROS = all(importlib.util.find_spec(name) for name in ("rospy", "end_effector_msgs")) and all(
     shutil.which(name) for name in ("roscore", "roslaunch", "rosrun")

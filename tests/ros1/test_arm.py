@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.demo._world import World
 from end_effector_hal.description import Description, ToolChanger, load, profile_path
+from end_effector_lab.demo._world import World
 
 pytestmark = pytest.mark.ros
 SUCCEEDED, REJECTED = 3, 5

@@ -9,7 +9,7 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.ros1._table import ACTIONS, services, topics
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.trace import EndEffectorState, StatesLog, read_pressures, read_run, read_states
+from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 DOCS = Path(__file__).parents[2] / "docs/actions.md"

@@ -12,9 +12,9 @@ from zlib import crc32
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.demo._world import World
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.demo._world import World
 
 pytestmark = pytest.mark.ros
 OLD = (

@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.tool.replay import load_trace, review, traces_of
-from end_effector_hal.trace import EndEffectorState, read_run
+from end_effector_hal.recording import read_run
+from end_effector_hal.verification.replay import load_trace, review, traces_of
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 

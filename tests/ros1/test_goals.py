@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 PREEMPTED, SUCCEEDED, ABORTED, REJECTED, RECALLED = 2, 3, 4, 5, 8
@@ -218,8 +218,8 @@ def test_a_goal_in_flight_is_answered_when_the_launch_ends(system: Any, tmp_path
     import rospy
     from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal
 
-    from end_effector_hal.demo._world import World
     from end_effector_hal.description import load, profile_path
+    from end_effector_lab.demo._world import World
 
     with World(load(profile_path()), "nominal", tmp_path) as world:
         launch = system.launch(world, name="ended", env={"ROS_NAMESPACE": "/cell_2"})

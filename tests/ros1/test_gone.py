@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 ABORTED, REJECTED = 4, 5

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.trace import EndEffectorState, read_alarms
+from end_effector_hal.recording import read_alarms
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 OK, WARN, ERROR = 0, 1, 2

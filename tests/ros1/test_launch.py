@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.demo._world import World
 from end_effector_hal.description import load, profile_path
+from end_effector_lab.demo._world import World
 
 pytestmark = pytest.mark.ros
 LAUNCH = ("roslaunch", "end_effector_hal", "end_effector.launch")

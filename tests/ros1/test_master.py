@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.demo._world import World
 from end_effector_hal.description import load, profile_path
+from end_effector_lab.demo._world import World
 
 pytestmark = pytest.mark.ros
 NODES = ("hal_main", "grip", "tool_change", "pressure", "position", "supervisor", "data_logger")

@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.trace import EndEffectorState, read_pressures
+from end_effector_hal.recording import read_pressures
+from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
 YEAR_2038 = 2_147_483_647_000_000

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.trace import Command, CylinderState, EndEffectorState, VacuumState
+from end_effector_hal.vocabulary import Command, CylinderState, EndEffectorState, VacuumState
 
 pytestmark = pytest.mark.ros
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 from virtual_tool import VirtualTool
 
-from end_effector_hal.control import ChangerState
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.ros1._status_lines import StatusLines
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 
 
 @pytest.fixture(scope="module")

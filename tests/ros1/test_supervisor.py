@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 pytestmark = pytest.mark.ros
 RUN = ("rosrun", "end_effector_hal", "supervisor")

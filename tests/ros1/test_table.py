@@ -17,7 +17,7 @@ from end_effector_hal.ros1._table import (
     set_tool_changer,
     topics,
 )
-from end_effector_hal.trace import Command
+from end_effector_hal.vocabulary import Command
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.tool.replay import load_trace, review, traces_of
+from end_effector_hal.verification.replay import load_trace, review, traces_of
 
 pytestmark = pytest.mark.ros
 

@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.trace import Command
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import Command
 
 pytestmark = pytest.mark.ros
 KINDS = get_codec("ees1-ascii").channels
@@ -118,7 +119,7 @@ def test_a_position_that_is_not_told_any_more_is_unknown() -> None:
 def test_the_places_of_the_tool_have_the_integers_of_the_message() -> None:
     from end_effector_msgs.msg import ToolStandPosition
 
-    from end_effector_hal.control import ToolPlace
+    from end_effector_hal.sensing import ToolPlace
 
     assert {place.name: getattr(ToolStandPosition, place.name) for place in ToolPlace} == {
         place.name: place.value for place in ToolPlace

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from patience import wait_until
 
-from end_effector_hal.wires import OwnerClient, Teller, now_us
+from end_effector_hal.arbiter import OwnerClient, Teller
+from end_effector_hal.wires import now_us
 
 REPEAT_S = 0.03
 

@@ -8,7 +8,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.testbench import Bench
+from end_effector_lab.testbench import Bench
 
 BOTTOM, CYLINDER, TOP, CHANGER = "SODIMM_208", "SODIMM_210", "SODIMM_212", "SODIMM_206"
 S = 1_000_000

@@ -1,8 +1,9 @@
 from __future__ import annotations
 
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import Bench, carried
-from end_effector_hal.wires import Frame, get_codec
+from end_effector_hal.signals import Frame
+from end_effector_lab.testbench import Bench, carried
 
 
 def test_the_default_format_carries_all_of_the_shipped_tool(verdin: Description) -> None:

@@ -5,8 +5,8 @@ import os
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.testbench._commands import Commands
-from end_effector_hal.testbench._voice import Voice
+from end_effector_lab.testbench._commands import Commands
+from end_effector_lab.testbench._voice import Voice
 
 
 class Told:

@@ -12,8 +12,8 @@ from gpio_kernel import Kernel, Kind, Request
 from patience import PATIENCE_S
 
 from end_effector_hal.errors import LineNotFoundError, WireError
-from end_effector_hal.testbench import GpioInputs
-from end_effector_hal.testbench import _gpio_inputs as module
+from end_effector_lab.testbench import GpioInputs
+from end_effector_lab.testbench import _gpio_inputs as module
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 
-from end_effector_hal.testbench import Monotonic, clock_of
-from end_effector_hal.testbench._guest_clock import GuestClock
 from end_effector_hal.wires import now_us
+from end_effector_lab.testbench import Monotonic, clock_of
+from end_effector_lab.testbench._guest_clock import GuestClock
 
 
 class Counter:

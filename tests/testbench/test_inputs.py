@@ -7,8 +7,8 @@ import pytest
 from patience import PATIENCE_S
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
-from end_effector_hal.testbench import VirtualInputs
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
+from end_effector_lab.testbench import VirtualInputs
 
 NAMES = ["A", "B"]
 

@@ -15,10 +15,12 @@ from patience import PATIENCE_S
 from virtual_machine import VirtualMachine
 
 from end_effector_hal.errors import LineNotFoundError, WireError
-from end_effector_hal.testbench import GpioInputs, GpioSimInputs, QemuInputs, VirtioGpioInputs, VirtualInputs
-from end_effector_hal.testbench import _gpio_inputs as gpio_module
-from end_effector_hal.testbench.conformance import A, B, LineInputsConformance, Wires
-from end_effector_hal.wires import VirtualLines, now_us
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import VirtualLines
+from end_effector_lab.testbench import GpioInputs, GpioSimInputs, QemuInputs, VirtualInputs
+from end_effector_lab.testbench import _gpio_inputs as gpio_module
+from end_effector_lab.testbench.conformance import A, B, LineInputsConformance, Wires
+from end_effector_lab.testbench.virtio_gpio import VirtioGpioInputs
 
 pytestmark = pytest.mark.wall
 

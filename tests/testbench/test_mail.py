@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.testbench import Events, Record
-from end_effector_hal.testbench._mail import Mail
-from end_effector_hal.testbench._voice import Voice
+from end_effector_lab.testbench import Events, Record
+from end_effector_lab.testbench._mail import Mail
+from end_effector_lab.testbench._voice import Voice
 
 
 def test_nothing_is_done_before_it_is_delivered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

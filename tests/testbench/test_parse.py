@@ -4,7 +4,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.testbench import FAULTS, Effect, Scenario, parse_scenario
+from end_effector_lab.testbench import FAULTS, Effect, Scenario, parse_scenario
 
 
 @pytest.mark.parametrize(

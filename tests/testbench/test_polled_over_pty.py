@@ -9,8 +9,10 @@ import pytest
 from patience import PATIENCE_S
 
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import PtyPort, Testbench, VirtualInputs
-from end_effector_hal.wires import Frame, LinkReader, VirtualLines
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires.lines import VirtualLines
+from end_effector_hal.wires.link import LinkReader
+from end_effector_lab.testbench import PtyPort, Testbench, VirtualInputs
 
 
 @pytest.mark.wall

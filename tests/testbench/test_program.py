@@ -17,7 +17,7 @@ from subprocess import DEVNULL, PIPE
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.wires import Frame
+from end_effector_hal.signals import Frame
 from end_effector_hal.wires.lines import VirtualLines
 from end_effector_hal.wires.link import LinkReader
 

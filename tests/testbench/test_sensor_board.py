@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import pytest
 
+from end_effector_hal.codecs import Decoder, asks, codec_names, get_codec
 from end_effector_hal.description import Description
-from end_effector_hal.testbench import Bench, SensorBoard
-from end_effector_hal.wires import Frame, codec_names, get_codec
-from end_effector_hal.wires.codecs import Decoder, asks
+from end_effector_hal.signals import Frame
+from end_effector_lab.testbench import Bench, SensorBoard
 
 PERIOD = 20_000
 CHANNELS = {

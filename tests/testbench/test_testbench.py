@@ -9,10 +9,12 @@ from typing import Any
 import pytest
 from patience import PATIENCE_S
 
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description
-from end_effector_hal.errors import EndEffectorError, LinkError, UsageError
-from end_effector_hal.testbench import Testbench, Watcher
-from end_effector_hal.wires import Frame, Value, get_codec, now_us
+from end_effector_hal.errors import LinkError, ReportedError, UsageError
+from end_effector_hal.signals import Frame, Value
+from end_effector_hal.wires import now_us
+from end_effector_lab.testbench import Testbench, Watcher
 
 pytestmark = pytest.mark.wall
 
@@ -78,7 +80,7 @@ class Log(Watcher):
     def __init__(self) -> None:
         self.lines: list[tuple[str, bool, int]] = []
         self.frames: list[tuple[int, int, bool]] = []
-        self.error: EndEffectorError | None = None
+        self.error: ReportedError | None = None
 
     def line(self, name: str, level: bool, at: int, seen: int) -> None:
         self.lines.append((name, level, at))
@@ -86,7 +88,7 @@ class Log(Watcher):
     def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
         self.frames.append((at, seq, sent))
 
-    def failed(self, error: EndEffectorError) -> None:
+    def failed(self, error: ReportedError) -> None:
         self.error = error
 
 

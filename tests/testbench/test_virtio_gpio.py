@@ -12,8 +12,7 @@ from patience import PATIENCE_S
 from virtual_machine import GUEST, VirtualMachine
 
 from end_effector_hal.errors import WireError
-from end_effector_hal.testbench import VirtioGpioInputs
-from end_effector_hal.testbench.virtio_gpio import Pins
+from end_effector_lab.testbench.virtio_gpio import Pins, VirtioGpioInputs
 
 NAMES = ["A", "B", "C"]
 GET_NAMES, GET_DIRECTION, SET_DIRECTION, GET_VALUE, SET_VALUE = 1, 2, 3, 4, 5

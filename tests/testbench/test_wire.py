@@ -4,8 +4,8 @@ from random import Random
 
 import pytest
 
-from end_effector_hal.testbench import Scenario
-from end_effector_hal.testbench._wire import LONGEST_BURST, disturbed
+from end_effector_lab.testbench import Scenario
+from end_effector_lab.testbench._wire import LONGEST_BURST, disturbed
 
 DATA = bytes(10_000)
 

@@ -10,9 +10,11 @@ from patience import PATIENCE_S
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.tool import Unit
-from end_effector_hal.trace import EndEffectorState as State
-from end_effector_hal.wires import Frame, WillStep, now_us
+from end_effector_hal.runtime import Unit
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.wires import now_us
 
 BOTTOM, CYLINDER, TOP = LINES = ("SODIMM_208", "SODIMM_210", "SODIMM_212")
 OFF, ON = False, True

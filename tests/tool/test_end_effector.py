@@ -17,12 +17,13 @@ import pytest
 from patience import PATIENCE_S, wait_until
 from tests.declared import declared
 
+from end_effector_hal.arbiter import OwnerClient
 from end_effector_hal.control import Status
-from end_effector_hal.demo._world import EEHAL, World
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import EndEffector
-from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires import OwnerClient, read_chip
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.wires.lines import read_chip
+from end_effector_lab.demo._world import EEHAL, World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 
@@ -32,7 +33,7 @@ NONE_ACTIVE = dict.fromkeys(GRIPPING_LINES, False)
 
 HOLDER = """
 import sys, time
-from end_effector_hal.tool import EndEffector
+from end_effector_hal.runtime import EndEffector
 tool = EndEffector.open(sys.argv[1])
 tool.wait_ready(30.0)
 print("adopted", flush=True)

@@ -9,12 +9,14 @@ from typing import Any
 import pytest
 from patience import wait_until
 
-from end_effector_hal.demo._world import World
+from end_effector_hal.codecs import Decoder, Ees1Ascii
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import EndEffector, _end_effector
-from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires import Decoder, Frame, LinkState, read_chip
-from end_effector_hal.wires.codecs import Ees1Ascii
+from end_effector_hal.runtime import EndEffector, _end_effector
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.wires.lines import read_chip
+from end_effector_hal.wires.link import LinkState
+from end_effector_lab.demo._world import World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 LINES = ("SODIMM_208", "SODIMM_210", "SODIMM_212")

@@ -14,12 +14,12 @@ from lone_unit import CYLINDER, LINES, OFF, TOP, Tool
 from patience import PATIENCE_S, wait_until
 
 from end_effector_hal.control import Status
-from end_effector_hal.demo._world import World
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.tool import EndEffector, Unit, _listeners
-from end_effector_hal.tool._listeners import Listening
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.runtime import EndEffector, Unit, _listeners
+from end_effector_hal.runtime._listeners import Listening
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_lab.demo._world import World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
 
@@ -52,7 +52,7 @@ def ear() -> Iterator[Ear]:
     [
         (KeyError("x"), "KeyError: 'x'"),
         (SystemExit(3), "SystemExit: 3"),
-        (EndEffectorError("No row.", where="here"), "here: No row."),
+        (ReportedError("No row.", where="here"), "here: No row."),
         (ValueError("\udcff\n" + "x" * 1000), f"ValueError: ? {'x' * 286}"),
     ],
 )

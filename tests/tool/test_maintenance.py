@@ -9,9 +9,9 @@ from lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import LineRefusedError, OwnerError
-from end_effector_hal.tool._maintenance import Maintenance
-from end_effector_hal.trace import EndEffectorState as State
-from end_effector_hal.wires import WillStep
+from end_effector_hal.runtime._maintenance import Maintenance
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_hal.vocabulary import WillStep
 
 S = 1_000_000
 

@@ -10,8 +10,8 @@ from typing import Any
 from lone_unit import Tool
 
 from end_effector_hal.control import Status
-from end_effector_hal.tool import EndEffector
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.vocabulary import EndEffectorState
 
 
 def test_the_gripping_is_not_told_as_of_a_time_before_its_own() -> None:

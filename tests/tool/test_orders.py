@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.tool import Order, read_order, read_script
-from end_effector_hal.trace import Command
+from end_effector_hal.runtime import Order, read_order, read_script
+from end_effector_hal.vocabulary import Command
 
 
 def test_steps_are_separated_by_semicolons_or_line_ends() -> None:

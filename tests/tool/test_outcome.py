@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from lone_unit import Tool
 
-from end_effector_hal.control import Answer, ChangerState, Status
-from end_effector_hal.tool import EndEffector
-from end_effector_hal.tool._listeners import Audience
-from end_effector_hal.trace import Command
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.runtime._listeners import Audience
+from end_effector_hal.vocabulary import ChangerState, Command
+from end_effector_hal.vocabulary import EndEffectorState as State
 
 
 class Ended:
@@ -51,7 +51,7 @@ def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str)
 
 
 def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("end_effector_hal.tool._unit.ask", lambda *_, **__: None)
+    monkeypatch.setattr("end_effector_hal.runtime._unit.ask", lambda *_, **__: None)
     answer = Tool().unit.command("drop")
     assert (answer.accepted, answer.decided) == (False, False)
     assert answer.reason == "The grip program does not answer."

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.control import Status
-from end_effector_hal.errors import EndEffectorError, LineRefusedError, OwnerError
-from end_effector_hal.tool._outputs import Outputs
-from end_effector_hal.wires import WillStep
+from end_effector_hal.errors import LineRefusedError, OwnerError, ReportedError
+from end_effector_hal.runtime._outputs import Outputs
+from end_effector_hal.vocabulary import WillStep
 
 A, B = "SODIMM_208", "SODIMM_210"
 UNWIND_A, UNWIND = (WillStep(A),), (WillStep(B), WillStep(A))
@@ -19,7 +19,7 @@ class Lines:
     def __init__(self) -> None:
         self.asked: list[tuple[dict[str, bool], tuple[WillStep, ...]]] = []
         self.waited = 0
-        self.error: EndEffectorError | None = None
+        self.error: ReportedError | None = None
         self.active: dict[str, bool] = {}
 
     def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import pytest
 from lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 
-from end_effector_hal.control import Evidence
 from end_effector_hal.errors import LineBusyError, OwnerError
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_hal.vocabulary import Evidence
 
 pytestmark = pytest.mark.wall
 

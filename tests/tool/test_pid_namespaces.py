@@ -13,16 +13,17 @@ from pathlib import Path
 import pytest
 from patience import PATIENCE_S, wait_until
 
-from end_effector_hal.demo._world import EEHAL, World
+from end_effector_hal.arbiter import OwnerClient
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.wires import OwnerClient, read_chip
+from end_effector_hal.wires.lines import read_chip
+from end_effector_lab.demo._world import EEHAL, World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
 ALONE = ("unshare", "--pid", "--fork", "--mount-proc", "--kill-child")
 GRIP = """
 import sys, threading
-from end_effector_hal.tool import EndEffector
-from end_effector_hal.trace import EndEffectorState as State
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.recording import EndEffectorState as State
 tool = EndEffector.open(sys.argv[1])
 tool.wait_ready(30.0)
 if "grip" in sys.argv:

@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import EndEffectorError, UsageError
-from end_effector_hal.tool import Recording
-from end_effector_hal.trace import RunInfo, _rows, read_alarms, read_run, read_states
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording import Recording, RunInfo, _rows, read_alarms, read_run, read_states
 
 DESCRIPTION = load(profile_path())
 SECOND = 1_000_000
@@ -53,12 +52,12 @@ def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: Dis
         recording.values(start, {"bottom": -80_000})
         disk.full = True
         for after in (1, 2, 3):
-            with pytest.raises(EndEffectorError) as refused:
+            with pytest.raises(ReportedError) as refused:
                 recording.state(start + after * SECOND, 5 if after % 2 else 2, -1, [2, 2, 2])
             assert str(refused.value) == f"{tmp_path}: {FULL}"
-        with pytest.raises(EndEffectorError):
+        with pytest.raises(ReportedError):
             recording.alarms(start + 4 * SECOND, ("Leak.",))
-        with pytest.raises(EndEffectorError):  # what has nothing to write complains, too: it does not flicker
+        with pytest.raises(ReportedError):  # what has nothing to write complains, too: it does not flicker
             recording.values(start + 4 * SECOND + 1, {"bottom": -80_000})
         disk.full = False
         recording.values(start + 5 * SECOND, {"bottom": -80_000})
@@ -77,7 +76,7 @@ def test_a_recording_that_is_continued_keeps_what_it_said(tmp_path: Path, disk: 
         with Recording(tmp_path, DESCRIPTION) as recording:
             recording.state(recording._begun + SECOND, 3, -1, [2, 2, 2])
             disk.full = True
-            with pytest.raises(EndEffectorError):
+            with pytest.raises(ReportedError):
                 recording.state(recording._begun + 2 * SECOND, 2, -1, [2, 2, 2])
             disk.full = False
             recording.state(recording._begun + 3 * SECOND, 6, -1, [0, 0, 0])

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from end_effector_hal.tool._relay import Relay, Rest
+from end_effector_hal.runtime._relay import Relay, Rest
 from end_effector_hal.wires import now_us
 
 PATIENCE_S = 30.0

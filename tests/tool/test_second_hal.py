@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.demo._world import EEHAL, World
+from end_effector_hal.arbiter import OwnerClient
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.wires import OwnerClient
+from end_effector_lab.demo._world import EEHAL, World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 

@@ -11,12 +11,15 @@ from pathlib import Path
 import pytest
 from patience import wait_until
 
-from end_effector_hal.demo._world import World
+from end_effector_hal.arbiter import OwnerClient
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.tool import EndEffector, Witness
-from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires import Frame, OwnerClient, now_us, read_chip
+from end_effector_hal.runtime import EndEffector, Witness
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import read_chip
+from end_effector_lab.demo._world import World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 UNLOCK, BOTTOM = "SODIMM_206", "SODIMM_208"

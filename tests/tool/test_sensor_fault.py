@@ -8,11 +8,14 @@ from collections.abc import Callable, Iterator
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.control import ChangerFault, ChangerState, Status
-from end_effector_hal.demo._world import World
+from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import Unit, open_unit
-from end_effector_hal.wires import Frame, OwnerClient, now_us
+from end_effector_hal.runtime import Unit, open_unit
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import ChangerFault, ChangerState
+from end_effector_hal.wires import now_us
+from end_effector_lab.demo._world import World
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 PRESSURES = {"bottom": 0.0, "cylinder": 0.0, "top": 0.0, "supply": 600_000.0}

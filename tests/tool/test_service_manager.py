@@ -17,13 +17,14 @@ import pytest
 from patience import PATIENCE_S
 from proving import proving
 
-from end_effector_hal.demo._world import EEHAL
+from end_effector_hal.arbiter import LineOwner, OwnerClient, Policy
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, OwnerError
-from end_effector_hal.tool import output_lines
-from end_effector_hal.tool._owner import _Question
-from end_effector_hal.tool._service_manager import ServiceManager
-from end_effector_hal.wires import LineOwner, OwnerClient, Policy, VirtualChip, VirtualLines
+from end_effector_hal.runtime import output_lines
+from end_effector_hal.runtime._owner import _Question
+from end_effector_hal.runtime._service_manager import ServiceManager
+from end_effector_hal.wires.lines import VirtualChip, VirtualLines
+from end_effector_lab.demo._world import EEHAL
 
 
 class Manager:

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool._venting import FALL_S, LAG_S, await_venting
-from end_effector_hal.trace import EndEffectorState
+from end_effector_hal.runtime._venting import FALL_S, LAG_S, await_venting
+from end_effector_hal.vocabulary import EndEffectorState
 
 STAND_BY, RELEASING, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.RELEASING, EndEffectorState.GRIPPED
 UNKNOWN, GONE, PARTIAL = 0, 1, 2

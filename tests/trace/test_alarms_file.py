@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from trace_recordings import INFO, NOMINAL
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import AlarmRow, AlarmsWriter, read_alarms, tell
+from end_effector_hal.recording import AlarmRow, AlarmsWriter, read_alarms, tell
 
 WEAK = 'Weak grip: Top vacuum fell to 59.8 kPa, "secure" down to 60 kPa.'
 LINK = "The sensor link /dev/ttyS0 is down."

@@ -9,13 +9,13 @@ from figure_facts import texts
 from layout_faults import layout_faults
 from matplotlib.patches import Circle, PathPatch, Polygon
 
-from end_effector_hal.automata import load_document, read_document
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import save
-from end_effector_hal.trace.automata_figure import draw_template
-from end_effector_hal.trace.automata_figure._arrow import HEAD, RADIUS, arrow_between
-from end_effector_hal.trace.automata_figure._layout import layout_of
+from end_effector_lab.figures import save
+from end_effector_lab.figures.automata import draw_template
+from end_effector_lab.figures.automata._arrow import HEAD, RADIUS, arrow_between
+from end_effector_lab.figures.automata._layout import layout_of
+from timed_automata import load_document, read_document
 
 SHIPPED = load_document(profile_path().with_name("end_effector.xml"))
 BY_NAME = {template.name.content: template for template in SHIPPED.templates}

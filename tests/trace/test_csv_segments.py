@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.errors import EndEffectorError, UsageError
-from end_effector_hal.trace import (
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording import (
     AlarmsWriter,
     PressuresWriter,
     RecordingLimits,
@@ -132,7 +132,7 @@ def test_a_state_that_came_and_went_while_the_disk_was_full_is_no_lasting_state(
     with StatesWriter(tmp_path / "states.csv", ("a",)) as writer:
         assert writer.write(0, 3, -1, [2])
         disk.full = True
-        with pytest.raises(EndEffectorError, match="No space left on device"):
+        with pytest.raises(ReportedError, match="No space left on device"):
             writer.write(1, 2, -1, [2])
         disk.full = False
         assert writer.write(2, 3, -1, [2])  # as the row before: but not all the time
@@ -145,7 +145,7 @@ def test_samples_that_were_lost_are_a_gap_in_the_curve(tmp_path: Path, disk: Ful
         writer.write(0, {"a": 1.0})
         disk.full = True
         for time_s in (1, 2):
-            with pytest.raises(EndEffectorError):
+            with pytest.raises(ReportedError):
                 writer.write(time_s, {"a": 10.0 * time_s})
         disk.full = False
         writer.write(3, {"a": 50.0})
@@ -155,7 +155,7 @@ def test_samples_that_were_lost_are_a_gap_in_the_curve(tmp_path: Path, disk: Ful
 def test_an_alarm_that_could_not_be_written_comes_with_the_next(tmp_path: Path, disk: FullDisk) -> None:
     writer = AlarmsWriter(tmp_path / "alarms.csv")
     disk.full = True
-    with pytest.raises(EndEffectorError):
+    with pytest.raises(ReportedError):
         writer.write(1, ("One.",))
     disk.full = False
     assert writer.write(2, ("One.", "Two."))
@@ -173,7 +173,7 @@ def test_a_full_disk_at_a_segments_end_changes_nothing(tmp_path: Path, disk: Ful
             number += 1
             writer.write(number, 1, 2, [number % 3])
         disk.full = True
-        with pytest.raises(EndEffectorError):
+        with pytest.raises(ReportedError):
             writer.write(number + 1, 1, 2, [(number + 1) % 3])
         assert sorted(path.name for path in tmp_path.iterdir()) == ["states.csv"]
         disk.full = False
@@ -188,8 +188,8 @@ def test_a_file_that_goes_is_a_sentence(tmp_path: Path) -> None:
     with StatesWriter(tmp_path / "states.csv", ("a",), LIMITS) as writer:
         writer.write(0, 1, 2, [0])
         (tmp_path / "states.csv").rename(tmp_path / "elsewhere")
-        with pytest.raises(EndEffectorError, match="No such file or directory"):
+        with pytest.raises(ReportedError, match="No such file or directory"):
             writer.write(1, 1, 2, [1])
         shutil.copy(tmp_path / "elsewhere", tmp_path / "states.csv")
-        with pytest.raises(EndEffectorError, match="another file stands in its place"):
+        with pytest.raises(ReportedError, match="another file stands in its place"):
             writer.write(2, 1, 2, [0])

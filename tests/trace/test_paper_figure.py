@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, log
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import Command, EndEffectorState, StatesLog, StatesRow, paper, save
+from end_effector_hal.recording import StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_lab.figures import paper, save
 
 SCENARIOS = {"nominal": NOMINAL, "fails-once": FAILS_ONCE, "never": NEVER, "cancelled": CANCELLED}
 

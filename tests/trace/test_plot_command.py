@@ -8,7 +8,7 @@ import pytest
 from trace_recordings import FAILS_ONCE, INFO, NEVER, PRESSURES
 
 from end_effector_hal.cli import main
-from end_effector_hal.trace import PressuresWriter, StatesWriter
+from end_effector_hal.recording import PressuresWriter, StatesWriter
 
 
 @pytest.fixture

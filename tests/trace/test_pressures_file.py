@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import PressuresWriter, read_pressures
+from end_effector_hal.recording import PressuresWriter, read_pressures
 
 CHANNELS = ("bottom", "supply")
 

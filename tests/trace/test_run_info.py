@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from trace_recordings import INFO
 
-from end_effector_hal.trace import RunInfo, read_run
+from end_effector_hal.recording import RunInfo, read_run
 
 
 def test_it_comes_back(tmp_path):

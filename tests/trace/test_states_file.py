@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from end_effector_hal.errors import EndEffectorError, UsageError
-from end_effector_hal.trace import Command, EndEffectorState, StatesRow, StatesWriter, read_states
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording import StatesRow, StatesWriter, read_states
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 HEADER = "time_s,end_effector,command,bottom_vacuum,cylinder\n"
 NAMES = ("bottom_vacuum", "cylinder")
@@ -175,7 +176,7 @@ def test_a_closed_writer_and_a_missing_folder_say_so(path):
 
 ENDLESS = """
 import sys
-from end_effector_hal.trace import StatesWriter
+from end_effector_hal.recording import StatesWriter
 writer = StatesWriter(sys.argv[1], ["bottom_vacuum", "cylinder"])
 n = 0
 while True:
@@ -201,8 +202,8 @@ def test_a_kill_loses_at_most_the_last_row(path):
 
 FULL = """
 import resource, signal, sys
-from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.trace import StatesWriter
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.recording import StatesWriter
 writer = StatesWriter(sys.argv[1], ["bottom_vacuum", "cylinder"])
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
@@ -211,7 +212,7 @@ try:
     while True:
         writer.write(n, 6, -1, [n % 3, 0])
         n += 1
-except EndEffectorError as error:
+except ReportedError as error:
     print(error)
 resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
 writer.write(n, 6, -1, [n % 3, 0])
@@ -223,7 +224,7 @@ def test_a_full_disk_leaves_whole_rows_and_the_next_row_fits_again(path):
     assert "states.csv: A row could not be written: File too large." in run.stdout
     # the header has 51 bytes, a row 18: two fit into 100
     assert read_states(path).times_s == (0.0, 1.0, 2.0)
-    assert issubclass(UsageError, EndEffectorError)
+    assert issubclass(UsageError, ReportedError)
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, log
 
-from end_effector_hal.trace import (
+from end_effector_hal.recording import (
     Cause,
-    Command,
     Decision,
-    EndEffectorState,
     Outcome,
     RunInfo,
     StatesLog,
@@ -17,6 +15,7 @@ from end_effector_hal.trace import (
     read_states,
     tell,
 )
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 
 def attempts(story):

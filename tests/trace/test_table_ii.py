@@ -3,7 +3,7 @@
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import (
+from end_effector_hal.vocabulary import (
     Command,
     CylinderState,
     EndEffectorState,

@@ -10,16 +10,9 @@ from hypothesis import strategies as st
 from trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, PRESSURES, log
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import (
-    Command,
-    EndEffectorState,
-    PressuresLog,
-    RunInfo,
-    StatesLog,
-    StatesRow,
-    save,
-    timeline,
-)
+from end_effector_hal.recording import PressuresLog, RunInfo, StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_lab.figures import save, timeline
 
 SCENARIOS = {"nominal": NOMINAL, "fails-once": FAILS_ONCE, "never": NEVER, "cancelled": CANCELLED}
 
@@ -225,9 +218,9 @@ def test_what_cannot_be_saved_is_refused(tmp_path):
 
 def test_matplotlib_is_loaded_only_for_a_figure_and_never_pyplot():
     code = (
-        "import sys; import end_effector_hal.trace as t; import end_effector_hal.cli._plot;"
+        "import sys; import end_effector_lab.figures as t; import end_effector_lab.commands._plot;"
         "assert 'matplotlib' not in sys.modules;"
-        "from end_effector_hal.trace import *;"
+        "from end_effector_hal.recording import *; from end_effector_hal.vocabulary import *;"
         "t.timeline(StatesLog((), (StatesRow(0.0, EndEffectorState.OFF, Command.NONE, ()),)));"
         "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules"
     )
@@ -237,7 +230,7 @@ def test_matplotlib_is_loaded_only_for_a_figure_and_never_pyplot():
 def test_the_kinds_of_state_are_told_apart_under_colour_blindness():
     from matplotlib.colors import to_rgb
 
-    from end_effector_hal.trace.figures._style import FILLS
+    from end_effector_lab.figures._style import FILLS
 
     # Machado, Oliveira, Fernandes (2009), severity 1.0, on linear RGB
     views = {

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import TraceWriter, read_trace
-from end_effector_hal.trace._trace_file import MAGIC
+from end_effector_hal.recording import TraceWriter, read_trace
+from end_effector_hal.recording._trace_file import MAGIC
 
 
 @dataclass
@@ -116,7 +116,7 @@ PROGRAM = """
 import sys, time
 from pathlib import Path
 from tests.trace.test_trace_file import FILES, KINDS, Seen
-from end_effector_hal.trace import TraceWriter
+from end_effector_hal.recording import TraceWriter
 writer = TraceWriter(Path(sys.argv[1]), "grip", KINDS, now=0, attachments=FILES)
 for number in range(1_000_000):
     writer.put("seen", number, Seen(number, number))
@@ -151,7 +151,7 @@ def test_viewers_get_schemas_that_they_understand(tmp_path: Path) -> None:
     """Plain types, no references: as Foxglove reads them."""
     from mcap.reader import make_reader
 
-    from end_effector_hal.tool.boundary import KINDS as ALL
+    from end_effector_hal.runtime.boundary import KINDS as ALL
 
     writer = TraceWriter(tmp_path, "grip", ALL, now=0, attachments={})
     writer.close()

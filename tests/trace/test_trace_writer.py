@@ -16,7 +16,7 @@ import pytest
 from patience import PATIENCE_S, wait_until
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import (
+from end_effector_hal.recording import (
     Gap,
     Opening,
     RecordingLimits,
@@ -25,7 +25,7 @@ from end_effector_hal.trace import (
     _trace_writer,
     read_trace,
 )
-from end_effector_hal.trace._limits import lock, make_room
+from end_effector_hal.recording._limits import lock, make_room
 
 
 @dataclass

@@ -1,6 +1,7 @@
 """Recordings to test with: (time_s, end_effector, command, actuators...)."""
 
-from end_effector_hal.trace import Command, EndEffectorState, PressuresLog, RunInfo, StatesLog, StatesRow
+from end_effector_hal.recording import PressuresLog, RunInfo, StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 NAMES = ("bottom_vacuum", "cylinder", "top_vacuum")
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from end_effector_hal.wires import Frame, Kind
+from end_effector_hal.signals import Frame, Kind
 
 Fault = Callable[["FaultyDecoder", bytes, int], Any]
 

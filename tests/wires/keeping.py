@@ -1,6 +1,6 @@
 """Lines and policies for a keeper in virtual time."""
 
-from end_effector_hal.wires.owner import Need, Policy
+from end_effector_hal.arbiter import Need, Policy
 
 UNLOCK, BOTTOM, CYLINDER, TOP = LINES = ("unlock", "bottom", "cylinder", "top")
 GRIP = (BOTTOM, CYLINDER, TOP)

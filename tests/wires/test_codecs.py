@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from end_effector_hal.codecs import Ees1Ascii, Ees1Cobs, LegacyNibble, _registry, get_codec
+from end_effector_hal.codecs.conformance import CodecConformance
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires import Frame, Kind, get_codec
-from end_effector_hal.wires.codecs import Ees1Ascii, Ees1Cobs, LegacyNibble, _registry
-from end_effector_hal.wires.codecs.conformance import CodecConformance
+from end_effector_hal.signals import Frame, Kind
 
 BITS = (
     "locked",
@@ -194,9 +194,9 @@ def test_unknown_codec():
 def test_entry_point(monkeypatch):
     points = EntryPoints(
         [
-            EntryPoint("mine", "end_effector_hal.wires.codecs:LegacyNibble", _registry.GROUP),
+            EntryPoint("mine", "end_effector_hal.codecs:LegacyNibble", _registry.GROUP),
             EntryPoint("broken", "no_such_module:X", _registry.GROUP),
-            EntryPoint("half", "end_effector_hal.wires.codecs:Sequence", _registry.GROUP),
+            EntryPoint("half", "end_effector_hal.codecs:Sequence", _registry.GROUP),
         ]
     )
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **kw: points.select(**kw))
@@ -204,7 +204,7 @@ def test_entry_point(monkeypatch):
     assert _registry.codec_names() == (*_registry.OWN, "broken", "half", "mine")
     with pytest.raises(UsageError, match="cannot be loaded"):
         get_codec("broken")
-    monkeypatch.setattr("end_effector_hal.wires.codecs.Sequence", object())
+    monkeypatch.setattr("end_effector_hal.codecs.Sequence", object())
     with pytest.raises(UsageError, match="is none: it has no name, channels, period_us, baudrate"):
         get_codec("half")
 
@@ -250,7 +250,7 @@ def test_cobs_refuses_what_does_not_fit(value):
 def test_cobs_of_another_version_is_no_frame():
     from binascii import crc_hqx
 
-    from end_effector_hal.wires.codecs._cobs import stuff, unstuff
+    from end_effector_hal.codecs._cobs import stuff, unstuff
 
     good = unstuff(cobs(1)[1:-1])
     other = b"\2" + good[1:-2]
@@ -261,7 +261,7 @@ def test_cobs_of_another_version_is_no_frame():
 
 @given(st.binary(max_size=1200))
 def test_byte_stuffing_leaves_no_zero_and_comes_back(data):
-    from end_effector_hal.wires.codecs._cobs import stuff, unstuff
+    from end_effector_hal.codecs._cobs import stuff, unstuff
 
     stuffed = stuff(data)
     assert 0 not in stuffed

@@ -15,21 +15,21 @@ import pytest
 from faulty_codec import AskingCodec, FaultyCodec, FaultyDecoder
 from patience import PATIENCE_S, wait_until
 
+from end_effector_hal.codecs import codec_names, declared, get_codec
+from end_effector_hal.codecs.conformance import check_frames
 from end_effector_hal.errors import LinkError, UsageError
-from end_effector_hal.wires import (
-    Frame,
-    Kind,
+from end_effector_hal.signals import Frame, Kind
+from end_effector_hal.wires.link import (
+    CodecCalls,
+    CodecFailure,
+    GuardedDecoder,
     LinkHealth,
     LinkReader,
     LinkState,
     PtyPair,
-    codec_names,
-    get_codec,
+    _reader,
     open_port,
 )
-from end_effector_hal.wires.codecs import declared
-from end_effector_hal.wires.codecs.conformance import check_frames
-from end_effector_hal.wires.link import CodecCalls, CodecFailure, GuardedDecoder, _reader
 from end_effector_hal.wires.link import _codec_calls as calls_module
 
 GOOD = {"bottom": -60_000, "locked": True}

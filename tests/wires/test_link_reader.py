@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.errors import LinkBusyError, LinkError
-from end_effector_hal.wires import Frame, LinkReader, LinkState, PtyPair, get_codec, now_us, open_port
-from end_effector_hal.wires.link import _port, _reader
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.link import LinkReader, LinkState, PtyPair, _port, _reader, open_port
 
 pytestmark = pytest.mark.wall
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from end_effector_hal.codecs.modbus import EPick, ModbusRtu, OnRobotVG, Read, Register, Transmitters
+from end_effector_hal.codecs.polled_conformance import PolledCodecConformance
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires import Frame
-from end_effector_hal.wires.codecs.modbus import EPick, ModbusRtu, OnRobotVG, Read, Register, Transmitters
-from end_effector_hal.wires.codecs.polled_conformance import PolledCodecConformance
+from end_effector_hal.signals import Frame
 
 
 def adu(text: str) -> bytes:
@@ -112,7 +112,7 @@ def test_what_no_device_means_is_invalid() -> None:
 
 
 def _answer(read: Read, words: list[int]) -> bytes:
-    from end_effector_hal.wires.codecs.modbus import _adu
+    from end_effector_hal.codecs.modbus import _adu
 
     return _adu.answer(read, words)
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 import pytest
 from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, OTHER, POLICY, SENSING, TOKEN, TOP, UNLOCK, Lines, S
 
+from end_effector_hal.arbiter import Keeper
+from end_effector_hal.arbiter._journal import Entry
+from end_effector_hal.arbiter._memory import Bequest, Memory
+from end_effector_hal.arbiter._recall import recall
+from end_effector_hal.arbiter._session import WillRunsError
 from end_effector_hal.errors import LineBusyError, LineRefusedError
-from end_effector_hal.wires.owner import Keeper, WillStep
-from end_effector_hal.wires.owner._journal import Entry
-from end_effector_hal.wires.owner._memory import Bequest, Memory
-from end_effector_hal.wires.owner._recall import recall
-from end_effector_hal.wires.owner._session import WillRunsError
+from end_effector_hal.vocabulary import WillStep
 
 UNWIND = (WillStep(TOP), WillStep(BOTTOM, after_us=2 * S))
 GRIPPING = Bequest("grip", TOKEN, GRIP, UNWIND, ended=False, pid=7)

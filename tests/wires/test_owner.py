@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from patience import PATIENCE_S, wait_until
 from stranger import as_nobody
 
+from end_effector_hal.arbiter import LineOwner, OwnerClient, Policy
 from end_effector_hal.errors import (
     LineBusyError,
     LineNotFoundError,
@@ -27,17 +28,9 @@ from end_effector_hal.errors import (
     UsageError,
     WireError,
 )
-from end_effector_hal.wires import (
-    ChipWatcher,
-    LineOwner,
-    OwnerClient,
-    Policy,
-    VirtualChip,
-    VirtualLines,
-    WillStep,
-    now_us,
-    read_chip,
-)
+from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import ChipWatcher, VirtualChip, VirtualLines, read_chip
 
 pytestmark = pytest.mark.wall
 UNLOCK, BOTTOM, TOP = LINES = ("SODIMM_206", "SODIMM_208", "SODIMM_212")

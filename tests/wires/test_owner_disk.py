@@ -14,8 +14,10 @@ from keeping import BOTTOM, LINES, TOP
 from patience import PATIENCE_S, wait_until
 from proving import proving
 
+from end_effector_hal.arbiter import OwnerClient
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.wires import OwnerClient, VirtualChip, WillStep, read_chip
+from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.wires.lines import VirtualChip, read_chip
 
 pytestmark = [
     pytest.mark.wall,

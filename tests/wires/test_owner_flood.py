@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from keeping import BOTTOM, LINES, TOP
 
-from end_effector_hal.wires import LineOwner, OwnerClient, Policy, VirtualChip, VirtualLines
+from end_effector_hal.arbiter import LineOwner, OwnerClient, Policy
+from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 
 pytestmark = pytest.mark.wall
 FLOOD = """

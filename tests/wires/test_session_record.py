@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from keeping import BOTTOM, GRIP, LINES, TOKEN, TOP
 
-from end_effector_hal.wires.owner import WillStep
-from end_effector_hal.wires.owner import _storage as module
-from end_effector_hal.wires.owner._memory import Bequest, Memory
-from end_effector_hal.wires.owner._record_file import SLOT, RecordFile
-from end_effector_hal.wires.owner._session_record import RETRY_US, SessionRecord, this_boot
-from end_effector_hal.wires.owner._storage import FileStorage
+from end_effector_hal.arbiter import _storage as module
+from end_effector_hal.arbiter._memory import Bequest, Memory
+from end_effector_hal.arbiter._record_file import SLOT, RecordFile
+from end_effector_hal.arbiter._session_record import RETRY_US, SessionRecord, this_boot
+from end_effector_hal.arbiter._storage import FileStorage
+from end_effector_hal.vocabulary import WillStep
 
 GRIPPING = Bequest("grip", TOKEN, GRIP, (WillStep(TOP), WillStep(BOTTOM, after_us=5)), ended=False, pid=7)
 MEMORY = Memory(

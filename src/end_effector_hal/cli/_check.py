@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from end_effector_hal.description import Description, examine, profile_path
-from end_effector_hal.errors import EndEffectorError, Told
+from end_effector_hal.errors import ReportedError, Told
 
 from ._path_name import PathName
 
@@ -68,16 +68,16 @@ def check(path: Path) -> Checked:
     description = examination.description
     if description is None:
         return Checked(None, examination.told)
+    from end_effector_hal.codecs import fitting
     from end_effector_hal.ros1 import name_faults
-    from end_effector_hal.tool import load_automata
-    from end_effector_hal.wires import fitting
+    from end_effector_hal.runtime import load_automata
 
     fits = fitting(description)
     faults = tuple(fault.told(str(path)) for fault in fits.faults) + name_faults(description, str(path))
     if not any(fault.code == "EE-226" for fault in fits.faults):  # without a codec nothing is put together
         try:
             load_automata(description)
-        except EndEffectorError as error:
+        except ReportedError as error:
             faults += error.told
     return Checked(description, faults, fits.not_fitted, fits.slow)
 
@@ -115,7 +115,7 @@ def _actuators(description: Description) -> Table:
 
 def _rest(description: Description) -> Iterator[str]:
     """Tool changer and wires, a line each."""
-    from end_effector_hal.wires import get_codec
+    from end_effector_hal.codecs import get_codec
 
     link, lines = description.link, description.lines
     if changer := description.tool_changer:

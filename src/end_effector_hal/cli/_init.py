@@ -10,8 +10,8 @@ import click
 from end_effector_hal.description import profile_path, schema_path
 from end_effector_hal.errors import UsageError
 
-from ._model_source import the_folder, write_whole
 from ._path_name import PathName
+from .model import the_folder, write_whole
 
 
 @click.command(name="init")

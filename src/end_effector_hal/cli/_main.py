@@ -5,44 +5,53 @@ from __future__ import annotations
 import importlib
 import json
 import sys
+from importlib.metadata import entry_points
+from typing import cast
 
 import click
 
-from end_effector_hal.errors import EndEffectorError, UsageError
+from end_effector_hal.errors import ReportedError, UsageError
 
+GROUP = "end_effector_hal.commands"
+"""Entry points of further commands; a command of this package wins over another one of its name."""
 _COMMANDS = {
-    "board": "a scenario on an emulated Verdin, without hardware",
     "check": "say everything that is wrong with a description",
-    "demo": "the three scenarios of the paper, with their figures",
     "doctor": "what this machine lacks to run a tool, and what to do",
     "init": "a folder with a description to start from, and its schema",
     "model": "show, play, export and check the automata",
     "owner": "own the output lines of a tool and serve them on a socket",
-    "plot": "draw a recorded run",
     "replay": "decide a recorded run once more, and judge it by its network",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",
     "verify": "prove what the automata promise, or show a counterexample",
-    "testbench": "the simulated hardware at the other end of the wires",
 }
+_ROOMS = {"doctor": "doctor._doctor", "model": "model._model"}
 
 
 class _LazyGroup(click.Group):
     """Loads the module of a command when it is called: the start stays quick."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return sorted(_COMMANDS)
+        return sorted({*_COMMANDS, *(point.name for point in entry_points(group=GROUP))})
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in _COMMANDS:
-            return None
-        module = importlib.import_module(f"end_effector_hal.cli._{cmd_name}")
-        command: click.Command = module.command
-        return command
+        if cmd_name in _COMMANDS:
+            module = importlib.import_module(f"end_effector_hal.cli.{_ROOMS.get(cmd_name, f'_{cmd_name}')}")
+            command: click.Command = module.command
+            return command
+        for point in entry_points(group=GROUP, name=cmd_name):
+            return cast(click.Command, point.load())
+        return None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
-            formatter.write_dl([(name, _COMMANDS[name]) for name in self.list_commands(ctx)])
+            formatter.write_dl([(name, self._help(ctx, name)) for name in self.list_commands(ctx)])
+
+    def _help(self, ctx: click.Context, name: str) -> str:
+        if name in _COMMANDS:
+            return _COMMANDS[name]
+        command = self.get_command(ctx, name)
+        return command.short_help or command.get_short_help_str(80) if command else ""
 
 
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -70,7 +79,7 @@ def main() -> None:
         sys.exit(exit_.exit_code)
     except click.Abort:
         sys.exit(130)
-    except EndEffectorError as error:
+    except ReportedError as error:
         if _wants_json():
             _tell(error)
         else:
@@ -87,7 +96,7 @@ def _wants_json() -> bool:
     return "--json" in sys.argv[1:]
 
 
-def _tell(error: EndEffectorError) -> None:
+def _tell(error: ReportedError) -> None:
     # in one line: what prints JSON lines may end with it
     faults = [fault.as_json() for fault in error.told]
     document = {"ok": False, "exit_code": error.exit_code, "faults": faults}

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import tool_path
-from end_effector_hal.wires import load_tool
 
 from ._path_name import PathName
 
@@ -33,7 +33,7 @@ def command(
     left as its will is done. The lines keep their level when the owner ends. Faults, and wills that are not done,
     are kept in a journal for the next owner.
     """
-    from end_effector_hal.tool import run_owner
+    from end_effector_hal.runtime import run_owner
 
     path = tool_path(description or "", profile, how="DESCRIPTION or --profile NAME")
     run_owner(load_tool(path), socket, journal, group)

@@ -13,7 +13,7 @@ from end_effector_hal.errors import UsageError
 from ._path_name import PathName
 
 if TYPE_CHECKING:
-    from end_effector_hal.tool.replay import Review, SegmentEnd
+    from end_effector_hal.verification.replay import Review, SegmentEnd
 
 
 @click.command(name="replay")
@@ -35,8 +35,8 @@ def command(recording: Path, description: Path | None, as_json: bool) -> None:
 
     Exit code 0: the same, and a run of its network; 1: not; 2: no recording, or a trace of it cannot be read.
     """
-    from end_effector_hal.tool.replay import load_trace, review, traces_of
-    from end_effector_hal.wires import load_tool
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.verification.replay import load_trace, review, traces_of
 
     tool = load_tool(description) if description is not None else None
     paths = traces_of(recording)

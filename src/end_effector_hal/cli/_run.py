@@ -20,7 +20,8 @@ from ._signals import end_in_order
 
 if TYPE_CHECKING:
     from end_effector_hal.control import Answer, Status
-    from end_effector_hal.tool import EndEffector, Order, Recording
+    from end_effector_hal.recording import Recording
+    from end_effector_hal.runtime import EndEffector, Order
 
     from ._run_voice import Voice
 
@@ -59,9 +60,10 @@ def command(
     background, so that it can be cancelled. Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the
     description declares (`endings: sigterm`).
     """
-    from end_effector_hal.tool import EndEffector, Recording, read_script
-    from end_effector_hal.trace import RecordingLimits
-    from end_effector_hal.wires import be_steady, load_tool
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.recording import Recording, RecordingLimits
+    from end_effector_hal.runtime import EndEffector, read_script
+    from end_effector_hal.wires import be_steady
 
     from ._run_voice import Changes, JsonLines, Words
 
@@ -121,7 +123,7 @@ class _Session:
 
     def play(self, orders: Iterator[Order]) -> bool:
         """Whether every command succeeded."""
-        from end_effector_hal.trace import Command
+        from end_effector_hal.vocabulary import Command
 
         for order in orders:
             if order.command is Command.QUIT:
@@ -149,7 +151,7 @@ class _Session:
         self._voice.result(name, answer.accepted, answer.reason)
 
     def _run(self, given: int) -> None:
-        from end_effector_hal.trace import Command
+        from end_effector_hal.vocabulary import Command
 
         tool, order = self._tool, Command(given)
         if order is Command.CANCEL:
@@ -166,7 +168,7 @@ class _Session:
 
 
 def _prompt(prompt: str, voice: Voice) -> Iterator[Order]:
-    from end_effector_hal.tool import read_order
+    from end_effector_hal.runtime import read_order
 
     while True:
         try:

@@ -12,7 +12,7 @@ import click
 if TYPE_CHECKING:
     from end_effector_hal.control import Status, StepReport
     from end_effector_hal.description import Description
-    from end_effector_hal.errors import EndEffectorError
+    from end_effector_hal.errors import ReportedError
 
 
 class Voice(Protocol):
@@ -27,7 +27,7 @@ class Voice(Protocol):
     def result(self, name: str, succeeded: bool, reason: str, steps: Sequence[StepReport] = ()) -> None:
         """How a command ended."""
 
-    def error(self, error: EndEffectorError) -> None:
+    def error(self, error: ReportedError) -> None:
         """Something that does not end the run."""
 
 
@@ -36,7 +36,7 @@ class Words:
 
     def state(self, ee: str, actuators: dict[str, str]) -> None:
         """The labels of the figures."""
-        from end_effector_hal.trace import display_name
+        from end_effector_hal.vocabulary import display_name
 
         click.echo(f"{ee}: {', '.join(f'{display_name(name)} {each}' for name, each in actuators.items())}")
 
@@ -48,7 +48,7 @@ class Words:
         """With the reason in words."""
         click.echo(f"{name}: {'succeeded' if succeeded else 'failed'}{f'. {reason}' if reason else ''}")
 
-    def error(self, error: EndEffectorError) -> None:
+    def error(self, error: ReportedError) -> None:
         """The sentence."""
         click.echo(str(error), err=True)
 
@@ -69,7 +69,7 @@ class JsonLines:
         told = [asdict(step) for step in steps]
         self._tell(event="result", command=name, succeeded=succeeded, reason=reason, steps=told)
 
-    def error(self, error: EndEffectorError) -> None:
+    def error(self, error: ReportedError) -> None:
         """Its faults as everywhere."""
         self._tell(event="error", faults=[fault.as_json() for fault in error.told])
 
@@ -88,7 +88,7 @@ class Changes:
 
     def status(self, status: Status) -> None:
         """One more."""
-        from end_effector_hal.trace import EndEffectorState, actuator_states
+        from end_effector_hal.vocabulary import EndEffectorState, actuator_states
 
         states = zip(self._description.sequence, status.actuators, strict=True)
         actuators = {name: actuator_states(name, self._kinds)(state).label for name, state in states}

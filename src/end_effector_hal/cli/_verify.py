@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._model_source import DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.cli.model import DESCRIPTION, MODEL, Source, open_source
 
+from ._figures import draw_timeline
 from ._path_name import PathName
 
 if TYPE_CHECKING:
-    from end_effector_hal.tool.proof import Finding, Proof
-    from end_effector_hal.trace import RunInfo
+    from end_effector_hal.recording import RunInfo
+    from end_effector_hal.verification.proof import Finding, Proof
 
 _FAILED = 4
 
@@ -39,7 +40,7 @@ def command(description: Path | None, model: Path | None, as_json: bool, output:
     DESCRIPTION defaults to the shipped one; --model checks a UPPAAL file as it stands, with its own queries. The
     exit code is 4 when a requirement does not hold.
     """
-    from end_effector_hal.tool.proof import prove
+    from end_effector_hal.verification.proof import prove
 
     source = open_source(description, model)
     with _Progress() as progress:
@@ -101,16 +102,15 @@ def _print_run(finding: Finding, files: list[Path]) -> None:
 
 
 def _write(source: Source, proof: Proof, output: Path) -> dict[str, list[Path]]:
-    from end_effector_hal.tool.proof import write_counterexample
+    from end_effector_hal.verification.proof import write_counterexample
 
     names = tuple(source.description.sequence) if source.description is not None else ()
     info, refuted = _info(source), [finding for finding in proof.findings if finding.trace is not None]
-    return {each.id: write_counterexample(each, output, info, names) for each in refuted}
+    return {each.id: write_counterexample(each, output, info, draw_timeline, names) for each in refuted}
 
 
 def _info(source: Source) -> RunInfo:
-    from end_effector_hal.tool import run_info
-    from end_effector_hal.trace import RunInfo
+    from end_effector_hal.recording import RunInfo, run_info
 
     if source.description is None:
         return RunInfo(description=Path(source.name).name)

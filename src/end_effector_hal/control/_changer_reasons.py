@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Description, ToolChanger, VacuumActuator
-from end_effector_hal.trace import EndEffectorState, display_name
+from end_effector_hal.sensing import Senses
+from end_effector_hal.vocabulary import ChangerFault, ChangerState, EndEffectorState, Evidence, display_name
 
-from ._levels import ChangerFault, ChangerState, Evidence
-from ._senses import Senses
 from ._status import Status
 
 _REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from end_effector_hal.description import Actuator, CylinderActuator, Description
-from end_effector_hal.wires import Policy
-from end_effector_hal.wires.codecs import Codec, codec_of
+from end_effector_hal.codecs import Codec, codec_of
+from end_effector_hal.description import Description
+from end_effector_hal.vocabulary import LEASE_US
 
 Constants = dict[str, "int | bool | list[int]"]
 
@@ -31,7 +31,7 @@ def model_constants(description: Description, codec: Codec | None = None) -> Con
         "GRIP_BOUND": _ms(bounds.grip_s),
         "RELEASE_BOUND": _ms(bounds.release_s),
         "CANCEL_BOUND": _ms(bounds.cancel_s),
-        "LEASE": Policy(lines=()).lease_us // 1000,
+        "LEASE": LEASE_US // 1000,
         "MESSAGE": bounds.message_ms,
         "CHANGER": changer is not None,
         "IL_01": locks.il_01,
@@ -66,14 +66,6 @@ def _endings(description: Description) -> Constants:
         "HELD_DEATH_KEEPS": [its.held.process_death != "release" for its in each],
     }
     return {**keeps, "MIXED": any(len(set(some)) > 1 for some in keeps.values())}
-
-
-def channels_of(actuator: Actuator) -> tuple[str, ...]:
-    """Every channel that can prove something of an actuator."""
-    if isinstance(actuator, CylinderActuator):
-        bits = (actuator.extended_bit, actuator.retracted_bit)
-        return (actuator.channel, *(bit for bit in bits if bit))
-    return (actuator.channel,)
 
 
 def _ms(seconds: float) -> int:

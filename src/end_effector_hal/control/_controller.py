@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import ClassVar
 
-from end_effector_hal.automata import Event, Execution, Network, Observation, Step
+from end_effector_hal.codecs import codec_of
 from end_effector_hal.description import Description
-from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires.codecs import codec_of
-from end_effector_hal.wires.frame import Frame
+from end_effector_hal.sensing import LOCKED, HoldMonitor, Senses, predicates_fitted
+from end_effector_hal.signals import PART, Frame, memory_of, recall
+from end_effector_hal.vocabulary import Cause, EndEffectorState, ToolEvidence
+from timed_automata import Event, Execution, Network, Observation, Step
 
-from ._hold_monitor import HoldMonitor
-from ._levels import Cause, ToolEvidence
-from ._memory import PART, memory_of, recall
-from ._predicates import LOCKED, predicates_fitted
 from ._reasons import not_by_hand, refusal
-from ._senses import Senses
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status
 from ._telling import Telling

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Actuator, Description, VacuumActuator
-from end_effector_hal.trace import EndEffectorState, display_name
+from end_effector_hal.sensing import Senses
+from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
 
 from ._changer_reasons import changer_refusal, feedback
-from ._levels import Cause, Evidence, ToolEvidence
-from ._senses import Senses
 from ._status import Status
 
 

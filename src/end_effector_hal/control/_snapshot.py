@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from end_effector_hal.automata import ExecutionSnapshot
+from timed_automata import ExecutionSnapshot
 
 from ._status import Status
 

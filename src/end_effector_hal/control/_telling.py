@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
-from end_effector_hal.automata import Execution, Step
 from end_effector_hal.description import Description, used_channels
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.sensing import HoldMonitor, Senses
+from end_effector_hal.signals import PART
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
+from timed_automata import Execution, Step
 
 from ._changer_reasons import explain_changer
-from ._hold_monitor import HoldMonitor
-from ._levels import Cause, ChangerState, Evidence
-from ._memory import PART
 from ._reasons import explain, latched, left_active
-from ._senses import Senses
 from ._status import Status
 from ._steps import StepLog
 

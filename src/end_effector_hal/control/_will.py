@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Description
-from end_effector_hal.trace import EndEffectorState
-from end_effector_hal.wires.will import WillStep
+from end_effector_hal.vocabulary import EndEffectorState, WillStep, to_us
 
 from ._status import Status
-from ._time import to_us
 
 
 def will_of(description: Description, status: Status, *, on: str = "process_death") -> tuple[WillStep, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from end_effector_hal.errors import EndEffectorError
+from end_effector_hal.errors import DescriptionError, ReportedError
 
 from ._fault import CODES
 from ._limits import limits_of
@@ -100,15 +100,15 @@ def _codes() -> Iterator[str]:
     )
     yield "## Codes of errors"
     yield "What else a program can end with. With `--json` every error is one object, see above."
-    rows = [f"| {each.code} | {each.exit_code} | {_first_line(each)} |" for each in _errors(EndEffectorError)]
+    rows = [f"| {each.code} | {each.exit_code} | {_first_line(each)} |" for each in _errors(ReportedError)]
     yield "\n".join(["| code | exit code | meaning |", "|---|---|---|", *sorted(rows)])
 
 
-def _errors(kind: type[EndEffectorError]) -> Iterator[type[EndEffectorError]]:
+def _errors(kind: type[ReportedError]) -> Iterator[type[ReportedError]]:
     """Every kind of error that has a code of its own."""
     yield kind
     for each in kind.__subclasses__():
-        if each.__module__ == kind.__module__:
+        if each.__module__ in (ReportedError.__module__, DescriptionError.__module__):
             yield from _errors(each)
 
 

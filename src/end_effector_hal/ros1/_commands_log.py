@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import Command
+from end_effector_hal.vocabulary import Command
 
 HEADER = "time_s,command\n"
 

@@ -7,9 +7,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.tool import Recording
-from end_effector_hal.trace import Command
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.recording import Recording
+from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires import now_us
 
 from ._commands_log import CommandsLog
@@ -66,7 +66,7 @@ class DataLogger:
     def _write(self, write: Callable[[], None]) -> None:
         try:
             write()
-        except EndEffectorError as error:
+        except ReportedError as error:
             if not self._trouble:
                 self._log.error("%s", error)
             self._trouble = str(error)

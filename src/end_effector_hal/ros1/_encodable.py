@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import copy
 from typing import Any
 
-from end_effector_hal.wires import printable
+from end_effector_hal.vocabulary import printable
 
 MOST = 5_000
 

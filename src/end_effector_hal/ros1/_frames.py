@@ -7,7 +7,7 @@ from typing import Any
 
 from end_effector_msgs.msg import SensorFrame
 
-from end_effector_hal.wires import Frame, Kind
+from end_effector_hal.signals import Frame, Kind
 
 AMBIENT_PA = 101_325
 """FluidPressure is absolute, a frame is gauge: the standard atmosphere stands between them."""

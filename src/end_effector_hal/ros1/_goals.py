@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalStatus
 from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal, Outcome
 
 from end_effector_hal.errors import RosError
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 from ._table import ACTIONS
 

@@ -8,7 +8,7 @@ from typing import Any
 from std_srvs.srv import SetBoolResponse, TriggerResponse
 
 from end_effector_hal.description import Description
-from end_effector_hal.tool import reset
+from end_effector_hal.runtime import reset
 
 from ._commander import Commander
 from ._node import Node

@@ -9,7 +9,7 @@ from typing import Any
 from end_effector_msgs.msg import Command, State
 
 from end_effector_hal.description import Description
-from end_effector_hal.trace import EndEffectorState as TableState
+from end_effector_hal.vocabulary import EndEffectorState as TableState
 from end_effector_hal.wires import now_us
 
 from ._aggregate import CHANGER, STAND, Aggregate

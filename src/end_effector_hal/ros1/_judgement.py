@@ -6,8 +6,7 @@ from typing import Any
 
 from end_effector_msgs.msg import Cause, Outcome, State
 
-from end_effector_hal.control import ChangerState
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
 
 _WANTED = {
     Command.GRIP: State.GRIPPED,

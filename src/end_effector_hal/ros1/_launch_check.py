@@ -12,7 +12,7 @@ from pathlib import Path
 
 from end_effector_hal.description import Description, tool_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.tool import load_automata
+from end_effector_hal.runtime import load_automata
 
 from ._name_faults import load_for_nodes
 
@@ -27,7 +27,7 @@ def launch_check(argv: Sequence[str]) -> None:
 
     Raises:
         UsageError: no tool is named, or its nodes would read another file than the one that was meant.
-        EndEffectorError: the description, its codec or its automata are not valid.
+        ReportedError: the description, its codec or its automata are not valid.
     """
     parser = argparse.ArgumentParser(prog="end_effector.launch")
     for option in ("--description", "--file", "--profile"):

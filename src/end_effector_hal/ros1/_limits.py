@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.trace import RecordingLimits
+from end_effector_hal.recording import RecordingLimits
 
 from ._node import Node
 from ._table import KEEP_MB, SEGMENT_MB, Parameter

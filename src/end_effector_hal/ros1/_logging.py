@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import rospy
 
-from end_effector_hal.wires import printable
+from end_effector_hal.vocabulary import printable
 
 _LEVELS = (
     (logging.ERROR, rospy.logerr),

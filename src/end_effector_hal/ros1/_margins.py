@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
-from end_effector_hal.control import margin_pa
 from end_effector_hal.description import Actuator, Description
+from end_effector_hal.sensing import margin_pa
 
 from ._frames import AMBIENT_PA
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, Fault
 from end_effector_hal.errors import DescriptionError, Told
-from end_effector_hal.wires import load_tool
 
 from ._table import ACTIONS, FIXED_SERVICES, FIXED_TOPICS, NODES, OF_ROS, position_topics
 

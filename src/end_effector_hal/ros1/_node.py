@@ -12,7 +12,7 @@ from typing import Any
 import rospy
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import EndEffectorError, RosError, UsageError
+from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.wires import be_steady, now_us
 
 from ._at_once import send_at_once
@@ -41,7 +41,7 @@ class Node:
     """
 
     def __init__(self, name: str, argv: Sequence[str]) -> None:
-        self._failed: EndEffectorError | None = None
+        self._failed: ReportedError | None = None
         self._watch = MasterWatch(lambda why: self.fail(RosError(why)))
         full = node_name(name)
         needs_tool = name in DESCRIPTION.nodes
@@ -140,7 +140,7 @@ class Node:
             raise self._failed
         return 0
 
-    def fail(self, error: EndEffectorError) -> None:
+    def fail(self, error: ReportedError) -> None:
         """End the node with an error, so that roslaunch starts it again; may be called in any thread."""
         if self._failed is None:
             self._failed = error
@@ -193,6 +193,6 @@ def _class(name: str, kind: str) -> Any:
         ) from None
 
 
-def _leave_by_force(error: EndEffectorError) -> None:
+def _leave_by_force(error: ReportedError) -> None:
     time.sleep(LONGEST_END_S)
     os._exit(error.exit_code)

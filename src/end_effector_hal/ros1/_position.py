@@ -9,9 +9,11 @@ from typing import Any
 
 from end_effector_msgs.msg import CylinderPosition, ToolChangerPosition, ToolStandPosition
 
-from end_effector_hal.control import Evidence, Senses, tool_place
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, ToolChanger
-from end_effector_hal.wires import get_codec, now_us
+from end_effector_hal.sensing import Senses, tool_place
+from end_effector_hal.vocabulary import Evidence
+from end_effector_hal.wires import now_us
 
 from ._diagnostics import OK, WARN, Health, diagnose
 from ._frames import frame_from_message

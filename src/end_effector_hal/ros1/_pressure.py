@@ -8,10 +8,13 @@ from typing import Any
 
 from sensor_msgs.msg import FluidPressure
 
-from end_effector_hal.control import Senses
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description
-from end_effector_hal.tool import Witness
-from end_effector_hal.wires import Frame, LinkHealth, LinkReader, LinkState, Value, get_codec, now_us
+from end_effector_hal.runtime import Witness
+from end_effector_hal.sensing import Senses
+from end_effector_hal.signals import Frame, Value
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState
 
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
 from ._frames import absolute_pa, frame_to_message

@@ -6,7 +6,7 @@ import importlib
 import sys
 from collections.abc import Callable, Sequence
 
-from end_effector_hal.errors import EndEffectorError, RosError
+from end_effector_hal.errors import ReportedError, RosError
 
 _ROS_PACKAGES = ("genpy", "rospy", "actionlib", "diagnostic_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 
@@ -27,8 +27,8 @@ def run(node: str) -> None:
 
 def run_line_owner() -> None:
     """Run the line owner as ``eehal owner`` does, with the arguments of a node. It is none: it needs no master."""
-    from end_effector_hal.tool import run_owner
-    from end_effector_hal.wires import load_tool
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.runtime import run_owner
 
     from ._tool_named import tool_named
 
@@ -45,7 +45,7 @@ def check_launch(argv: Sequence[str]) -> int:
 def _guarded(name: str, body: Callable[[], int | None]) -> int:
     try:
         return int(body() or 0)
-    except EndEffectorError as error:
+    except ReportedError as error:
         print(f"{name}: {error}", file=sys.stderr)  # noqa: T201 there is no logger before a node is up
         return error.exit_code
     except KeyboardInterrupt:

@@ -13,7 +13,7 @@ from typing import Any
 from actionlib_msgs.msg import GoalStatus
 from end_effector_msgs.msg import EndEffectorFeedback, EndEffectorResult, Outcome, State
 
-from end_effector_hal.trace import Command
+from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires import now_us
 
 from ._action_server import OVERTAKEN, GoalServer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 
-from end_effector_hal.control import StampGate
+from end_effector_hal.signals import StampGate
 from end_effector_hal.wires import now_us
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from end_effector_hal.control import Cause, ChangerState, Evidence, Status
+from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.trace import Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence, display_name
 
 _QUIET = (EndEffectorState.GRIPPING, EndEffectorState.GRIPPED)
 """In these states the reason of an earlier end says nothing."""

@@ -12,8 +12,8 @@ import rospy
 from end_effector_msgs.msg import SupervisorCommand
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.tool import Order, read_order, read_script
-from end_effector_hal.trace import Command, EndEffectorState
+from end_effector_hal.runtime import Order, read_order, read_script
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 from ._goals import GIVE_UP_S, PATIENCE_S, Goals
 from ._node import Node, service_class, stamp

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from end_effector_hal.description import CylinderActuator, Description, camel_case
-from end_effector_hal.trace import Command
+from end_effector_hal.vocabulary import Command
 
 HAL_MAIN, GRIP, TOOL_CHANGE = "HALMain", "Grip", "ToolChange"
 PRESSURE, POSITION = "Pressure", "Position"

@@ -7,9 +7,8 @@ from typing import Any
 
 from std_srvs.srv import SetBoolResponse, TriggerResponse
 
-from end_effector_hal.control import ChangerState
 from end_effector_hal.description import Description
-from end_effector_hal.trace import Command
+from end_effector_hal.vocabulary import ChangerState, Command
 
 from ._node import Node
 from ._stamped import Stamped

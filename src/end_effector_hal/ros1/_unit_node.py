@@ -9,12 +9,13 @@ from typing import Any
 from end_effector_msgs.msg import State
 from end_effector_msgs.srv import HalCommandResponse
 
+from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
-from end_effector_hal.errors import EndEffectorError
-from end_effector_hal.tool import open_unit
-from end_effector_hal.trace import Command
-from end_effector_hal.wires import get_codec, now_us
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.runtime import open_unit
+from end_effector_hal.vocabulary import Command
+from end_effector_hal.wires import now_us
 
 from ._commander import VALID_S
 from ._diagnostics import ERROR, OK, WARN, Health, diagnose
@@ -90,7 +91,7 @@ class UnitNode:
 
     def _repeat(self) -> None:
         if not self.unit.alive:
-            self._node.fail(EndEffectorError(f"The program {self._program} does not work any more."))
+            self._node.fail(ReportedError(f"The program {self._program} does not work any more."))
             return
         with self._lock:
             if self._last is not None:

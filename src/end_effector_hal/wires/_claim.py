@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import LineBusyError, WireError
-from end_effector_hal.wires._text import printable
+from end_effector_hal.vocabulary import printable
 
 
 class Claim:

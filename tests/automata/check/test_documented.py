@@ -10,10 +10,10 @@ from xml.sax.saxutils import escape
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.automata import read_document
-from end_effector_hal.automata.check import faults_of
-from end_effector_hal.cli._model import command
+from end_effector_hal.cli.model._model import command
 from end_effector_hal.errors import ModelError
+from timed_automata import read_document
+from timed_automata.check import faults_of
 
 PAGE = (Path(__file__).parents[3] / "docs" / "model.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| ([^|]+) \| (\w+) \| `(.+?)` \| (.+) \|$", PAGE, re.MULTILINE)

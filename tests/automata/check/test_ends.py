@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata import load_network
-from end_effector_hal.automata.check import ends_of
 from end_effector_hal.description import profile_path
+from timed_automata import load_network
+from timed_automata.check import ends_of
 
 
 def test_both_ends_are_told_by_template():

@@ -6,10 +6,10 @@ from xml.sax.saxutils import escape
 
 import pytest
 
-from end_effector_hal.automata import load_document, read_document
-from end_effector_hal.automata.check import faults_of
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
+from timed_automata import load_document, read_document
+from timed_automata.check import faults_of
 
 SHIPPED = profile_path().with_name("end_effector.xml")
 

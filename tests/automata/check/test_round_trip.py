@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.automata import export, load_document, load_network, make_network, read_document
-from end_effector_hal.automata.check import ends_of
 from end_effector_hal.description import profile_path
+from timed_automata import export, load_document, load_network, make_network, read_document
+from timed_automata.check import ends_of
 
 SHIPPED = profile_path().with_name("end_effector.xml")
 ENDINGS = ("CANCEL", "TIMEOUT", "ABORT", "LOSS", "START", "DEATH", "HELD_DEATH")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata import Network
+from timed_automata import Network
 
 
 def fischer(n: int, *, write: int = 2, wait: str = "x > 2") -> Network:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from xml.sax.saxutils import escape
 
-from end_effector_hal.automata import Network, make_network, read_document
+from timed_automata import Network, make_network, read_document
 
 
 @dataclass

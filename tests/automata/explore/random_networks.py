@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.automata.explore.models import Template, network
 from tests.automata.explore.regions import Predicate, compare
 
-from end_effector_hal.automata import Network
+from timed_automata import Network
 
 LARGEST = 3
 CLOCKS = ("x", "y")

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from itertools import product
 from typing import NamedTuple
 
-from end_effector_hal.automata import Edge, Network
+from timed_automata import Edge, Network
 
 BEYOND = (-1, 0)
 

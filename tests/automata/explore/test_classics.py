@@ -6,7 +6,7 @@ import pytest
 from tests.automata.explore.classics import bridge, csma_cd, doors, fischer, train_gate
 from tests.nightly import NIGHTLY
 
-from end_effector_hal.automata.explore import Explorer, check, explore_all, worst_case
+from timed_automata.explore import Explorer, check, explore_all, worst_case
 
 EXCLUSION = "A[] forall (i : pid_t) forall (j : pid_t) P(i).cs && P(j).cs imply i == j"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata.explore import Coverage, explore_all
+from timed_automata.explore import Coverage, explore_all
 
 
 def survey(declarations: str, *templates: Template, system: str = "") -> Coverage:

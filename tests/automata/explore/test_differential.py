@@ -12,8 +12,8 @@ from tests.automata.explore.random_networks import CLOCKS, LARGEST, Condition, c
 from tests.automata.explore.regions import BEYOND, Region, Regions, compare
 from tests.nightly import NIGHTLY, PHASES, examples
 
-from end_effector_hal.automata import Network
-from end_effector_hal.automata.explore import Explorer, Verdict
+from timed_automata import Network
+from timed_automata.explore import Explorer, Verdict
 
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 many = settings(

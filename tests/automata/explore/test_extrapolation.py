@@ -7,10 +7,10 @@ from itertools import product
 from hypothesis import strategies as st
 from tests.automata.explore.valuations import END, UNIT, canonical, given, inside, members, zones
 
-from end_effector_hal.automata.explore import _zone
-from end_effector_hal.automata.explore._bound import INFINITY, at_most
-from end_effector_hal.automata.explore._extrapolation import extrapolated, widening
-from end_effector_hal.automata.explore._limits import NEVER, Limit
+from timed_automata.explore import _zone
+from timed_automata.explore._bound import INFINITY, at_most
+from timed_automata.explore._extrapolation import extrapolated, widening
+from timed_automata.explore._limits import NEVER, Limit
 
 limits = st.tuples(*[st.builds(Limit, st.integers(NEVER, 3), st.integers(NEVER, 3))] * 2)
 

@@ -6,11 +6,11 @@ import pytest
 from tests.automata.explore.classics import csma_cd, fischer, train_gate
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata import Semantics, load_network
-from end_effector_hal.automata.explore._discrete import DiscreteSpace
-from end_effector_hal.automata.explore._limits import NEVER, Limit, Limits, largest
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError
+from timed_automata import Semantics, load_network
+from timed_automata.explore._discrete import DiscreteSpace
+from timed_automata.explore._limits import NEVER, Limit, Limits, largest
 
 
 def test_limits_run_back_along_the_edges_until_a_clock_is_set() -> None:

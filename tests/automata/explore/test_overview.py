@@ -9,8 +9,8 @@ from tests.automata.explore.models import Template, network
 from tests.automata.explore.random_networks import LARGEST, Condition, conditions, networks
 from tests.nightly import NIGHTLY, PHASES, examples
 
-from end_effector_hal.automata import Network
-from end_effector_hal.automata.explore import Explorer, overview, parse_query
+from timed_automata import Network
+from timed_automata.explore import Explorer, overview, parse_query
 
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 many = settings(

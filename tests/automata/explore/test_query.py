@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata import Network
-from end_effector_hal.automata.explore import Explorer, parse_query
 from end_effector_hal.errors import ModelError
+from timed_automata import Network
+from timed_automata.explore import Explorer, parse_query
 
 
 @pytest.fixture(scope="module")

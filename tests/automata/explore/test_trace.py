@@ -8,7 +8,7 @@ from itertools import pairwise
 from tests.automata.explore.classics import fischer
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata.explore import Trace, Verdict, check
+from timed_automata.explore import Trace, Verdict, check
 
 
 def trace(verdict: Verdict) -> Trace:

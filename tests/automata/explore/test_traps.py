@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from tests.automata.explore.models import Template, network
 
-from end_effector_hal.automata.explore import Explorer, RunTimeError, check
 from end_effector_hal.errors import ModelError
+from timed_automata.explore import Explorer, RunTimeError, check
 
 
 def test_constants_of_the_query_enter_the_limits() -> None:

@@ -19,8 +19,8 @@ from tests.automata.explore.valuations import (
     zones,
 )
 
-from end_effector_hal.automata.explore import _zone
-from end_effector_hal.automata.explore._bound import AT_MOST_ZERO, INFINITY, at_most, below, negated, plus
+from timed_automata.explore import _zone
+from timed_automata.explore._bound import AT_MOST_ZERO, INFINITY, at_most, below, negated, plus
 
 
 def test_bounds_are_ordered_by_tightness_and_add_up() -> None:

@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.automata.explore.random_networks import networks
 
-from end_effector_hal.automata import Change, Event, Execution, Received, Step, Written, load_network
-from end_effector_hal.automata.monitor import Monitor
 from end_effector_hal.errors import ModelError
+from timed_automata import Change, Event, Execution, Received, Step, Written, load_network
+from timed_automata.monitor import Monitor
 
 MODEL = Path(__file__).parents[1] / "models" / "two_steps.xml"
 SIDE = (["Sequence", "Step"], ["evidence"])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from end_effector_hal.automata import Step, TakenEdge
-from end_effector_hal.automata.monitor import Monitor
+from timed_automata import Step, TakenEdge
+from timed_automata.monitor import Monitor
 
 
 def assert_is_run(trace):

@@ -12,10 +12,10 @@ from tests.automata.explore.models import Template, network
 from tests.automata.explore.random_networks import networks
 from tests.automata.simulate.run_facts import assert_is_run
 
-from end_effector_hal.automata import RangeError, load_network
-from end_effector_hal.automata.simulate import Machine, parse_choices, simulate
 from end_effector_hal.description import profile_path
-from end_effector_hal.errors import ModelError, UsageError
+from end_effector_hal.errors import ModelError, RangeError, UsageError
+from timed_automata import load_network
+from timed_automata.simulate import Machine, parse_choices, simulate
 
 WINDOW = Template(
     "P", ["a -> b; guard: x >= 2; do: x = 0", "b -> a; guard: x > 1"], invariants={"a": "x < 5"}

@@ -12,10 +12,10 @@ from owned import Owner
 from simulated import CONFIG, SimulatedChip, remove
 
 from end_effector_hal.errors import LineNotFoundError, WireError
-from end_effector_hal.testbench import GpioInputs, GpioSimInputs
-from end_effector_hal.testbench.conformance import A, B, LineInputsConformance, Wires
-from end_effector_hal.wires import GpiodLines
+from end_effector_hal.wires.lines import GpiodLines
 from end_effector_hal.wires.lines.conformance import LineBackendConformance
+from end_effector_lab.testbench import GpioInputs, GpioSimInputs
+from end_effector_lab.testbench.conformance import A, B, LineInputsConformance, Wires
 
 NAMES = LineBackendConformance.names
 

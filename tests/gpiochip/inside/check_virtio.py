@@ -10,7 +10,7 @@ import pytest
 from owned import Owner
 
 from end_effector_hal.errors import LineBusyError
-from end_effector_hal.wires import GpiodLines
+from end_effector_hal.wires.lines import GpiodLines
 from end_effector_hal.wires.lines.conformance import LineBackendConformance
 
 A, B, C = "SODIMM_206", "SODIMM_208", "SODIMM_212"

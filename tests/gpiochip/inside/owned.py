@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from end_effector_hal.wires import OwnerClient
+from end_effector_hal.arbiter import OwnerClient
 
 PROGRAM = """
 import sys

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from tests.declared import declared
 
-from end_effector_hal.automata import load_network
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.tool.proof import Proof, prove
+from end_effector_hal.verification.proof import Proof, prove
+from timed_automata import load_network
 
 HOLD, RELEASE, LEAVE = "hold", "release", "leave"
 EVERY: dict[str, Any] = {"cancel": HOLD, "timeout": HOLD, "abort": HOLD, "process_death": HOLD}

@@ -11,11 +11,11 @@ from tests.automata.explore.random_networks import LARGEST, Condition, condition
 from tests.automata.explore.regions import Region, Regions
 from tests.nightly import NIGHTLY, PHASES, examples
 
-from end_effector_hal.automata import Network
-from end_effector_hal.automata.explore import parse_query
 from end_effector_hal.errors import ModelError
-from end_effector_hal.tool.proof import Finding, Proof, Requirement, WorstCase, prove
-from end_effector_hal.tool.proof import _prove as proving
+from end_effector_hal.verification.proof import Finding, Proof, Requirement, WorstCase, prove
+from end_effector_hal.verification.proof import _prove as proving
+from timed_automata import Network
+from timed_automata.explore import parse_query
 
 GOOD = ["locations", "edges", "channels", "time"]
 

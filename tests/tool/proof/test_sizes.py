@@ -8,10 +8,10 @@ import pytest
 from tests.nightly import NIGHTLY
 from tests.tool.proof.sizes import sized
 
-from end_effector_hal.automata import load_network
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load
-from end_effector_hal.tool.proof import prove
+from end_effector_hal.verification.proof import prove
+from timed_automata import load_network
 
 SIZES = [1, 2, 4, 8, 32] if NIGHTLY else [1, 2, 4]
 

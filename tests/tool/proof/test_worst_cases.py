@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from end_effector_hal.automata import load_network
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool.proof import WorstCase, prove
+from end_effector_hal.verification.proof import WorstCase, prove
+from timed_automata import load_network
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,12 @@ import pytest
 from patience import wait_until
 from virtual_tool import VirtualTool
 
-from end_effector_hal.automata import Network, load_network
 from end_effector_hal.control import Answer, Controller
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.tool.boundary import Recorder, open_recorder
-from end_effector_hal.tool.replay import ProgramTrace, _review, load_trace
-from end_effector_hal.trace import Record, RecordingLimits, TraceWriter
+from end_effector_hal.recording import Record, RecordingLimits, TraceWriter
+from end_effector_hal.runtime.boundary import Recorder, open_recorder
+from end_effector_hal.verification.replay import ProgramTrace, _review, load_trace
+from timed_automata import Network, load_network
 
 Edit = Callable[[dict[str, Any]], object]
 PIECE_S = 0.5

@@ -13,7 +13,7 @@ from tests.tool.replay.conftest import RecordedTool, edited, numbers
 
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import profile_path
-from end_effector_hal.tool.replay import ProgramTrace, load_trace, review
+from end_effector_hal.verification.replay import ProgramTrace, load_trace, review
 
 
 def run(*args: object) -> Result:

@@ -13,9 +13,9 @@ from tests.tool.replay.conftest import RecordedTool
 
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.tool import Recording, run_info
-from end_effector_hal.tool.replay import missed_moments
-from end_effector_hal.trace import StatesWriter, read_run, read_states, timeline
+from end_effector_hal.recording import Recording, StatesWriter, read_run, read_states, run_info
+from end_effector_hal.verification.replay import missed_moments
+from end_effector_lab.figures import timeline
 
 
 @pytest.fixture

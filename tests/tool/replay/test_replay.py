@@ -12,12 +12,12 @@ import pytest
 from tests.tool.replay.conftest import Edit, RecordedTool, edited, numbers
 
 from end_effector_hal.control import Controller
-from end_effector_hal.demo import scenarios
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.tool.boundary import RecordedController
-from end_effector_hal.tool.replay import ProgramTrace, review
-from end_effector_hal.trace import Command
+from end_effector_hal.runtime.boundary import RecordedController
+from end_effector_hal.verification.replay import ProgramTrace, review
+from end_effector_hal.vocabulary import Command
+from end_effector_lab.demo import scenarios
 
 SCENARIOS = scenarios(load(profile_path()), everything=True)
 WORDS = {

@@ -12,8 +12,15 @@ from typing import Any
 import pytest
 from tests.tool.replay.conftest import Edit, RecordedTool, edited, numbers
 
-from end_effector_hal.tool.replay import ProgramTrace, Review, SegmentEnd, load_trace, review, traces_of
-from end_effector_hal.trace import RecordingLimits
+from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.verification.replay import (
+    ProgramTrace,
+    Review,
+    SegmentEnd,
+    load_trace,
+    review,
+    traces_of,
+)
 
 LIMITS = RecordingLimits(segment_bytes=60_000, total_bytes=100_000_000)
 

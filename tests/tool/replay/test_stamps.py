@@ -8,7 +8,7 @@ import pytest
 from tests.tool.replay.conftest import edited, numbers
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.tool.replay import ProgramTrace, review
+from end_effector_hal.verification.replay import ProgramTrace, review
 
 YEAR_2038 = 2_147_483_647_000_000
 JUMPS = [YEAR_2038, 2**63 - 1, 2**80, 0, -1, -(2**63), 1.5, float("nan"), float("inf"), "now", None, 10**400]

@@ -10,11 +10,11 @@ from tests.tool.replay.conftest import numbers
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import OwnerError
-from end_effector_hal.tool import Unit
-from end_effector_hal.tool.boundary import open_recorder
-from end_effector_hal.tool.replay import load_trace, review, traces_of
-from end_effector_hal.trace import EndEffectorState as State
-from end_effector_hal.trace import RecordingLimits
+from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.runtime import Unit
+from end_effector_hal.runtime.boundary import open_recorder
+from end_effector_hal.verification.replay import load_trace, review, traces_of
+from end_effector_hal.vocabulary import EndEffectorState as State
 
 pytestmark = pytest.mark.wall
 

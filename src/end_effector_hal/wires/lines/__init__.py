@@ -1,14 +1,15 @@
 """Lines: binary outputs. The `gpiod` back-end drives real ones, `virtual` those of a chip in a file."""
 
-from end_effector_hal.wires.lines._backend import LineBackend
-from end_effector_hal.wires.lines._chip_log import ChipState, Edge, LineState
-from end_effector_hal.wires.lines._gpiod import GpiodLines
-from end_effector_hal.wires.lines._handing_on import HandsOn
-from end_effector_hal.wires.lines._virtual import VirtualLines
-from end_effector_hal.wires.lines._virtual_chip import VirtualChip, read_chip
-from end_effector_hal.wires.lines._watcher import ChipWatcher
+from ._backend import LineBackend
+from ._chip_log import ChipLog, ChipState, Edge, LineState
+from ._gpiod import GpiodLines
+from ._handing_on import HandsOn
+from ._virtual import VirtualLines
+from ._virtual_chip import VirtualChip, read_chip
+from ._watcher import ChipWatcher
 
 __all__ = [
+    "ChipLog",
     "ChipState",
     "ChipWatcher",
     "Edge",

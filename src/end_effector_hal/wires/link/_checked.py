@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Mapping
 
-from end_effector_hal.wires.frame import Frame, Kind
+from end_effector_hal.signals import Frame, Kind
 
 HIGHEST_PA = 2**31 - 1
 HIGHEST_CLOCK = 2**63 - 1

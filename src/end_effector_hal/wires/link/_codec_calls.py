@@ -6,9 +6,9 @@ import threading
 from collections.abc import Callable
 from typing import TypeVar
 
+from end_effector_hal.codecs import named
 from end_effector_hal.errors import LinkError
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.codecs import named
 
 T = TypeVar("T")
 HUNG_US = 1_000_000

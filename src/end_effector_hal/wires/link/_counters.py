@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from end_effector_hal.wires.codecs import Decoder
+from end_effector_hal.codecs import Decoder
 
 MOST_KINDS = 64
 """Kinds of errors that a decoder may count."""

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from itertools import islice
 from typing import cast
 
+from end_effector_hal.codecs import Codec, Polled, PolledDecoder, asks
+from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.codecs import Codec, Polled, PolledDecoder, asks
-from end_effector_hal.wires.frame import Frame
 from end_effector_hal.wires.link._checked import checked, weight
 from end_effector_hal.wires.link._codec_calls import CodecCalls
 from end_effector_hal.wires.link._counters import Counters, counters_of

@@ -1,0 +1,1 @@
+"""``eehal doctor``: what this machine lacks to run a tool."""

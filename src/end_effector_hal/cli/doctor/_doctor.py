@@ -1,0 +1,132 @@
+"""``eehal doctor``: what this machine lacks to run the tool."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import click
+
+from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.description import Description, examine, profile_path
+
+from ._finding import Finding, Findings, Level, Part
+
+PARTS = ("python", "description", "ros", "lines", "owner", "link", "machine")
+_STYLE = {Level.OK: "green", Level.WARNING: "yellow", Level.MISSING: "red"}
+BAD_DESCRIPTION, UNREACHABLE = 2, 3
+
+
+def _parts(_context: click.Context, _parameter: click.Parameter, value: str | None) -> tuple[str, ...]:
+    chosen = tuple(name.strip() for name in value.split(",")) if value else PARTS
+    if unknown := [name for name in chosen if name not in PARTS]:
+        raise click.BadParameter(f"{', '.join(unknown)}; there are {', '.join(PARTS)}.")
+    return chosen
+
+
+@click.command(name="doctor")
+@click.argument("file", metavar="[DESCRIPTION]", type=PathName(), required=False)
+@click.option("--only", callback=_parts, metavar="PART,...", help=f"Of {', '.join(PARTS)}.")
+@click.option("--passive", is_flag=True, help="Do not listen to the sensor port, even if nobody has it.")
+@click.option("--json", "as_json", is_flag=True, help="Print {ok, exit_code, findings} as JSON.")
+def command(file: Path | None, only: tuple[str, ...], passive: bool, as_json: bool) -> None:
+    """Look at this machine and say what is missing to run the tool.
+
+    Each line is ok, warning or missing, with what to do. Nothing is written, requested or stolen: lines are
+    only looked up, and a sensor port that somebody reads is left alone.
+
+    Exit codes: 0 nothing is missing, 2 the description is bad, 3 something is missing or not reachable.
+    """
+    findings: list[Finding] = []
+    for finding in _examined(file or profile_path(), only, listen=not passive):
+        findings.append(finding)
+        if not as_json:
+            _print(finding)
+    code = _exit_code(findings)
+    if as_json:
+        told = [
+            {"part": part, "status": level.value, "what": what, "todo": todo}
+            for part, level, what, todo in findings
+        ]
+        click.echo(json.dumps({"ok": not code, "exit_code": code, "findings": told}, indent=2))
+    sys.exit(code)
+
+
+def _examined(path: Path, only: tuple[str, ...], *, listen: bool) -> Iterator[Finding]:
+    description, faults = _described(path, wholly="description" in only)
+    for part, look in _looks(description, listen=listen).items():
+        if part == "description" and (part in only or description is None):
+            yield from faults
+        elif part in only:
+            yield from _guarded(part, look)
+
+
+def _looks(description: Description | None, *, listen: bool) -> dict[str, Callable[[], Findings]]:
+    """What to look at, in this order; without a description only what needs none."""
+    from ._machine import look_at_machine
+    from ._python import look_at_python
+    from ._ros import look_at_ros
+
+    looks: dict[str, Callable[[], Findings]] = {
+        "python": look_at_python,
+        "description": lambda: iter(()),
+        "ros": look_at_ros,
+    }
+    if description is not None:
+        from end_effector_hal.runtime import output_lines
+
+        from ._lines import look_at_lines
+        from ._link import look_at_link
+        from ._owner import look_at_owner
+
+        lines = output_lines(description)
+        looks["lines"] = lambda: look_at_lines(description, lines)
+        looks["owner"] = lambda: look_at_owner(description, lines)
+        looks["link"] = lambda: look_at_link(description, listen=listen)
+    reaction = description.bounds.reaction_ms * 1000 if description else None
+    looks["machine"] = lambda: look_at_machine(reaction)
+    return looks
+
+
+def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[Finding]]:
+    """The description if nothing is wrong with it, and what is; ``wholly``: with its codec and its automata."""
+    from end_effector_hal.cli._check import check
+
+    say = Part("description")
+    examination = examine(path)
+    lines, description = examination.lines(), examination.description
+    if description is not None and wholly:
+        try:
+            lines = [str(fault) for fault in check(path).faults]
+        except Exception as error:  # noqa: BLE001 a doctor says what it meets
+            lines = [f"{path}: {type(error).__name__}: {error}"]
+    if lines or description is None:
+        return None, [say.missing(line, "eehal check says all of it.") for line in lines]
+    return description, [say.ok(f"{path}: {description.name} ({description.fingerprint()})")]
+
+
+def _guarded(part: str, look: Callable[[], Findings]) -> Iterator[Finding]:
+    """What goes wrong while looking is a finding, too."""
+    try:
+        yield from look()
+    except Exception as error:  # noqa: BLE001 never a traceback: the machine is not as anybody thought
+        text = str(error) or "no reason given"
+        yield Part(part).missing(
+            f"it could not be looked at: {type(error).__name__}: {text}", "Please report this."
+        )
+
+
+def _exit_code(findings: list[Finding]) -> int:
+    missing = {finding.part for finding in findings if finding.level is Level.MISSING}
+    if "description" in missing:
+        return BAD_DESCRIPTION
+    return UNREACHABLE if missing else 0
+
+
+def _print(finding: Finding) -> None:
+    level = click.style(f"{finding.level.value:8}", fg=_STYLE[finding.level])
+    click.echo(f"{level} {finding.part:12} {finding.what}")
+    if finding.todo:
+        click.echo(f"{'':21} → {finding.todo}")

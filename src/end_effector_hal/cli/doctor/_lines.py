@@ -1,0 +1,127 @@
+"""The output lines: whether they can be found, and who has them. Nothing is requested: that would move lines."""
+
+from __future__ import annotations
+
+import glob
+import importlib
+import os
+from typing import Any, NamedTuple
+
+from end_effector_hal.description import Description, did_you_mean
+from end_effector_hal.errors import WireError
+
+from ._finding import Finding, Findings, Part
+from ._holders import holders_of
+
+CHIPS = "/dev/gpiochip*"
+CONSUMER = "end-effector-hal"
+GPIO_GROUP = "Add the user to the group gpio (gid 49 on Torizon) and log in again; container: --group-add 49."
+_say = Part("lines")
+
+
+class _Place(NamedTuple):
+    chip: str
+    offset: int
+    info: Any
+
+
+def look_at_lines(description: Description, lines: tuple[str, ...], chips: str = CHIPS) -> Findings:
+    """Args: ``lines``: all output lines of the tool; ``chips``: where the character devices are."""
+    if description.lines.backend == "virtual":
+        yield _virtual(description, lines)
+    else:
+        yield from _gpiod(lines, chips)
+
+
+def _virtual(description: Description, lines: tuple[str, ...]) -> Finding:
+    from end_effector_hal.wires.lines import read_chip
+
+    path = description.lines.path
+    if path is None:
+        return _say.missing("virtual lines without a file", "Add path: to lines in the description.")
+    try:
+        chip = read_chip(path)
+    except WireError as error:
+        return _say.missing(f"{path}: {error.what}", "Start eehal testbench, which makes it.")
+    absent = [name for name in lines if name not in chip.lines]
+    if absent:
+        return _say.missing(f"{path} has no line {_named(absent, list(chip.lines))}", "Make the chip anew.")
+    held = " and ".join(map(str, holders_of(f"{path}.lock")))
+    active = [name for name in lines if chip.lines[name] == ("out", True)]
+    text = f"virtual chip {path}; active: {', '.join(active) or 'none'}; held by {held or 'nobody'}"
+    if not os.access(path, os.W_OK):
+        return _say.missing(f"{text}; it may not be written", "Run as the user who made it.")
+    return _say.ok(text)
+
+
+def _gpiod(lines: tuple[str, ...], pattern: str) -> Findings:
+    try:
+        gpiod: Any = importlib.import_module("gpiod")
+    except ImportError as error:
+        yield _say.missing(f"gpiod cannot be imported: {error}", "pip install 'gpiod>=2.1,<3'")
+        return
+    version = str(getattr(gpiod, "api_version", "1"))
+    if not version.startswith("2."):
+        yield _say.missing(f"gpiod has the API {version}, needed is 2", "pip install 'gpiod>=2.1,<3'")
+        return
+    paths = sorted({os.path.realpath(path) for path in glob.glob(pattern)})
+    chips = [path for path in paths if gpiod.is_gpiochip_device(path)]
+    if not chips:
+        yield _say.missing(
+            f"there is no GPIO chip here ({pattern})",
+            "A container needs --device /dev/gpiochip0; without hardware use virtual lines.",
+        )
+        return
+    places: dict[str, list[_Place]] = {}
+    for path in chips:
+        if refused := _read(gpiod, path, places):
+            yield refused
+    yield from _judged(lines, places, chips)
+
+
+def _read(gpiod: Any, path: str, places: dict[str, list[_Place]]) -> Finding | None:
+    """Adds the lines of a chip; reading their information claims nothing."""
+    try:
+        with gpiod.Chip(path) as chip:
+            for offset in range(chip.get_info().num_lines):
+                info = chip.get_line_info(offset)
+                places.setdefault(info.name, []).append(_Place(path, offset, info))
+    except PermissionError:
+        return _say.missing(f"{path} may not be opened: permission denied", GPIO_GROUP)
+    except OSError as error:
+        return _say.missing(f"{path} cannot be opened: {error.strerror}", "dmesg may say why.")
+    return None
+
+
+def _judged(lines: tuple[str, ...], places: dict[str, list[_Place]], chips: list[str]) -> Findings:
+    absent = [name for name in lines if name not in places]
+    if absent:
+        yield _say.missing(
+            f"no line {_named(absent, [name for name in places if name])} on {', '.join(chips)}",
+            "gpioinfo lists the names; put yours into the description.",
+        )
+    for name in lines:
+        where = [f"{place.chip} line {place.offset}" for place in places.get(name, [])]
+        if len(where) > 1:
+            yield _say.missing(
+                f"{name} is ambiguous: {' and '.join(where)}",
+                "Give the lines unique names in the device tree.",
+            )
+        elif where:
+            yield _line(name, where[0], places[name][0].info)
+
+
+def _line(name: str, where: str, info: Any) -> Finding:
+    direction = str(info.direction).rpartition(".")[2].lower()
+    if not info.used:
+        return _say.ok(f"{name} = {where}, {direction}, free")
+    if info.consumer == CONSUMER:
+        return _say.ok(f"{name} = {where}, {direction}, held by the line owner")
+    return _say.missing(
+        f"{name} = {where} is held by {info.consumer or 'the kernel'}", "Stop the program that holds it."
+    )
+
+
+def _named(absent: list[str], known: list[str]) -> str:
+    hints = [(name, did_you_mean(name, known)) for name in absent]
+    return ", ".join(f"{name} ({hint})" if hint else name for name, hint in hints)

@@ -1,0 +1,54 @@
+"""The interpreter, this distribution, and what it depends on."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from importlib import metadata
+
+from ._finding import Findings, Part
+
+DISTRIBUTION = "end-effector-hal"
+_DEBIAN = "/usr/lib/python3/dist-packages"
+_say = Part("python")
+
+
+def look_at_python() -> Findings:
+    """Version, packages, and a variable that breaks them."""
+    version = ".".join(map(str, sys.version_info[:3]))
+    yield _say.ok(f"Python {version} at {sys.executable}")
+    try:
+        own = metadata.distribution(DISTRIBUTION)
+    except metadata.PackageNotFoundError:
+        yield _say.missing(f"{DISTRIBUTION} is not installed here", "pip install . in a virtual environment")
+        return
+    absent = sorted(name for name in _needed(own) if not _installed(name))
+    if absent:
+        yield _say.missing(
+            f"{DISTRIBUTION} {own.version}, without {', '.join(absent)}", f"pip install {' '.join(absent)}"
+        )
+    else:
+        yield _say.ok(f"{DISTRIBUTION} {own.version}")
+    if _DEBIAN in os.environ.get("PYTHONPATH", "").split(":"):
+        yield _say.warning(
+            f"PYTHONPATH names {_DEBIAN}: Debian's packages hide newer ones of this environment",
+            "Take it out; make the environment with python3 -m venv --system-site-packages.",
+        )
+
+
+def _needed(own: metadata.Distribution) -> list[str]:
+    names = []
+    for requirement in own.requires or []:
+        name = re.match(r"[\w.-]+", requirement)
+        if name and "extra ==" not in requirement:
+            names.append(name[0])
+    return names
+
+
+def _installed(name: str) -> bool:
+    try:
+        metadata.distribution(name)
+    except metadata.PackageNotFoundError:
+        return False
+    return True

@@ -1,0 +1,152 @@
+"""ROS 1: its packages, our messages, the master, our nodes."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.errors import RosError
+
+from ._finding import Finding, Findings, Part
+
+PACKAGES = (
+    "rospy",
+    "actionlib",
+    "actionlib_msgs",
+    "diagnostic_msgs",
+    "sensor_msgs",
+    "std_msgs",
+    "std_srvs",
+    "rospkg",
+)
+PROGRAMS = ("roscore", "roslaunch")
+OURS = "end_effector_hal"
+_BUILD = "ros/build.sh, then . build/catkin/devel/setup.sh"
+_say = Part("ros")
+
+
+def look_at_ros() -> Findings:
+    """ROS is one face of several: what is absent is missing only where ROS_MASTER_URI says that it is wanted."""
+    wanted = "ROS_MASTER_URI" in os.environ
+    absent = [name for name in PACKAGES if not _there(name)]
+    absent += [name for name in PROGRAMS if not shutil.which(name)]
+    if absent:
+        yield _absent(absent, wanted)
+    else:
+        yield _say.ok("ROS packages and programs are there")
+    if _there("end_effector_msgs.msg"):
+        yield _messages(wanted)
+    elif not absent:
+        yield _finding(wanted, "the messages end_effector_msgs are not built, or not sourced", _BUILD)
+    if wanted:
+        yield from _look_at_master()
+    else:
+        yield _say.warning(
+            "ROS_MASTER_URI is not set: no master is looked for",
+            "Only the ROS nodes need one; source the workspace to use them.",
+        )
+
+
+def _absent(names: list[str], wanted: bool) -> Finding:
+    text = f"not there: {', '.join(names)}"
+    if Path("/usr/lib/python3/dist-packages/rospy").is_dir() and "rospy" in names:
+        return _finding(
+            wanted,
+            f"{text}; Debian's ROS is installed, and this environment does not see it",
+            "Make it with /usr/bin/python3 -m venv --system-site-packages.",
+        )
+    return _finding(
+        wanted, text, "deploy/debian.sh installs ROS on Debian 12; without ROS: eehal owner, EndEffector.open"
+    )
+
+
+def _finding(wanted: bool, what: str, todo: str) -> Finding:
+    return _say.missing(what, todo) if wanted else _say.warning(what, todo)
+
+
+def _there(name: str) -> bool:
+    try:
+        return importlib.util.find_spec(name) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def _messages(wanted: bool) -> Finding:
+    """A workspace that is not sourced as a whole gives Python its messages, and roslaunch no package."""
+    built = "end_effector_msgs are built"
+    try:
+        rospkg = importlib.import_module("rospkg")
+    except ImportError:
+        return _say.ok(built)
+    try:
+        return _say.ok(f"{built}; roslaunch finds {rospkg.RosPack().get_path(OURS)}")
+    except rospkg.ResourceNotFound:
+        return _finding(
+            wanted,
+            f"{built}; roslaunch does not find {OURS}",
+            "Source the whole workspace; Debian's package ros-environment sets ROS_PACKAGE_PATH.",
+        )
+
+
+def _look_at_master() -> Findings:
+    from end_effector_hal.ros1 import ask_pid, master_uri
+
+    try:
+        uri, pid = master_uri(), ask_pid()
+    except RosError as error:
+        yield _say.missing(error.what, error.todo)
+        return
+    yield _say.ok(f"master at {uri} (pid {pid})")
+    yield _nodes(uri)
+
+
+def _nodes(uri: str) -> Finding:
+    from end_effector_hal.ros1 import HAL_NODES
+
+    try:
+        answering = [name for name in _registered(uri) if _answers(uri, name)]
+    except RosError as error:
+        return _say.missing(error.what, error.todo)
+    called = {name.rsplit("/", 1)[-1] for name in answering}
+    absent = [name for name in HAL_NODES if name not in called]
+    if not absent:
+        return _say.ok(f"nodes {', '.join(HAL_NODES)} answer")
+    todo = "roslaunch end_effector_hal end_effector.launch description:=FILE; its output says why a node does not stay."
+    if len(absent) == len(HAL_NODES):
+        return _say.missing("none of the HAL's nodes runs", todo)
+    return _say.missing(f"nodes that do not answer: {', '.join(absent)}", todo)
+
+
+def _registered(uri: str) -> list[str]:
+    """Every node that publishes something."""
+    publishers, *_ = _call(uri, "getSystemState")
+    return sorted({node for _, nodes in publishers for node in nodes})
+
+
+def _answers(uri: str, name: str) -> bool:
+    """As ``rosnode ping``: a node that was killed stays registered."""
+    try:
+        return isinstance(_call(_call(uri, "lookupNode", name), "getPid"), int)
+    except RosError:
+        return False
+
+
+def _call(uri: str, method: str, *arguments: str) -> Any:
+    """The value of an answer of the master or of a node; raises RosError."""
+    import xmlrpc.client
+    from http.client import HTTPException
+
+    from end_effector_hal.ros1 import _Transport
+
+    try:
+        server = xmlrpc.client.ServerProxy(uri, transport=_Transport())
+        code, text, value = getattr(server, method)("/eehal_doctor", *arguments)
+    except (OSError, HTTPException, xmlrpc.client.Error, ValueError, TypeError) as error:
+        raise RosError(f"{uri} does not answer: {error}.") from None
+    if code != 1:
+        raise RosError(f"{uri}: {text}.")
+    return value

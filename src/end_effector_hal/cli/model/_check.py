@@ -1,0 +1,134 @@
+"""``eehal model check``: everything that is wrong with a UPPAAL file, or what it holds."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.errors import ReportedError
+
+if TYPE_CHECKING:
+    from timed_automata import Network
+    from timed_automata.check import Ends
+
+
+@click.command(short_help="Type-check a UPPAAL file and list what it holds.")
+@click.argument("file", metavar="[FILE|DESCRIPTION]", type=PathName(), required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print the faults, or what the file holds, as JSON.")
+def check(file: Path | None, as_json: bool) -> None:
+    """Type-check a UPPAAL file, or that of a description with its constants put in.
+
+    Every fault is a line on stderr, file:line:column: what is wrong, and the exit code is 2. Without faults:
+    the processes, the clocks, the channels with both their ends, and the queries.
+    """
+    from end_effector_hal.description import profile_path
+
+    path = file or profile_path()
+    try:
+        network, faults = _read(path)
+    except ReportedError as error:
+        network, faults = None, [error]
+    if network is None:
+        _tell_faults(path, faults, as_json)
+        sys.exit(2)
+    if as_json:
+        click.echo(json.dumps(_document(path, network), indent=2, ensure_ascii=False))
+    else:
+        for line in _lines(path, network):
+            click.echo(line)
+
+
+def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
+    from end_effector_hal.cli.model._source import is_uppaal
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.control import model_constants
+    from timed_automata import load_document, make_network
+    from timed_automata.check import faults_of
+
+    constants = None
+    if not is_uppaal(path):
+        description = load_tool(path)
+        constants, path = model_constants(description), description.automata_path
+    document = load_document(path)
+    faults: list[ReportedError] = [*faults_of(document, constants)]
+    return (None, faults) if faults else (make_network(document, constants), [])
+
+
+def _tell_faults(path: Path, faults: list[ReportedError], as_json: bool) -> None:
+    told = [each for fault in faults for each in fault.told]
+    if as_json:
+        found = [each.as_json() for each in told]
+        document = {"file": str(path), "ok": False, "exit_code": 2, "faults": found}
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    for each in told if not as_json else ():
+        click.echo(str(each), err=True)
+
+
+def _document(path: Path, network: Network) -> dict[str, object]:
+    from timed_automata.check import ends_of
+
+    return {
+        "file": str(path),
+        "ok": True,
+        "exit_code": 0,
+        "faults": [],
+        "processes": [{"name": each.name, "template": each.template} for each in network.processes],
+        "clocks": list(network.clocks[1:]),
+        "channels": [
+            {
+                "name": each.name,
+                "broadcast": each.broadcast,
+                "urgent": each.urgent,
+                "senders": list(each.senders),
+                "receivers": list(each.receivers),
+                "unsent": list(each.unsent),
+                "unreceived": list(each.unreceived),
+            }
+            for each in ends_of(network)
+        ],
+        "queries": [
+            {"query": _one_line(each.formula.content), "sentence": each.comment}
+            for each in network.document.queries
+        ],
+    }
+
+
+def _lines(path: Path, network: Network) -> Iterator[str]:
+    from timed_automata.check import ends_of
+
+    locations = sum(len(process.locations) for process in network.processes)
+    edges = sum(len(process.edges) for process in network.processes)
+    yield f"{path} is valid: {len(network.processes)} processes, {locations} locations, {edges} edges"
+    yield f"automata   {network.document.path}"
+    yield f"processes  {', '.join(process.name for process in network.processes)}"
+    yield f"clocks     {', '.join(network.clocks[1:]) or 'none'}"
+    ends = ends_of(network)
+    width = max((len(each.name) for each in ends), default=0)
+    for each in ends:
+        kind = "broadcast" if each.broadcast else "binary"
+        yield (
+            f"channel    {each.name:<{width}}  {'urgent ' if each.urgent else ''}{kind}: "
+            f"{', '.join(each.senders) or 'nobody'} → {', '.join(each.receivers) or 'nobody'}"
+        )
+    for each in ends:
+        yield from _open_ends(each)
+    for query in network.document.queries:
+        sentence = f"   {_one_line(query.comment)}" if query.comment else ""
+        yield f"query      {_one_line(query.formula.content)}{sentence}"
+
+
+def _open_ends(ends: Ends) -> Iterator[str]:
+    for names, what in ((ends.unsent, "nobody sends"), (ends.unreceived, "nobody receives")):
+        if names:
+            more = f" and {len(names) - 4} more" if len(names) > 4 else ""
+            yield f"note       {what} {', '.join(names[:4])}{more}"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

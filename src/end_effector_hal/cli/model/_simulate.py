@@ -1,0 +1,150 @@
+"""``eehal model simulate``: runs of the whole network, as in UPPAAL's simulator."""
+
+from __future__ import annotations
+
+import json
+import sys
+from math import isnan
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli._figures import draw_timeline
+from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.cli.model._source import (
+    DESCRIPTION,
+    MODEL,
+    Source,
+    open_source,
+    the_folder,
+    write_whole,
+)
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from end_effector_hal.recording import RunInfo
+    from timed_automata.explore import Trace, TraceStep
+
+_LONGEST_S = 1e7
+
+
+@click.command(short_help="Play runs of the network, by chance or guided.")
+@DESCRIPTION
+@MODEL
+@click.option("--seed", default=0, show_default=True, help="The same seed, the same run.")
+@click.option("--steps", type=click.IntRange(0), help="At most so many transitions; by default 100.")
+@click.option(
+    "--for", "seconds", type=click.FloatRange(0, _LONGEST_S), metavar="SECONDS", help="Length of the run."
+)
+@click.option("--choose", default="", metavar="'…; …'", help="What happens first; see above.")
+@click.option(
+    "-o",
+    "--output",
+    type=PathName(),
+    help="Folder for run.txt, states.csv, run.json and the timeline figure.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the run as JSON.")
+def simulate(
+    description: Path | None,
+    model: Path | None,
+    seed: int,
+    steps: int | None,
+    seconds: float | None,
+    choose: str,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Play the whole network by chance, or as --choose says: a line per transition, time in ms.
+
+    --choose "world == IN_TIME; adopt; grip @ 1000; confirmed[0] + 350": each is the name of a channel, or a
+    condition that the next transition makes true, and when: @ after the start, + after the step before, in ms;
+    without, as soon as possible. What cannot wait happens in between by itself. The run ends after the last one
+    unless --steps or --for lets it go on by chance.
+    """
+    from random import Random
+
+    from timed_automata.simulate import parse_choices
+    from timed_automata.simulate import simulate as play
+
+    source = open_source(description, model)
+    choices = parse_choices(source.network, choose)
+    if seconds is not None and isnan(seconds):  # what a range of click lets through
+        raise UsageError("--for nan is no length of time.")
+    until = None if seconds is None else round(seconds * 1_000_000)
+    run = play(source.network, Random(seed), choices, steps=steps, until=until)
+    files, note = ([], "") if output is None else _written(source, run.trace, seed, output)
+    if as_json:
+        click.echo(json.dumps(_document(source, run.trace, seed, files, note), indent=2, ensure_ascii=False))
+    else:
+        click.echo("\n".join(run.trace.lines))
+        for file in files:
+            click.echo(str(file))
+        if note:
+            click.echo(f"Note: {note}", err=True)
+    if run.error is not None:
+        click.echo(str(run.error), err=True)
+        sys.exit(run.error.exit_code)
+
+
+def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[list[Path], str]:
+    """The files of a run, and why there is no figure if there is none."""
+    from end_effector_hal.recording import StatesWriter
+    from end_effector_hal.verification import has_states, states_of
+
+    folder = the_folder(output)
+    text = folder / "run.txt"
+    write_whole(text, ("\n".join(trace.lines) + "\n").encode())
+    files = [text]
+    if not has_states(source.network):
+        return files, "The model has no variables ee, command and actuator[], so there is no figure."
+    names = source.description.sequence if source.description is not None else ()
+    log, info = states_of(trace, names), _info(source, seed)
+    states = folder / "states.csv"
+    states.unlink(missing_ok=True)
+    with StatesWriter(states, log.actuators) as writer:
+        for row in log.rows:
+            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
+    files += [states, info.write(folder)]
+    return [*files, *draw_timeline(log, info, folder)], ""
+
+
+def _info(source: Source, seed: int) -> RunInfo:
+    from dataclasses import replace
+
+    from end_effector_hal.recording import RunInfo, run_info
+
+    scenario = f"run of the model, seed {seed}"
+    if source.description is None:
+        return RunInfo(scenario=scenario, description=Path(source.name).name, simulated=True)
+    return replace(run_info(source.description, scenario=scenario), simulated=True)
+
+
+def _document(source: Source, trace: Trace, seed: int, files: list[Path], note: str) -> dict[str, object]:
+    return {
+        "source": source.name,
+        "seed": seed,
+        "steps": [_step(source, step) for step in trace.steps],
+        "end_ms": float(trace.end),
+        "remark": trace.remark,
+        "files": [str(file) for file in files],
+        "notes": [note] if note else [],
+    }
+
+
+def _step(source: Source, step: TraceStep) -> dict[str, object]:
+    processes = source.network.processes
+    return {
+        "at_ms": float(step.at),
+        "channel": step.channel,
+        "edges": [
+            {
+                "process": processes[edge.process].name,
+                "source": processes[edge.process].locations[edge.source].name,
+                "target": processes[edge.process].locations[edge.target].name,
+                "selected": dict(edge.selected),
+            }
+            for edge in step.edges
+        ],
+        "changes": {change.name: [change.old, change.new] for change in step.changes},
+    }

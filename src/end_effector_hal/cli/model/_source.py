@@ -1,0 +1,103 @@
+"""The network that a command is about: of a description, or of a UPPAAL file as it stands."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from end_effector_hal.description import Description
+    from timed_automata import Network
+
+DESCRIPTION = click.argument("description", type=PathName(), required=False)
+MODEL = click.option("--model", metavar="FILE", type=PathName(), help="A UPPAAL file as it stands.")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A network, and the description whose constants were put in; ``told``: constants worth telling."""
+
+    name: str
+    network: Network = field(repr=False)
+    description: Description | None
+    told: dict[str, object] = field(repr=False)
+
+
+def open_source(description: Path | None, model: Path | None) -> Source:
+    """The network of a description (by default the shipped one), or of a UPPAAL file.
+
+    Raises:
+        DescriptionError, ModelError: it is not valid.
+        UsageError: both are named.
+    """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.control import model_constants
+    from end_effector_hal.description import profile_path
+    from end_effector_hal.runtime import load_automata
+    from timed_automata import load_network
+
+    if model is not None:
+        if description is not None:
+            raise UsageError("A description and a model are named.", todo="Leave one of them out.")
+        network = load_network(model)
+        return Source(str(model), network, None, _told(network))
+    path = description or profile_path()
+    if is_uppaal(path):
+        todo = f"Write '--model {path}'."
+        raise UsageError("This is a UPPAAL file, not a description.", where=str(path), todo=todo)
+    loaded = load_tool(path)
+    constants, network = model_constants(loaded), load_automata(loaded)
+    told = {name: value for name, value in _told(network).items() if name in constants}
+    return Source(str(path), network, loaded, told)
+
+
+def _told(network: Network) -> dict[str, object]:
+    """The global constants, booleans as such."""
+    kinds = {name: getattr(symbol, "type", None) for name, symbol in network.scope.symbols.items()}
+    return {
+        name: _boolean(value) if (kind := kinds[name]) is not None and kind.kind == "bool" else value
+        for name, value in network.constants.items()
+    }
+
+
+def _boolean(value: object) -> object:
+    return [_boolean(item) for item in value] if isinstance(value, list) else bool(value)
+
+
+def is_uppaal(path: Path) -> bool:
+    """Whether a file is XML: by its name, or else by how it begins."""
+    suffix = path.suffix.lower()
+    if suffix in (".xml", ".yaml", ".yml"):
+        return suffix == ".xml"
+    try:
+        with path.open("rb") as file:
+            return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<")
+    except OSError:
+        return False
+
+
+def the_folder(path: Path) -> Path:
+    """A folder, made if it does not exist."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(path)) from None
+    return path
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        beside.write_bytes(data)
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise UsageError(f"The file cannot be written: {error.strerror}.", where=str(path)) from None

@@ -1,0 +1,43 @@
+"""Codecs: how frames stand on a wire. One is found by its name with `get_codec`.
+
+A codec of your own is one class (see `Codec`; `PolledCodec` where the device has to be asked), an entry point in
+the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformance` or `PolledCodecConformance` of
+`end_effector_hal.codecs.conformance`. Modbus devices need no class: see `end_effector_hal.codecs.modbus`.
+"""
+
+from ._codec import Codec, Decoder, parity_of, resolution_of, shows_noise
+from ._declared import declared
+from ._ees1_ascii import Ees1Ascii
+from ._ees1_cobs import Ees1Cobs
+from ._legacy_nibble import LegacyNibble
+from ._load import fitting, load_tool
+from ._named import named
+from ._polled import Device, Polled, PolledCodec, PolledDecoder, asks, is_polled
+from ._registry import codec_names, codec_of, get_codec
+from ._sequence import Sequence, sequence_of
+
+__all__ = [
+    "Codec",
+    "Decoder",
+    "Device",
+    "Ees1Ascii",
+    "Ees1Cobs",
+    "LegacyNibble",
+    "Polled",
+    "PolledCodec",
+    "PolledDecoder",
+    "Sequence",
+    "asks",
+    "codec_names",
+    "codec_of",
+    "declared",
+    "fitting",
+    "get_codec",
+    "is_polled",
+    "load_tool",
+    "named",
+    "parity_of",
+    "resolution_of",
+    "sequence_of",
+    "shows_noise",
+]

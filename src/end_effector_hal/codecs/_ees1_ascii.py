@@ -1,0 +1,96 @@
+"""``ees1-ascii``: the default format; a line of text with a CRC, readable in any terminal.
+
+``$EES1,<seq>,<t_ms>,<bottom>,<cylinder>,<top>,<supply>,<din hex2>,<status hex2>*<crc hex4>\\r\\n``,
+CRC-16/CCITT-FALSE over what stands between ``$`` and ``*``; pressures are integer Pa gauge, an empty field is
+invalid.
+"""
+
+from __future__ import annotations
+
+import re
+from binascii import crc_hqx
+from collections.abc import Mapping
+
+from end_effector_hal.codecs import _ees1 as ees1
+from end_effector_hal.codecs._codec import Decoder
+from end_effector_hal.codecs._ees1_decoder import Ees1Decoder
+from end_effector_hal.signals import Frame, Kind, Value
+
+LONGEST = 96
+_LINE = re.compile(
+    rb"\$(?P<body>EES1,([0-9]{1,5}),([0-9]{1,10})" + rb",(-?[0-9]{1,7})?" * 4 + rb",([0-9A-Fa-f]{2})"
+    rb",([0-9A-Fa-f]{2}))\*(?P<crc>[0-9A-Fa-f]{4})\r\n"
+)
+
+
+class Ees1Ascii:
+    """The codec ``ees1-ascii``: four pressures and seven bits, 50 Hz at 115200 baud."""
+
+    name = "ees1-ascii"
+    channels: Mapping[str, Kind] = ees1.CHANNELS
+    period_us = ees1.PERIOD_US
+    baudrate = ees1.BAUDRATE
+
+    def decoder(self) -> Decoder:
+        """A new decoder."""
+        return Ees1AsciiDecoder()
+
+    def encode(self, frame: Frame) -> bytes:
+        """One line; ``seq`` and ``device_ms`` wrap around, None counts as 0, a missing bit as false."""
+        values = frame.values
+        fields = [self._text(name, values.get(name)) for name in ees1.PRESSURES]
+        status = sum(1 << bit for bit, text in enumerate(fields) if not text)
+        seq, clock = (frame.seq or 0) % (1 << 16), (frame.device_ms or 0) % (1 << 32)
+        body = f"EES1,{seq},{clock},{','.join(fields)},{ees1.din_of(values):02X},{status:02X}".encode()
+        return b"$%s*%04X\r\n" % (body, crc_hqx(body, 0xFFFF))
+
+    def _text(self, name: str, value: Value) -> str:
+        return "" if value is None else str(ees1.check_pressure(self.name, name, value))
+
+
+class Ees1AsciiDecoder(Ees1Decoder):
+    """Keeps at most one unfinished line (96 bytes); every ``$`` begins anew, so that noise costs no frame."""
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frames that end in ``data``."""
+        self.bytes += len(data)
+        *lines, rest = (self._rest + data).split(b"\n")
+        frames = [frame for line in lines if (frame := self._line(line + b"\n", at))]
+        self._rest = self._from_dollar(rest)
+        if len(self._rest) > LONGEST:
+            self.errors["noise"] += len(self._rest)
+            self._rest = b""
+        self.frames += len(frames)
+        return frames
+
+    def _from_dollar(self, line: bytes) -> bytes:
+        """What can still be a frame: from the last ``$`` on, which stands nowhere inside of one."""
+        start = line.rfind(b"$")
+        noise = len(line) if start < 0 else start
+        if noise:
+            self.errors["noise"] += noise
+        return line[noise:]
+
+    def _line(self, line: bytes, at: int) -> Frame | None:
+        line = self._from_dollar(line)
+        if not line:
+            return None
+        match = _LINE.fullmatch(line)
+        if match is None:
+            self.errors["format"] += 1
+            return None
+        if int(match["crc"], 16) != crc_hqx(match["body"], 0xFFFF):
+            self.errors["crc"] += 1
+            return None
+        _, seq, clock, *texts, din, status, _ = match.groups()
+        if int(seq) >= 1 << 16 or int(clock) >= 1 << 32:
+            self.errors["range"] += 1
+            return None
+        if not self._is_new(int(seq), int(clock)):
+            return None
+        invalid = int(status, 16)
+        values: dict[str, Value] = {
+            name: self._possible(int(text)) if text and not invalid >> i & 1 else None
+            for i, (name, text) in enumerate(zip(ees1.PRESSURES, texts, strict=True))
+        }
+        return Frame(at, int(seq), int(clock), values | ees1.bits_of(int(din, 16)))

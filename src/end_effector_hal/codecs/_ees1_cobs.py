@@ -1,0 +1,86 @@
+"""``ees1-cobs``: the binary twin of ``ees1-ascii``; less than half of its bytes, and lost bytes are always seen.
+
+``00 | COBS(u8 ver=1, u8 type=1, u16 seq, u32 t_ms, i16 x4 in 25 Pa, u8 din, u8 status, u16 crc) | 00``, little
+endian, -32768 is invalid; a zero before and after each frame; CRC-16/CCITT-FALSE over all before it.
+"""
+
+from __future__ import annotations
+
+import struct
+from binascii import crc_hqx
+from collections.abc import Mapping
+
+from end_effector_hal.codecs import _ees1 as ees1
+from end_effector_hal.codecs._cobs import stuff, unstuff
+from end_effector_hal.codecs._codec import Decoder
+from end_effector_hal.codecs._ees1_decoder import Ees1Decoder
+from end_effector_hal.signals import Frame, Kind, Value
+
+VERSION, TYPE = 1, 1
+STEP_PA = 25
+INVALID = -32_768
+HIGHEST_PA = 32_767 * STEP_PA
+_BODY = struct.Struct("<BBHI4hBB")
+_CRC = struct.Struct("<H")
+SIZE = _BODY.size + _CRC.size
+LONGEST = SIZE + 1
+
+
+class Ees1Cobs:
+    """The codec ``ees1-cobs``: four pressures and seven bits, 50 Hz at 115200 baud."""
+
+    name = "ees1-cobs"
+    channels: Mapping[str, Kind] = ees1.CHANNELS
+    period_us = ees1.PERIOD_US
+    baudrate = ees1.BAUDRATE
+    resolution_pa = STEP_PA
+
+    def decoder(self) -> Decoder:
+        """A new decoder."""
+        return Ees1CobsDecoder()
+
+    def encode(self, frame: Frame) -> bytes:
+        """One frame, pressures rounded to 25 Pa; ``seq`` and ``device_ms`` wrap around, None counts as 0."""
+        counts = [self._count(name, frame.values.get(name)) for name in ees1.PRESSURES]
+        status = sum(1 << bit for bit, count in enumerate(counts) if count == INVALID)
+        seq, clock = (frame.seq or 0) % (1 << 16), (frame.device_ms or 0) % (1 << 32)
+        body = _BODY.pack(VERSION, TYPE, seq, clock, *counts, ees1.din_of(frame.values), status)
+        return b"\0%s\0" % stuff(body + _CRC.pack(crc_hqx(body, 0xFFFF)))
+
+    def _count(self, name: str, value: Value) -> int:
+        if value is None:
+            return INVALID
+        return round(ees1.check_pressure(self.name, name, value, HIGHEST_PA) / STEP_PA)
+
+
+class Ees1CobsDecoder(Ees1Decoder):
+    """Keeps at most one unfinished frame (22 bytes); a zero ends whatever came before it."""
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frames that end in ``data``."""
+        self.bytes += len(data)
+        *parts, rest = (self._rest + data).split(b"\0")
+        frames = [frame for part in parts if part and (frame := self._frame(part, at))]
+        # One byte too many is kept: it says that this is no frame, however the bytes came in pieces.
+        self._rest = rest[: LONGEST + 1]
+        self.errors["noise"] += len(rest) - len(self._rest)
+        self.frames += len(frames)
+        return frames
+
+    def _frame(self, part: bytes, at: int) -> Frame | None:
+        data = unstuff(part) if len(part) <= LONGEST else None
+        body = data[: _BODY.size] if data and len(data) == SIZE else b""
+        if not data or not body or body[:2] != bytes((VERSION, TYPE)):
+            self.errors["format"] += 1
+            return None
+        if _CRC.unpack(data[_BODY.size :]) != (crc_hqx(body, 0xFFFF),):
+            self.errors["crc"] += 1
+            return None
+        _, _, seq, clock, *counts, din, status = _BODY.unpack(body)
+        if not self._is_new(seq, clock):
+            return None
+        values: dict[str, Value] = {
+            name: None if status >> bit & 1 or count == INVALID else self._possible(count * STEP_PA)
+            for bit, (name, count) in enumerate(zip(ees1.PRESSURES, counts, strict=True))
+        }
+        return Frame(at, seq, clock, values | ees1.bits_of(din))

@@ -1,0 +1,67 @@
+"""From a file to a tool: a description, held against the codec that it names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from end_effector_hal.codecs._codec import shows_noise
+from end_effector_hal.codecs._registry import codec_names, get_codec
+from end_effector_hal.description import (
+    Carried,
+    Description,
+    Fault,
+    did_you_mean,
+    examine,
+    not_fitted,
+    slow,
+    unproven,
+)
+from end_effector_hal.errors import DescriptionError, ReportedError
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """How a description goes together with the codec that it names.
+
+    Attributes:
+        faults: what can never work.
+        not_fitted: what is off because the codec does not carry it.
+        slow: times that so slow a link cannot keep.
+    """
+
+    faults: tuple[Fault, ...]
+    not_fitted: tuple[str, ...] = ()
+    slow: tuple[str, ...] = ()
+
+
+def load_tool(path: str | Path) -> Description:
+    """Read a description and hold it against its codec: what every program that uses one does.
+
+    Raises:
+        DescriptionError: it is not valid, or its codec cannot prove it.
+    """
+    examination = examine(path)
+    if examination.description is None:
+        raise DescriptionError(examination.told)
+    if faults := fitting(examination.description).faults:
+        raise DescriptionError([fault.told(examination.name) for fault in faults])
+    return examination.description
+
+
+def fitting(description: Description) -> Fitting:
+    """Hold a description against its codec."""
+    wanted, known = description.link.codec, codec_names()
+    try:
+        codec = get_codec(wanted)
+    except ReportedError as error:
+        what = error.what.rstrip(".") if wanted in known else "there is no such codec"
+        place, hint = description.place("link", "codec"), did_you_mean(wanted, known)
+        return Fitting((Fault.at(place, "EE-226", what, expected=f"one of {', '.join(known)}", hint=hint),))
+    channels = {key: kind.value for key, kind in codec.channels.items()}
+    carried = Carried(codec.name, channels, codec.period_us, shows_noise(codec))
+    return Fitting(
+        tuple(unproven(description, carried)),
+        tuple(not_fitted(description, carried)),
+        tuple(slow(description, carried)),
+    )

@@ -1,0 +1,68 @@
+"""``modbus-rtu``: sensors that are asked one after the other, over RS-485."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from end_effector_hal.codecs.modbus._device import ModbusDevice
+from end_effector_hal.codecs.modbus._master import ModbusMaster
+from end_effector_hal.codecs.modbus._read import Read
+from end_effector_hal.errors import UsageError
+from end_effector_hal.signals import Frame, Kind
+
+
+class ModbusRtu:
+    """A polled codec: a frame is what one cycle of reads has brought; who did not answer is invalid in it.
+
+    A tool with other devices needs a list of reads, no more: an instance of this class, or a subclass without
+    arguments, behind an entry point.
+
+    Args:
+        name: as a description names it.
+        reads: in the order in which they are asked.
+        period_us: from the beginning of a cycle to that of the next; a slow device makes it longer.
+        baudrate, parity: of the line; parity ``N``, ``E`` or ``O``.
+        timeout_us: longest wait for an answer.
+
+    Raises:
+        UsageError: a channel stands twice, or the late answer to one read could be taken for that to another.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        reads: Sequence[Read],
+        *,
+        baudrate: int,
+        period_us: int,
+        parity: str = "N",
+        timeout_us: int = 30_000,
+    ) -> None:
+        self.name, self.reads = name, tuple(reads)
+        self.baudrate, self.parity = baudrate, parity
+        self.period_us, self.timeout_us = period_us, timeout_us
+        self.resolution_pa = max(abs(each.scale_pa) for read in self.reads for each in read.registers)
+        names = [register.channel for read in self.reads for register in read.registers]
+        self.channels: Mapping[str, Kind] = dict.fromkeys(names, Kind.PRESSURE)
+        if len(self.channels) < len(names):
+            raise UsageError(f"{name} reads a channel twice: {', '.join(names)}.", todo="Name each once.")
+        if len({(read.unit, read.function, read.count) for read in self.reads}) < len(self.reads):
+            raise UsageError(
+                f"{name}: two reads of one unit have answers of the same form.",
+                todo="Read their registers with one request, or a different number of registers.",
+            )
+
+    def decoder(self) -> ModbusMaster:
+        """A new one, which asks."""
+        return ModbusMaster(
+            self.reads, baudrate=self.baudrate, period_us=self.period_us, timeout_us=self.timeout_us
+        )
+
+    def device(self) -> ModbusDevice:
+        """All devices of the bus in one."""
+        return ModbusDevice(self.reads)
+
+    def encode(self, frame: Frame) -> bytes:
+        """All answers of one cycle, in the order of the reads."""
+        device = self.device()
+        return b"".join(device.answer_to(read, frame.values) for read in self.reads)

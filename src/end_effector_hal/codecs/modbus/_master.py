@@ -1,0 +1,119 @@
+"""The asking end of a Modbus line, sans-IO."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from end_effector_hal.codecs._polled import Polled
+from end_effector_hal.codecs.modbus import _adu as adu
+from end_effector_hal.codecs.modbus._read import Read
+from end_effector_hal.signals import Frame, Value
+
+_BITS = 11  # of a byte on the line, at most: start, 8, parity, stop
+_SILENCE_BITS = int(3.5 * _BITS)  # between two frames, by the standard
+
+
+class ModbusMaster:
+    """Asks one read after the other; keeps at most the bytes since the last request that could be its answer.
+
+    Args:
+        reads, baudrate, period_us, timeout_us: see `ModbusRtu`.
+    """
+
+    def __init__(self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int) -> None:
+        self.bytes = 0
+        self.frames = 0
+        self.lost = 0
+        self.reboots = 0
+        self.errors: Counter[str] = Counter()
+        self.due = 0
+        self._reads, self._baudrate = reads, baudrate
+        self._period_us, self._timeout_us = period_us, timeout_us
+        self._silence_us = max(1_750, _SILENCE_BITS * 1_000_000 // baudrate)
+        self._next = 0
+        self._pending: Read | None = None
+        self._cycle_at = 0
+        self._values: dict[str, Value] = {}
+        self._heard_at: int | None = None
+        self._rest = b""
+
+    def poll(self, at: int) -> Polled:
+        """The next request once it is due; what was asked before and is not answered counts as invalid."""
+        if at < self.due:
+            return Polled()
+        frames: tuple[Frame, ...] = ()
+        if self._pending is not None:
+            self.errors["timeout"] += 1
+            frames = self._end(at)
+            if self.due > at:
+                return Polled(b"", frames)
+        if self._next == 0:
+            self._cycle_at, self._values, self._heard_at = at, {}, None
+        self._pending, self._rest = self._reads[self._next], b""
+        request = adu.request(self._pending)
+        self.due = at + self._timeout_us + len(request) * _BITS * 1_000_000 // self._baudrate
+        return Polled(request, frames)
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frame of the cycle that ends with an answer in ``data``; what nobody asked for is noise."""
+        self.bytes += len(data)
+        if self._pending is None:
+            self.errors["noise"] += len(data)
+            return []
+        self._rest += data
+        answer = self._answer(self._pending)
+        if answer is None:
+            return []
+        self._values |= self._taken(self._pending, answer)
+        self._heard_at = at
+        return list(self._end(at))
+
+    def _answer(self, read: Read) -> bytes | None:
+        """The answer in what came, without what stands before it; what cannot begin one is thrown away."""
+        good = bytes([read.unit, read.function, 2 * read.count])
+        bad = bytes([read.unit, read.function | 0x80])
+        rest, start = self._rest, 0
+        while start < len(rest):
+            size = _size(rest[start : start + 3], good, bad)
+            candidate = rest[start : start + size]
+            if size and (len(candidate) < size or adu.is_whole(candidate)):
+                break
+            self.errors["crc" if size else "noise"] += 1
+            start += 1
+        self._rest = rest[start:]
+        size = _size(self._rest[:3], good, bad)
+        return self._rest[:size] if size and len(self._rest) >= size else None
+
+    def _taken(self, read: Read, answer: bytes) -> dict[str, Value]:
+        if answer[1] != read.function:
+            self.errors["refused"] += 1
+            return {register.channel: None for register in read.registers}
+        words = adu.words_of(read, answer)
+        values = {register.channel: register.value(words[register.word]) for register in read.registers}
+        self.errors["range"] += sum(value is None for value in values.values())
+        return values
+
+    def _end(self, at: int) -> tuple[Frame, ...]:
+        """The pending read is over; the frame, if it was the last of the cycle and anybody has answered."""
+        self._pending, self._rest = None, b""
+        self._next = (self._next + 1) % len(self._reads)
+        self.due = at + self._silence_us
+        if self._next:
+            return ()
+        self.due = max(self.due, self._cycle_at + self._period_us)
+        if self._heard_at is None:
+            self.lost += 1
+            return ()
+        self.frames += 1
+        values = {
+            each.channel: self._values.get(each.channel) for read in self._reads for each in read.registers
+        }
+        return (Frame(self._heard_at, None, None, values),)
+
+
+def _size(head: bytes, good: bytes, bad: bytes) -> int:
+    """Bytes of the answer that begins so; 0: none does."""
+    if head and good.startswith(head):
+        return len(good) + good[2] + 2
+    return len(bad) + 3 if head and bad.startswith(head[:2]) else 0

@@ -1,0 +1,155 @@
+"""How much a recording may keep: its files are cut into segments, and the oldest segments go first."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import logging
+import os
+import re
+import stat
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from end_effector_hal.errors import UsageError
+
+_log = logging.getLogger("end_effector_hal.recording")
+MEGABYTE = 1_000_000
+REMOVED = "removed.csv"
+LEAST_SEGMENTS = 8
+"""Two traces and three CSV files are written at the same time, and something of the past must stay, too."""
+_SEGMENT = re.compile(
+    r"(?:grip|tool_change)(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|pressures|alarms)(?P<closed>-\d{1,9})?\.csv",
+    re.ASCII,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingLimits:
+    """Limits of one recording folder.
+
+    Args:
+        segment_bytes: a file that has become so long is closed, and the next segment is begun.
+        total_bytes: the segments of the folder together; when one is begun, the oldest that are closed are removed.
+
+    Raises:
+        UsageError: a limit is not positive, or the total has no room for eight segments.
+    """
+
+    segment_bytes: int = 64 * MEGABYTE
+    total_bytes: int = 1000 * MEGABYTE
+
+    def __post_init__(self) -> None:
+        if not 0 < self.segment_bytes <= self.total_bytes // LEAST_SEGMENTS:
+            what = f"A recording cannot be kept in {_mb(self.total_bytes)} with segments of {_mb(self.segment_bytes)}."
+            raise UsageError(what, todo=f"Keep at least {LEAST_SEGMENTS} segments, of more than nothing.")
+
+    @classmethod
+    def of_megabytes(cls, segment_mb: float, keep_mb: float) -> RecordingLimits:
+        """From megabytes, as they are given on a command line; raises UsageError."""
+        most = 1e9
+        if not (0 < segment_mb < most and 0 < keep_mb < most):  # not a number compares false, too
+            raise UsageError(f"The limits of a recording are megabytes, not {segment_mb:g} and {keep_mb:g}.")
+        return cls(round(segment_mb * MEGABYTE), round(keep_mb * MEGABYTE))
+
+
+def make_room(folder: Path, limits: RecordingLimits) -> tuple[str, ...]:
+    """Remove the oldest closed segments, so that one more fits into the folder; their names, told in ``removed.csv``.
+
+    A file that somebody writes (it is locked) is never removed, and counts as the whole segment that it may become.
+
+    Raises:
+        OSError: the folder cannot be read.
+    """
+    closed: list[tuple[int, int, int, Path]] = []
+    taken = limits.segment_bytes
+    for path in folder.iterdir():
+        match = _SEGMENT.fullmatch(path.name)
+        if match is None:
+            continue
+        with suppress(OSError):  # another writer has removed it
+            found = path.stat()
+            written = is_written(path) or (path.suffix == ".csv" and match["closed"] is None)
+            taken += max(found.st_size, limits.segment_bytes) if written else found.st_size
+            if not written:
+                # the number decides for two that were closed at the same time
+                number = int(match["number"] or (match["closed"] or "-1")[1:])
+                closed.append((found.st_mtime_ns, number, found.st_size, path))
+    removed: list[str] = []
+    for _, _, size, path in sorted(closed):
+        if taken <= limits.total_bytes:
+            break
+        with suppress(OSError):
+            path.unlink()
+            removed.append(path.name)
+            _note(folder, path.name, size)
+        taken -= size
+    return tuple(removed)
+
+
+def lock(fd: int) -> bool:
+    """Show that this file is being written; the lock ends with its process. False: somebody else writes it."""
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True  # a file system without locks
+    return True
+
+
+def is_written(path: Path) -> bool:
+    """Whether a process writes a segment now; raises OSError."""
+    fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        return not lock(fd)
+    finally:
+        os.close(fd)
+
+
+def next_number(folder: Path, stem: str, suffix: str) -> int:
+    """One more than the highest number of ``stem-N.suffix`` that is there; ``stem.suffix`` itself is number 1."""
+    pattern = re.compile(rf"{re.escape(stem)}(?:-(\d{{1,9}}))?{re.escape(suffix)}", re.ASCII)
+    found = (pattern.fullmatch(path.name) for path in folder.iterdir())
+    return 1 + max((int(match[1] or 1) for match in found if match), default=0)
+
+
+def numbered(folder: Path, stem: str, suffix: str, number: int) -> Path:
+    """``stem.suffix``, ``stem-2.suffix``, …"""
+    return folder / f"{stem}{'' if number == 1 else f'-{number}'}{suffix}"
+
+
+def _note(folder: Path, name: str, size: int) -> None:
+    path = folder / REMOVED
+    row = f"{datetime.now(UTC).isoformat(timespec='seconds')},{name},{size}\n"
+    try:
+        text = row if path.exists() else f"time,file,bytes\n{row}"
+        fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        try:
+            os.write(fd, text.encode())
+        finally:
+            os.close(fd)
+    except OSError as error:
+        _log.warning("%s: that %s was removed cannot be written: %s", path, name, error.strerror)
+
+
+def _mb(count: int) -> str:
+    return f"{count / MEGABYTE:g} MB"
+
+
+def still_there(path: Path, fd: int) -> None:
+    """Raises OSError when this open file does not stand at its path any more: what is written to it is lost."""
+    found, own = os.stat(path), os.fstat(fd)
+    if (found.st_dev, found.st_ino) != (own.st_dev, own.st_ino):
+        raise OSError(errno.ENOENT, "another file stands in its place")
+
+
+def read_file(path: str | Path) -> bytes:
+    """All of a regular file; raises OSError, also for what would be waited for, such as a pipe."""
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        if Path(path).is_dir():
+            raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
+        raise OSError(errno.EINVAL, "this is no file")
+    return Path(path).read_bytes()

@@ -1,0 +1,256 @@
+"""The recording of a run: its three files, written as it happens."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import threading
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import replace
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.description import Actuator, Description
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording._alarms import AlarmsWriter
+from end_effector_hal.recording._limits import RecordingLimits
+from end_effector_hal.recording._pressures import PressuresWriter
+from end_effector_hal.recording._run import RunInfo, read_run
+from end_effector_hal.recording._states import StatesWriter
+from end_effector_hal.signals import Kind, Value
+from end_effector_hal.wires import now_us
+
+from ._losses import Losses
+
+_log = logging.getLogger("end_effector_hal.runtime")
+DISTRIBUTION = "end-effector-hal"
+MOST_GAPS = 100
+"""So many are kept in run.json, the newest."""
+
+
+class Recording:
+    """Writes ``run.json``, ``states.csv``, ``alarms.csv`` and ``pressures.csv`` into a folder; thread-safe.
+
+    Times are µs on the monotonic clock. The first state is the start; what is older is written as of the start. A
+    recording that is in the folder already is continued, on its own time.
+
+    While a row cannot be written each call that offers one raises, in the same words; it is tried again with each.
+    What was missed then stands in ``run.json``.
+
+    Args:
+        folder: made if it is missing.
+        description: the tool.
+        scenario: of the testbench; empty: that of a run.json that is in the folder already.
+        ros: whether ROS carries the states.
+        limits: of the folder.
+
+    Raises:
+        UsageError: the folder cannot be written, or holds the recording of another tool.
+    """
+
+    def __init__(
+        self,
+        folder: str | Path,
+        description: Description,
+        *,
+        scenario: str = "",
+        ros: bool = False,
+        limits: RecordingLimits | None = None,
+    ) -> None:
+        self.folder = Path(folder)
+        limits = limits or RecordingLimits()
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(folder)) from None
+        begun, now = _begun(self.folder), datetime.now(UTC)
+        self._begun = now_us() - round((now - (begun or now)).total_seconds() * 1_000_000)
+        self._start = self._begun if begun else None
+        self._lock = threading.Lock()
+        self._losses = Losses(self.folder)
+        self._latest: tuple[int, int, Sequence[int]] | None = None
+        self._standing: Sequence[str] = ()
+        before = read_run(self.folder)
+        with ExitStack() as undo:
+            self._states = StatesWriter(self.folder / "states.csv", description.sequence, limits)
+            undo.callback(self._states.close)
+            info = run_info(
+                description,
+                scenario=scenario or before.scenario,
+                ros=ros,
+                started=(begun or now).isoformat(),
+            )
+            self._info = replace(info, gaps=before.gaps if begun else ())
+            try:
+                self._write_info()
+            except OSError as error:
+                raise UsageError(f"Cannot be written: {error.strerror}.", where=str(folder)) from None
+            channels = pressure_channels(description)
+            self._alarms = AlarmsWriter(self.folder / "alarms.csv", limits)
+            undo.callback(self._alarms.close)
+            pressures = self.folder / "pressures.csv"
+            self._pressures = PressuresWriter(pressures, channels, limits) if channels else None
+            undo.pop_all()
+
+    def state(self, at: int, end_effector: int, command: int, actuators: Sequence[int]) -> bool:
+        """The states that hold from ``at`` on; False when they are those of the last row.
+
+        Raises:
+            ReportedError: rows cannot be written now.
+        """
+        with self._lock:
+            if self._start is None:
+                self._start = max(at, self._begun)
+                self._losses.info_due = True
+            self._latest = (end_effector, command, actuators)
+            written = self._write_state(at)
+            self._settle(at)
+        return written
+
+    def alarms(self, at: int, alarms: Sequence[str]) -> None:
+        """The alarms that stand from ``at`` on; raises ReportedError when rows cannot be written now."""
+        with self._lock:
+            if self._start is not None:
+                self._standing = alarms
+                self._write_alarms(at)
+                self._settle(at)
+
+    def values(self, at: int, values: Mapping[str, Value]) -> None:
+        """What the channels carry at ``at``: gauge Pa, None for invalid; bits are not recorded.
+
+        Raises:
+            ReportedError: rows cannot be written now.
+        """
+        pressures = self._pressures
+        with self._lock:
+            if pressures is None or self._start is None:
+                return
+            kpa = {name: None if value is None else value / 1000 for name, value in values.items()}
+            time_s = self.seconds(at)
+            self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
+            self._settle(at)
+
+    def close(self) -> None:
+        """Close the files; may be called again. What cannot be written any more is told in the log."""
+        for each in (self._states, self._alarms, self._pressures):
+            try:
+                if each is not None:
+                    each.close()
+            except ReportedError as error:
+                _log.warning("%s", error)
+        with suppress(OSError):
+            if self._losses.over(self.seconds(now_us())):
+                self._write_info()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def seconds(self, at: int) -> float:
+        """µs on the monotonic clock as seconds since the start of the recording."""
+        return max(0, at - (self._start or self._begun)) / 1_000_000
+
+    def _write_state(self, at: int, *, again: bool = False) -> bool:
+        assert self._latest is not None
+        states, time_s = self._latest, self.seconds(at)
+        return self._losses.write(
+            "states.csv", time_s, lambda: self._states.write(time_s, *states), again=again
+        )
+
+    def _write_alarms(self, at: int, *, again: bool = False) -> None:
+        standing, time_s = self._standing, self.seconds(at)
+        self._losses.write(
+            "alarms.csv", time_s, lambda: self._alarms.write(time_s, standing) or True, again=again
+        )
+
+    def _settle(self, at: int) -> None:
+        """Try again what is missing; raises ReportedError while something is."""
+        losses = self._losses
+        if "states.csv" in losses.failing and self._latest is not None:
+            self._write_state(at, again=True)  # a state that lasts comes but once
+        if "alarms.csv" in losses.failing:
+            self._write_alarms(at, again=True)
+        if not losses.failing and losses.over(self.seconds(at)):
+            losses.info_due = True
+        if losses.info_due:
+            try:
+                self._write_info()
+            except OSError as error:
+                losses.fail("run.json", self.seconds(at), error)
+            else:
+                losses.info_due = False
+                losses.failing.pop("run.json", None)
+        losses.complain()
+
+    def _write_info(self) -> None:
+        gaps = (*self._info.gaps, *self._losses.gaps)[-MOST_GAPS:]
+        replace(self._info, start_us=self._start, gaps=gaps).write(self.folder)
+
+
+def run_info(
+    description: Description, *, scenario: str = "", ros: bool = False, started: str = ""
+) -> RunInfo:
+    """What a recording says of the tool that made it."""
+    return RunInfo(
+        scenario=scenario,
+        description=description.name,
+        hash=content_hash(description),
+        version=product_version(),
+        ros=ros,
+        started=started,
+        actuators={name: actuator.kind for name, actuator in description.ordered},
+        limits={name: _limits(description, actuator) for name, actuator in description.ordered},
+        simulated=description.lines.backend == "virtual",
+    )
+
+
+def content_hash(description: Description) -> str:
+    """Twelve hex digits of the tool and its automata: the same wherever its wires lead to."""
+    content = description.model_dump(mode="json", by_alias=True, exclude={"lines": True, "link": {"port"}})
+    content["automata"]["file"] = hashlib.sha256(description.automata_path.read_bytes()).hexdigest()
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def pressure_channels(description: Description) -> tuple[str, ...]:
+    """Channels of pressures that the link carries: the actuators' in sequence order, then the supply."""
+    carried = get_codec(description.link.codec).channels
+    wanted = [*(actuator.channel for _, actuator in description.ordered), description.supply.channel]
+    return tuple(name for name in dict.fromkeys(wanted) if carried.get(name) is Kind.PRESSURE)
+
+
+def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:
+    limits: dict[str, Any] = {
+        "channel": actuator.channel,
+        "kind": actuator.kind,
+        "attempts": actuator.attempts,
+    }
+    if actuator.kind == "vacuum":
+        return limits | {name: getattr(actuator, name) for name in ("confirmed_kpa", "gone_kpa", "lost_kpa")}
+    extended_kpa = actuator.extended_fraction * description.supply.nominal_kpa
+    return limits | {"confirmed_kpa": extended_kpa, "gone_kpa": actuator.retracted_kpa}
+
+
+def _begun(folder: Path) -> datetime | None:
+    """When the recording in a folder was begun; None: there is none."""
+    try:
+        return datetime.fromisoformat(read_run(folder).started) if (folder / "states.csv").exists() else None
+    except (ValueError, TypeError):
+        return None
+
+
+def product_version() -> str:
+    """Of the installed distribution; empty if it is not installed."""
+    try:
+        return version(DISTRIBUTION)
+    except PackageNotFoundError:
+        return ""

@@ -1,0 +1,247 @@
+"""A CSV file that is appended to row by row, and read back line by line."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording._limits import RecordingLimits, lock, make_room, read_file, still_there
+
+LONGEST_S = 1e9
+_TAIL = 65536
+_NUMBER = re.compile(r"[+-]?(\d{1,15}(\.\d{0,12})?|\.\d{1,12})([eE][+-]?\d{1,2})?", re.ASCII)
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,79}", re.ASCII)
+
+
+class RowFile:
+    """Rows that reach the kernel in one write each, so that a kill loses at most the last one.
+
+    An existing file with the same header is continued; a last line that was cut off is removed first. One
+    writer at a time, held by a lock that dies with its process.
+
+    Args:
+        path: of the file.
+        columns: of its header.
+        limits: a file that has become so long is kept as ``NAME-1.csv``, ``NAME-2.csv``, …, and the next one begins
+            under the same name; None: it may become as long as it will.
+        opening: the rows with which the next one begins, so that it can be understood alone.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        columns: Sequence[str],
+        limits: RecordingLimits | None = None,
+        opening: Callable[[], str] = str,
+    ) -> None:
+        self.path = Path(path)
+        self._limits, self._opening = limits, opening
+        self._header = ",".join(checked_names(columns)) + "\n"
+        try:
+            self._fd = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(self.path)) from None
+        self.last: tuple[str, ...] | None = None
+        try:
+            self._claim()
+            self._resume()
+        except OSError as error:
+            self.close()
+            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(self.path)) from None
+        except BaseException:
+            self.close()
+            raise
+
+    def _claim(self) -> None:
+        if not lock(self._fd):
+            raise UsageError(
+                "Another program is writing this file.",
+                where=str(self.path),
+                todo="Stop it, or choose another name.",
+            )
+
+    def _resume(self) -> None:
+        size = os.fstat(self._fd).st_size
+        head = os.pread(self._fd, len(self._header), 0).decode(errors="replace")
+        if size < len(self._header) and self._header.startswith(head):
+            os.ftruncate(self._fd, 0)
+            _write(self._fd, self._header.encode())
+            return
+        if head != self._header:
+            found = head.splitlines()[0] if head.strip() else ""
+            raise UsageError(
+                f"This file has another header ({found[:60]!r}, not {self._header.strip()!r}).",
+                where=f"{self.path}:1",
+                todo="Choose another name.",
+            )
+        start = max(0, size - _TAIL)
+        tail = os.pread(self._fd, _TAIL, start)
+        complete = tail.rfind(b"\n") + 1
+        os.ftruncate(self._fd, start + complete)
+        lines = tail[:complete].decode(errors="replace").splitlines()
+        if start + complete > len(self._header) and lines:
+            self.last = tuple(lines[-1].split(","))
+
+    def append(self, text: str) -> None:
+        """One or more whole rows, each with its line end; raises ReportedError when they cannot be written."""
+        if self._fd < 0:
+            raise UsageError("This file is closed.", where=str(self.path))
+        data = text.encode()
+        try:
+            still_there(self.path, self._fd)
+            size = os.fstat(self._fd).st_size
+            if self._limits is not None and size + len(data) > self._limits.segment_bytes:
+                self._begin_segment(self._limits)
+            _write(self._fd, data)
+        except OSError as error:
+            what = f"A row could not be written: {error.strerror}."
+            raise ReportedError(what, where=str(self.path)) from None
+
+    def _begin_segment(self, limits: RecordingLimits) -> None:
+        """Keep the file under a number, and begin the next one; raises OSError, and nothing has changed."""
+        make_room(self.path.parent, limits)
+        fresh = self.path.with_name(f".{self.path.name}.next")
+        fd = os.open(fresh, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        try:
+            lock(fd)
+            _write(fd, (self._header + self._opening()).encode())
+            numbers = [number for number, _ in closed_segments(self.path)]
+            self.path.rename(self.path.with_stem(f"{self.path.stem}-{max(numbers, default=0) + 1}"))
+            fresh.rename(self.path)
+        except BaseException:
+            os.close(fd)
+            with suppress(OSError):
+                fresh.unlink()
+            raise
+        os.close(self._fd)
+        self._fd = fd
+
+    def close(self) -> None:
+        """Close the file; may be called again."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+
+def _write(fd: int, data: bytes) -> None:
+    """All or nothing: a piece of a row would spoil every row after it."""
+    size = os.fstat(fd).st_size
+    try:
+        while data:
+            data = data[os.write(fd, data) :]
+    except OSError:
+        with suppress(OSError):
+            os.ftruncate(fd, size)
+        raise
+
+
+def closed_segments(path: str | Path) -> list[tuple[int, Path]]:
+    """The segments that were written before a CSV file, oldest first, with their numbers."""
+    path = Path(path)
+    pattern = re.compile(rf"{re.escape(path.stem)}-(\d{{1,9}}){re.escape(path.suffix)}", re.ASCII)
+    with suppress(OSError):
+        found = [(pattern.fullmatch(each.name), each) for each in path.parent.iterdir()]
+        return sorted((int(match[1]), each) for match, each in found if match)
+    return []
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a file that is being read."""
+
+    path: str
+    number: int
+    text: str
+    complete: bool
+
+    @property
+    def where(self) -> str:
+        """``file:line``."""
+        return f"{self.path}:{self.number}"
+
+    def fault(self, what: str, todo: str = "") -> UsageError:
+        """The error to raise about this line."""
+        return UsageError(what, where=self.where, todo=todo)
+
+    def fields(self, columns: Sequence[str]) -> list[str]:
+        """The fields, as many as there are columns."""
+        fields = [field.strip() for field in self.text.split(",")]
+        if len(fields) != len(columns):
+            raise self.fault(f"This row has {len(fields)} fields, the header names {len(columns)}.")
+        return fields
+
+    def seconds(self, text: str, earliest_s: float) -> float:
+        """A time since start that does not run backwards."""
+        value = self.number_of(text, "time_s")
+        if not 0 <= value <= LONGEST_S:
+            raise self.fault(f"time_s is {text[:40]}, expected are seconds since the start, from 0 on.")
+        if value < earliest_s:
+            raise self.fault(f"Time runs backwards: {value:.6f} s follows {earliest_s:.6f} s.")
+        return value
+
+    def number_of(self, text: str, column: str) -> float:
+        """A finite number."""
+        if not _NUMBER.fullmatch(text):
+            raise self.fault(f"{column} is {text[:40]!r}, expected is a number.")
+        return float(text)
+
+
+def read_lines(path: str | Path) -> Iterator[Line]:
+    """The lines of a file that are not blank, those of the segments before it first; one header for all.
+
+    Raises:
+        UsageError: a file cannot be read, or has another header than the first.
+    """
+    header = ""
+    for each in (*(older for _, older in closed_segments(path)), path):
+        for line in _lines_of(each):
+            if line.number == 1 and header:
+                if line.text != header:
+                    raise line.fault(
+                        f"The header is {line.text[:60]!r}, that of the segment before is {header[:60]!r}."
+                    )
+                continue
+            header = header or line.text
+            yield line
+
+
+def _lines_of(path: str | Path) -> Iterator[Line]:
+    try:
+        data = read_file(path)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise UsageError(f"Cannot be read: {reason}.", where=str(path)) from None
+    lines = data.decode("utf-8-sig", errors="replace").split("\n")
+    for number, text in enumerate(lines, start=1):
+        if text.strip():
+            yield Line(str(path), number, text.removesuffix("\r"), number < len(lines))
+
+
+def read_header(lines: Iterator[Line], path: str | Path, fixed: Sequence[str]) -> tuple[str, ...]:
+    """The names after the fixed ones of the header."""
+    expected = ",".join(fixed) + ",…"
+    first = next(lines, None)
+    if first is None:
+        raise UsageError(f"This file is empty, expected is a header {expected!r}.", where=f"{path}:1")
+    names = [name.strip() for name in first.text.split(",")]
+    if not first.complete or first.number != 1 or names[: len(fixed)] != list(fixed):
+        raise first.fault(f"The header is {first.text[:60]!r}, expected is {expected!r}.")
+    try:
+        return tuple(checked_names(names)[len(fixed) :])
+    except UsageError as error:
+        raise first.fault(error.what) from None
+
+
+def checked_names(names: Sequence[str]) -> Sequence[str]:
+    """The names of columns, each usable and given once."""
+    for name in names:
+        if not _NAME.fullmatch(name):
+            raise UsageError(f"{name[:40]!r} cannot be the name of a column.")
+        if list(names).count(name) > 1:
+            raise UsageError(f"The column {name!r} is given twice.")
+    return names

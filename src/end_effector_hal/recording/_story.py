@@ -1,0 +1,190 @@
+"""What happened in a recording, read from its states alone. It reads; it decides nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from end_effector_hal.vocabulary import EndEffectorState, display_name
+
+
+class Outcome(StrEnum):
+    """How an attempt of one actuator ended."""
+
+    CONFIRMED = "confirmed"
+    TIMED_OUT = "timed out"
+    DEACTIVATED = "deactivated"
+    PENDING = "still pending"
+
+
+class Decision(StrEnum):
+    """How a grip ended."""
+
+    GRIPPED = "GRIPPED"
+    ABORTED = "ABORTED"
+    CANCELLED = "CANCELLED"
+    STOPPED = "STOPPED"
+    UNFINISHED = "UNFINISHED"
+
+
+class Cause(StrEnum):
+    """What began an unwinding."""
+
+    ABORT = "abort"
+    CANCEL = "cancel"
+    DROP = "drop"
+    STOP = "stop"
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One activation of one actuator, from PENDING to ON or OFF; times in seconds since start.
+
+    ``number`` counts the attempts of this actuator in this grip from 1; ``of`` is how many of them may fail,
+    where the recording or its run.json shows it.
+    """
+
+    actuator: str
+    number: int
+    start_s: float
+    end_s: float | None
+    outcome: Outcome
+    of: int | None = None
+
+    @property
+    def length_s(self) -> float | None:
+        """How long it was pending; None while it still is."""
+        return None if self.end_s is None else self.end_s - self.start_s
+
+    def __str__(self) -> str:
+        """``Cylinder, attempt 2 of 3: confirmed after 0.42 s``."""
+        of = f" of {self.of}" if self.of else ""
+        after = "" if self.length_s is None else f" after {self.length_s:.2f} s"
+        return f"{display_name(self.actuator)}, attempt {self.number}{of}: {self.outcome}{after}"
+
+
+@dataclass(frozen=True)
+class Reset:
+    """The pause of one actuator between two attempts."""
+
+    actuator: str
+    start_s: float
+    end_s: float
+
+    @property
+    def length_s(self) -> float:
+        """How long it was inactive."""
+        return self.end_s - self.start_s
+
+
+@dataclass(frozen=True)
+class Release:
+    """An unwinding.
+
+    ``deactivated`` groups what went inactive in one row, in order of time; ``ended`` is the state that ended
+    it, None while it still runs.
+    """
+
+    cause: Cause
+    start_s: float
+    end_s: float | None
+    deactivated: tuple[tuple[str, ...], ...]
+    ended: EndEffectorState | None
+
+    def in_reverse(self, sequence: tuple[str, ...]) -> bool:
+        """Whether one went after the other, in the reverse order of the sequence."""
+        if any(len(group) > 1 for group in self.deactivated):
+            return False
+        order = [sequence.index(group[0]) for group in self.deactivated]
+        return order == sorted(order, reverse=True)
+
+
+@dataclass(frozen=True)
+class Grip:
+    """One grip, from GRIPPING to its decision.
+
+    ``culprit`` is the actuator that aborted it by its last time-out; ``waiting`` what was pending when it
+    ended otherwise.
+    """
+
+    start_s: float
+    decided_s: float | None
+    decision: Decision
+    attempts: tuple[Attempt, ...]
+    resets: tuple[Reset, ...]
+    culprit: str | None = None
+    waiting: str | None = None
+
+    def of(self, actuator: str) -> tuple[Attempt, ...]:
+        """The attempts of one actuator."""
+        return tuple(attempt for attempt in self.attempts if attempt.actuator == actuator)
+
+    @property
+    def timeouts(self) -> tuple[Attempt, ...]:
+        """The attempts that timed out."""
+        return tuple(attempt for attempt in self.attempts if attempt.outcome is Outcome.TIMED_OUT)
+
+    @property
+    def attempts_by_actuator(self) -> Mapping[str, int]:
+        """How many attempts each actuator took."""
+        return {attempt.actuator: attempt.number for attempt in self.attempts}
+
+
+@dataclass(frozen=True)
+class Loss:
+    """A held part was lost; ``actuators`` are those whose confirmation went, as far as the states tell."""
+
+    time_s: float
+    actuators: tuple[str, ...] = ()
+
+    @property
+    def who(self) -> str:
+        """In words; empty: not told."""
+        return " and ".join(display_name(name) for name in self.actuators)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """An instant that a figure marks."""
+
+    time_s: float
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Story:
+    """A recording in order of time.
+
+    ``losses`` tell when a held part was lost; ``adopted`` is the state found at the start, if any.
+    """
+
+    actuators: tuple[str, ...]
+    grips: tuple[Grip, ...]
+    releases: tuple[Release, ...]
+    losses: tuple[Loss, ...]
+    adopted: EndEffectorState | None
+    final: EndEffectorState | None
+    moments: tuple[Moment, ...]
+    verdict: str
+
+    @property
+    def lost_s(self) -> tuple[float, ...]:
+        """The times at which a held part was lost."""
+        return tuple(loss.time_s for loss in self.losses)
+
+    @property
+    def attempts(self) -> tuple[Attempt, ...]:
+        """Every attempt of every grip."""
+        return tuple(attempt for grip in self.grips for attempt in grip.attempts)
+
+    @property
+    def timeouts(self) -> tuple[Attempt, ...]:
+        """Every attempt that timed out."""
+        return tuple(attempt for grip in self.grips for attempt in grip.timeouts)
+
+    @property
+    def resets(self) -> tuple[Reset, ...]:
+        """Every pause between two attempts."""
+        return tuple(reset for grip in self.grips for reset in grip.resets)

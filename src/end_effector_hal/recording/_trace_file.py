@@ -1,0 +1,126 @@
+"""Reading a trace back: all that reached the disk, whether the program ended in good order or not."""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._limits import read_file
+
+MAGIC = b"\x89MCAP0\r\n"
+DATA_END_BYTES = 13
+"""Opcode, length, checksum."""
+CHECKSUM_BYTES = 4
+NO_CHECKSUM = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One record: of which kind, and its content as it was written."""
+
+    kind: str
+    data: bytes
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """The content as JSON; raises ValueError when it is none."""
+        found = json.loads(self.data)
+        if not isinstance(found, dict):
+            raise ValueError(f"not an object: {found!r}"[:60])
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class TraceFile:
+    """What a trace holds, in the order of writing.
+
+    Attributes:
+        path: of the file.
+        program: whose trace it is.
+        records: all of them.
+        attachments: files that belong to the run.
+        complete: it was closed in good order; else ``note`` says where it ends.
+        damaged: bytes in it were changed, as its checksum or their form shows; ``note`` says so. Only a file that was
+            closed has a checksum.
+        size: of the file, bytes.
+    """
+
+    path: Path
+    program: str
+    records: tuple[Record, ...]
+    attachments: Mapping[str, bytes]
+    complete: bool
+    note: str = ""
+    damaged: bool = False
+    size: int = 0
+
+
+def read_trace(path: str | Path) -> TraceFile:
+    """Read a trace; a file that was cut off is read up to there.
+
+    Raises:
+        UsageError: it cannot be read, or is no MCAP file.
+    """
+    path = Path(path)
+    from mcap.records import Attachment, Channel, DataEnd, Footer, Message
+
+    try:
+        data = read_file(path)
+    except OSError as error:
+        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
+    if data[: len(MAGIC)] != MAGIC[: len(data)]:
+        raise UsageError("This is no MCAP file.", where=str(path))
+    topics: dict[int, str] = {}
+    records: list[Record] = []
+    attachments: dict[str, bytes] = {}
+    complete, note = False, "it was not closed: the program was killed or still writes, or its disk was full"
+    changed = True  # until the record that carries the checksum says otherwise
+    reading = _Reading(data)
+    for record in reading:
+        if isinstance(record, Channel):
+            topics[record.id] = record.topic
+        elif isinstance(record, Attachment):
+            attachments[record.name] = record.data
+        elif isinstance(record, Message) and record.channel_id in topics:
+            records.append(Record(topics[record.channel_id].rpartition("/")[2], record.data))
+        elif isinstance(record, DataEnd):
+            changed = reading.changed(0, DATA_END_BYTES, record.data_section_crc)
+        elif isinstance(record, Footer):
+            complete, note = True, ""
+            changed = changed or reading.changed(record.summary_start, CHECKSUM_BYTES, record.summary_crc)
+    program = next(iter(topics.values()), "").strip("/").partition("/")[0]
+    changed = complete and changed
+    note = reading.note or ("bytes in it were changed since it was written" if changed else note)
+    damaged = changed or bool(reading.note)
+    return TraceFile(path, program, tuple(records), attachments, complete, note, damaged, len(data))
+
+
+class _Reading:
+    """The records of a file up to its end, or to where it cannot be read any more."""
+
+    def __init__(self, data: bytes) -> None:
+        self._file, self._size, self._data, self.note = BytesIO(data), len(data), data, ""
+
+    def __iter__(self) -> Iterator[object]:
+        from mcap.exceptions import EndOfFile, McapError, RecordLengthLimitExceeded
+        from mcap.stream_reader import StreamReader
+
+        try:
+            yield from StreamReader(self._file, record_size_limit=self._size).records
+        except (EndOfFile, struct.error, RecordLengthLimitExceeded):
+            if self._data[len(MAGIC) :].endswith(MAGIC):  # it was closed: else it was cut off within a record
+                self.note = f"near byte {self._file.tell()} a record is longer than the file"
+        except (McapError, ValueError, KeyError, OverflowError) as error:
+            self.note = f"near byte {self._file.tell()}: {error or type(error).__name__}"
+
+    def changed(self, start: int, after: int, checksum: int) -> bool:
+        """Whether what begins at ``start`` and ends so many bytes before here is not what its checksum says."""
+        summed = self._data[start : self._file.tell() - after]
+        return checksum != NO_CHECKSUM and zlib.crc32(summed) != checksum

@@ -1,0 +1,27 @@
+"""The automata of a tool, put together with its description."""
+
+from __future__ import annotations
+
+from end_effector_hal.control import PROGRAMS, Controller, model_constants
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ModelError, ReportedError
+from timed_automata import Network, load_network
+
+
+def load_automata(description: Description) -> Network:
+    """The network of a tool with its constants; both programs can be put together from it.
+
+    Raises:
+        ModelError: the UPPAAL file is not valid, or does not fit the description; with its place.
+    """
+    try:
+        network = load_network(description.automata_path, model_constants(description))
+        for program in PROGRAMS if description.tool_changer else PROGRAMS[:1]:
+            Controller(description, network, program)
+    except ReportedError as error:
+        named = "automata" in description.model_fields_set
+        place = description.where("automata") if named else str(description.automata_path)
+        where = error.where or place
+        what = " ".join(error.what.removeprefix(where).split())
+        raise ModelError(what, where=where, todo=error.todo) from error
+    return network

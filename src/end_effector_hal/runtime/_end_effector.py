@@ -1,0 +1,301 @@
+"""A whole end-effector in one process, without ROS."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from end_effector_hal.codecs import codec_of, load_tool
+from end_effector_hal.control import Answer, Status, StepReport
+from end_effector_hal.description import Description
+from end_effector_hal.errors import NotReadyError, UsageError
+from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.link import LinkHealth, LinkReader
+
+from ._listeners import Audience
+from ._open_unit import open_unit
+from ._ready import changer_ready, gripper_ready, missing
+from ._reset import reset
+from ._unit import Unit
+from ._witness import Witness
+
+RESET_S = 5.0
+"""Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
+_NOT_SEEN = (
+    "The {} program has ended: what became of the command is unknown. Read the state before the next one."
+)
+_MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a command ended: with sensor evidence, or with the reason in words."""
+
+    succeeded: bool
+    state: EndEffectorState
+    reason: str = ""
+    steps: tuple[StepReport, ...] = ()
+
+
+class EndEffector:
+    """Both programs of a tool, its link and its lines.
+
+    The line owner (``eehal owner``) is a process of its own and must run: it is what stands between a crash
+    of this process and a dropped part.
+
+    Args:
+        description: the tool.
+        traces: the folder that gets the traces of both programs; None: nothing is recorded.
+        limits: of that folder.
+
+    Example:
+        >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
+        ...     tool.lock()
+        ...     result = tool.grip()
+        ...     tool.drop()
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        *,
+        traces: str | Path | None = None,
+        limits: RecordingLimits | None = None,
+    ) -> None:
+        self.description = description
+        self._audience = Audience(self._audience_changed)
+        self._told: tuple[str, ...] = ()
+        self._lock = threading.Lock()
+        with ExitStack() as undo:
+            self._grip = open_unit(description, "grip", self._gripper_moved, traces=traces, limits=limits)
+            undo.callback(self._grip.close)
+            self._change = open_unit(
+                description, "tool_change", self._changer_moved, traces=traces, limits=limits
+            )
+            undo.callback(self._change.close)
+            codec = codec_of(description)
+            self._witness = Witness(description, codec)
+            self._reader = LinkReader(
+                description.link.port,
+                codec,
+                baudrate=description.link.baudrate,
+                on_frame=self._frame_came,
+            )
+            undo.pop_all()
+
+    @classmethod
+    def open(
+        cls,
+        description: Description | str | Path,
+        *,
+        traces: str | Path | None = None,
+        limits: RecordingLimits | None = None,
+    ) -> Self:
+        """Open a tool by its description and adopt its lines; raises DescriptionError, WireError."""
+        loaded = description if isinstance(description, Description) else load_tool(description)
+        tool = cls(loaded, traces=traces, limits=limits)
+        try:
+            tool.start()
+        except BaseException:
+            tool.close()
+            raise
+        return tool
+
+    def start(self) -> None:
+        """Start reading and adopt; raises LinkBusyError when somebody else reads the sensor link."""
+        self._reader.start()
+        self._witness.start()
+        for unit in self._units:
+            unit.start()
+
+    def close(self, ending: str = "sigterm") -> None:
+        """End: the line owner does what the description declares. Listeners get what waits for them, within 2 s."""
+        for unit in self._units:
+            unit.close(ending)
+        self._reader.close()
+        self._witness.close()
+        self._audience.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state, changer = EndEffectorState(self.status.ee), ChangerState(self.status.changer)
+        return f"<EndEffector {self.description.name}: {state.name}, changer {changer.name}>"
+
+    @property
+    def status(self) -> Status:
+        """Gripping and tool changer in one snapshot."""
+        grip, change = self._grip.status, self._change.status
+        return self._merged(grip, max(grip.at, change.at))
+
+    @property
+    def link(self) -> LinkHealth:
+        """How the sensor link is, with its counters."""
+        return self._reader.health
+
+    def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
+        """Have every status, in order; called in a thread of its own.
+
+        A listener that raises, or does not return within 2 s, is an alarm of the tool; it is called with the next
+        status all the same, and the alarm ends when it works again and after a :meth:`reset`. For one that is slow up
+        to 1,000 statuses wait; then the oldest are dropped.
+        """
+        self._audience.add(listener, name)
+
+    def subscribe_frames(self, listener: Callable[[Frame], None], *, name: str = "") -> None:
+        """Have every frame, in order; called in a thread of its own, under the rules of :meth:`subscribe`."""
+        self._audience.add_for_frames(listener, name)
+
+    def wait_ready(self, timeout_s: float = 5.0) -> None:
+        """Wait until the tool has adopted its lines and its sensors are heard.
+
+        Raises:
+            NotReadyError: that took longer; it says what is missing. The tool goes on all the same: what its
+                sensors do not prove is refused with a reason, and what is held stays held.
+        """
+        until = now_us() + round(timeout_s * 1e6)
+        ready = self._grip.wait(gripper_ready, timeout_s) and self._change.wait(
+            lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)
+        )
+        if not ready:
+            lacks = missing(self.description, self._grip.status, self._change.status, self.link)
+            raise NotReadyError(
+                f"{self.description.name} is not ready after {timeout_s:g} s: {'; '.join(lacks)}.",
+                todo="eehal doctor says what this machine lacks.",
+            )
+
+    def grip(self) -> Outcome:
+        """Grip, and wait until it is decided and over."""
+        return self._run_grip("grip", EndEffectorState.GRIPPED)
+
+    def drop(self) -> Outcome:
+        """Release what is held, and wait until that is proven."""
+        return self._run_grip("drop", EndEffectorState.STAND_BY)
+
+    def cancel(self) -> Answer:
+        """Cancel a running grip; returns once it is accepted or refused."""
+        return self._grip.command("cancel")
+
+    def reset(self) -> Answer:
+        """Clear latched faults and the alarms that are over; never what only a Drop ends."""
+        self._audience.acknowledge()
+        self._audience_changed()
+        stays: list[str] = []
+        if self._change.status.changer_fault:
+            # first, for what it still shows the line owner keeps anew
+            changer = self._change.command("reset")
+            self._change.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
+            if not changer.accepted or self._change.status.changer_fault:
+                stays.append(changer.reason or self._change.status.reason)
+        answer = reset(self.description, self._grip)
+        stays += [] if answer.accepted else [answer.reason]
+        return Answer(False, " ".join(stays)) if stays else answer
+
+    def arm(self) -> Answer:
+        """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""
+        return self._change.command("arm")
+
+    def lock(self) -> Outcome:
+        """Lock the tool changer, and wait for the proof."""
+        return self._run_change("lock", ChangerState.LOCKED)
+
+    def unlock(self) -> Outcome:
+        """Unlock the tool changer, and wait for the proof."""
+        return self._run_change("unlock", ChangerState.UNLOCKED)
+
+    def set_actuator(self, name: str, active: bool) -> Answer:
+        """Drive one actuator by hand; raises UsageError for an unknown name."""
+        if name not in self.description.actuators:
+            known = ", ".join(self.description.sequence)
+            raise UsageError(f"{name!r} is no actuator of {self.description.name}.", todo=f"It has {known}.")
+        return self._grip.set_actuator(name, active)
+
+    @property
+    def _units(self) -> tuple[Unit, Unit]:
+        return self._grip, self._change
+
+    def _run_grip(self, command: str, wanted: EndEffectorState) -> Outcome:
+        answer = self._grip.command(command)
+        if not answer.accepted:
+            return Outcome(False, EndEffectorState(self._grip.status.ee), answer.reason)
+        over, status = self._grip.wait(_is_over), self._grip.status
+        reached = over and status.ee == wanted
+        reason = status.reason if over else f"{_NOT_SEEN.format('grip')} {status.reason}".strip()
+        return Outcome(reached, EndEffectorState(status.ee), reason, status.steps)
+
+    def _run_change(self, command: str, wanted: ChangerState) -> Outcome:
+        answer = self._change.command(command)
+        if not answer.accepted:
+            return Outcome(False, EndEffectorState(self.status.ee), answer.reason)
+        if not self._change.wait(lambda status: status.command == Command.NONE):
+            return Outcome(False, EndEffectorState(self.status.ee), _NOT_SEEN.format("tool_change"))
+        status = self._change.status
+        reached = ChangerState(status.changer)
+        why = (
+            ""
+            if reached is wanted
+            else f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
+        )
+        reason = f"{why} {self._change.status.reason}".strip() if why else ""
+        return Outcome(reached is wanted, EndEffectorState(self.status.ee), reason)
+
+    def _merged(self, status: Status, at: int) -> Status:
+        change = self._change.status
+        command = status.command if status.command != Command.NONE else change.command
+        alarms = tuple(dict.fromkeys((*status.alarms, *change.alarms, *self._audience.alarms)))
+        return replace(
+            status,
+            at=at,
+            changer=change.changer,
+            unlock_output=change.unlock_output,
+            command=command,
+            alarms=alarms,
+        )
+
+    def _gripper_moved(self, status: Status) -> None:
+        self._change.tell(ee=status.ee)
+        with self._lock:
+            self._publish(self._merged(status, status.at))
+
+    def _changer_moved(self, status: Status) -> None:
+        self._grip.tell(unlock_valve=int(status.unlock_output))
+        with self._lock:
+            # read under the lock: a status of the gripping must not be told after the one that follows it
+            grip = self._grip.status
+            # nor as of a time before its own: this one may have waited while the gripping went on
+            self._publish(self._merged(grip, max(grip.at, status.at)))
+
+    def _publish(self, status: Status) -> None:
+        self._told = self._audience.alarms
+        self._audience.status(status)
+
+    def _audience_changed(self) -> None:
+        with self._lock:
+            self._publish(self._merged(self._grip.status, now_us()))
+
+    def _frame_came(self, frame: Frame) -> None:
+        self._witness.frame(frame)
+        for unit in self._units:
+            unit.frame(frame)
+        self._audience.frame(frame)
+        if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
+            self._audience_changed()
+
+
+def _is_over(status: Status) -> bool:
+    passing = status.ee == EndEffectorState.GRIP_ERROR and status.command != Command.NONE
+    return status.ee not in _MOVING and not passing

@@ -1,0 +1,78 @@
+"""The output lines of a tool: who writes them, and what their owner enforces whoever asks."""
+
+from __future__ import annotations
+
+from end_effector_hal.arbiter import Exclusion, Need, Policy
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, predicates_fitted
+from end_effector_hal.vocabulary import to_us
+
+LONGEST_WILL_US = 10_000_000
+SENSOR_FAULT = "sensor_fault"
+"""The name by which the line owner keeps that of the tool changer (IL-04)."""
+IL_01 = Need(
+    NOTHING_GRIPPED, "IL-01", "nothing is gripped", "the sensors do not prove that nothing is gripped"
+)
+IL_02 = Need(PARKED, "IL-02", "the tool is in its stand", "the tool is neither in its stand nor absent")
+IL_05 = Need(LOCKED, "IL-05", "the tool is locked", "the tool is not proven to be locked")
+IL_13 = Need(
+    E_STOP_CLOSED, "IL-13", "the emergency stop is closed", "the emergency stop is open",
+    latched="the emergency stop was opened",
+)  # fmt: skip
+
+
+def owner_policy(description: Description) -> Policy:
+    """The output interlocks of a tool."""
+    changer = description.tool_changer
+    labels = {actuator.line: name for name, actuator in description.ordered}
+    labels |= {line: f"blow-off of {name}" for name, line in description.blow_off_lines.items()}
+    return Policy(
+        output_lines(description),
+        exclusions=_exclusions(description),
+        max_active_us={changer.line: to_us(changer.unlock_max_s)} if changer and not changer.latching else {},
+        labels={**labels, changer.line: "unlock"} if changer else labels,
+        longest_will_us=max(LONGEST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)),
+        faults=(SENSOR_FAULT,) if changer else (),
+        needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
+    )
+
+
+def _exclusions(description: Description) -> list[Exclusion]:
+    """Unlock and gripping (IL-01, IL-05), suction and its blow-off (IL-08)."""
+    changer, gripping = description.tool_changer, program_lines(description, "grip")
+    never: list[Exclusion] = []
+    if changer and description.interlocks.il_01:
+        never += [Exclusion(changer.line, line) for line in gripping]
+    for _, part in description.ordered:
+        if isinstance(part, VacuumActuator) and (blow_off := part.blow_off):
+            never.append(Exclusion(part.line, blow_off.line, "IL-08", "IL-08", to_us(blow_off.gap_s)))
+    return never
+
+
+def _needs(description: Description, line: str) -> list[Need]:
+    """What the sensors must say before a line is activated; what is not fitted is not asked for."""
+    fitted = predicates_fitted(description, get_codec(description.link.codec))
+    locks = description.interlocks
+    unlocks = line in program_lines(description, "tool_change")
+    grips = line in program_lines(description, "grip")
+    asked = [
+        (IL_01, unlocks and locks.il_01),
+        (IL_02, unlocks and locks.il_02),
+        (IL_05, grips and locks.il_05),
+        (IL_13, True),
+    ]
+    return [need for need, wanted in asked if wanted and need.predicate in fitted]
+
+
+def output_lines(description: Description) -> tuple[str, ...]:
+    """Every output line of a tool: actuators in sequence order, the tool changer, blow-off valves."""
+    changer, gripping = description.tool_changer, program_lines(description, "grip")
+    return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values())
+
+
+def program_lines(description: Description, program: str) -> tuple[str, ...]:
+    """The lines that one program writes."""
+    if program == "grip":
+        return tuple(actuator.line for _, actuator in description.ordered)
+    return (description.tool_changer.line,) if description.tool_changer else ()

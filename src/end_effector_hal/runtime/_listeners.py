@@ -1,0 +1,164 @@
+"""Those who listen to a tool: each is called in a thread of its own, and nothing that it does reaches the tool."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from end_effector_hal.control import Status
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires import now_us
+
+from ._error_text import error_text, sendable
+
+_log = logging.getLogger("end_effector_hal.runtime")
+MOST_WAITING = 1_000
+"""What waits for a listener that takes its time; the oldest is dropped then."""
+SLOW_US = 2_000_000
+"""A call that takes longer is an alarm."""
+END_S = 2.0
+"""So long the end of a tool waits for its listeners."""
+T = TypeVar("T")
+
+
+class Listening(Generic[T]):
+    """One listener: whatever it raises, and however long it takes, is an alarm and nothing else.
+
+    It is called with the next one all the same. The alarm ends when it works again and somebody has acknowledged it.
+
+    Args:
+        listener: called with each item, in order.
+        name: for its alarm; empty: that of the function.
+        on_alarm: called in the listener's thread when the alarm has changed.
+    """
+
+    def __init__(self, listener: Callable[[T], None], name: str, on_alarm: Callable[[], None]) -> None:
+        self._listener, self._on_alarm = listener, on_alarm
+        self._who = sendable(name or str(getattr(listener, "__qualname__", type(listener).__qualname__)))
+        self._waiting: deque[T] = deque()
+        self._changed = threading.Condition()
+        self._closed = False
+        self._called_at: int | None = None
+        self._lost = 0
+        self._failing = self._over = ""
+        self._thread = threading.Thread(target=self._run, name=f"listener {self._who}", daemon=True)
+        self._thread.start()
+
+    def put(self, item: T) -> None:
+        """Have the listener called with it; never waits."""
+        with self._changed:
+            if len(self._waiting) >= MOST_WAITING:
+                self._waiting.popleft()
+                self._lost += 1
+            self._waiting.append(item)
+            self._changed.notify_all()
+
+    @property
+    def alarm(self) -> str:
+        """A sentence; empty: it works, and did so since the last acknowledgement."""
+        self._look()
+        return self._failing or self._over
+
+    def acknowledge(self) -> None:
+        """Forget an alarm that is over."""
+        self._over = ""
+
+    def close(self, until_s: float) -> None:
+        """Call it with what waits, until ``until_s`` on the monotonic clock (seconds) at the latest."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread is not threading.current_thread():
+            self._thread.join(max(0.0, until_s - time.monotonic()))
+
+    def _look(self) -> None:
+        since = self._called_at
+        slow = since is not None and now_us() - since > SLOW_US
+        if (slow or self._lost) and not self._failing:
+            self._failing = f"The listener {self._who} does not keep up with what it is called with."
+            _log.error("%s", self._failing)
+
+    def _run(self) -> None:
+        while (item := self._next()) is not None:
+            self._call(item[0])
+
+    def _next(self) -> tuple[T] | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._waiting or self._closed)
+            return (self._waiting.popleft(),) if self._waiting else None
+
+    def _call(self, item: T) -> None:
+        before = self._failing, self._over
+        self._called_at = now_us()
+        try:
+            self._listener(item)
+        except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
+            if not self._failing:
+                _log.error("the listener %s failed", self._who, exc_info=not isinstance(error, ReportedError))
+                self._failing = f"The listener {self._who} failed: {error_text(error)}"
+        else:
+            self._worked()
+        self._called_at = None
+        if (self._failing, self._over) != before:
+            self._on_alarm()
+
+    def _worked(self) -> None:
+        """It works; whatever was dropped for it since it did last is told with the alarm that is over."""
+        self._look()  # nobody may have looked before it returned
+        with self._changed:
+            lost, self._lost = self._lost, 0
+        if self._failing:
+            missed = f" {lost} were dropped." if lost else ""
+            self._over, self._failing = f"Over: {self._failing}{missed}", ""
+
+
+class Audience:
+    """All listeners of a tool; ``on_alarm`` is called in a thread of theirs when :attr:`alarms` have changed."""
+
+    def __init__(self, on_alarm: Callable[[], None]) -> None:
+        self._on_alarm = on_alarm
+        self._statuses: tuple[Listening[Status], ...] = ()
+        self._frames: tuple[Listening[Frame], ...] = ()
+
+    def add(self, listener: Callable[[Status], None], name: str = "") -> None:
+        """One more for statuses."""
+        self._statuses = (*self._statuses, Listening(listener, name, self._on_alarm))
+
+    def add_for_frames(self, listener: Callable[[Frame], None], name: str = "") -> None:
+        """One more for frames."""
+        self._frames = (*self._frames, Listening(listener, name, self._on_alarm))
+
+    def status(self, status: Status) -> None:
+        """For each of them; never waits."""
+        for each in self._statuses:
+            each.put(status)
+
+    def frame(self, frame: Frame) -> None:
+        """For each of them; never waits."""
+        for each in self._frames:
+            each.put(frame)
+
+    @property
+    def alarms(self) -> tuple[str, ...]:
+        """What is wrong with them, in words."""
+        return tuple(alarm for each in self._all if (alarm := each.alarm))
+
+    @property
+    def _all(self) -> tuple[Listening[Any], ...]:
+        return (*self._statuses, *self._frames)
+
+    def acknowledge(self) -> None:
+        """Forget what is over."""
+        for each in self._all:
+            each.acknowledge()
+
+    def close(self) -> None:
+        """Give each what waits for it, for two seconds at most; then they are called no more."""
+        until_s = time.monotonic() + END_S
+        for each in self._all:
+            each.close(until_s)

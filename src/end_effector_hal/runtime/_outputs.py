@@ -1,0 +1,197 @@
+"""From statuses to lines: what the automata put out goes to the line owner, with the will that fits it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+from end_effector_hal.control import Status
+from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, ReportedError
+from end_effector_hal.vocabulary import WillStep
+
+RETRY_US = 200_000
+"""What could not be done with the lines is tried again after this."""
+
+
+class LineWriter(Protocol):
+    """What a program needs of the line owner."""
+
+    def levels(self) -> Mapping[str, bool]:
+        """The level of every line."""
+
+    def overtaken(self) -> bool:
+        """Whether the line owner took this program for dead since this was asked last."""
+
+    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
+        """Begin to write levels, and what to do should this program die; what is returned waits until it is done."""
+
+    def close(self, will: Sequence[WillStep]) -> None:
+        """Leave in good order; the will is done at once."""
+
+
+class _Asked(NamedTuple):
+    """A write that was begun; ``error``: it could not be."""
+
+    changes: Mapping[str, bool]
+    will: tuple[WillStep, ...]
+    at: int
+    wait: Callable[[], object]
+    error: ReportedError | None = None
+
+
+class Outputs:
+    """Writes changes only; what could not be activated is not activated later by itself (IL-11).
+
+    Once the line owner was ``lost`` nothing is certain until `agree` has compared the lines with what was
+    written: the owner may have executed the will.
+
+    Args:
+        lines: the line owner.
+        of: line and level of every output of a status.
+        will: the will that fits a status.
+    """
+
+    def __init__(
+        self,
+        lines: LineWriter,
+        of: Callable[[Status], dict[str, bool]],
+        will: Callable[[Status], tuple[WillStep, ...]],
+    ) -> None:
+        self._lines, self._of, self._will = lines, of, will
+        self._wanted: dict[str, bool] | None = None
+        self._said: tuple[WillStep, ...] | None = None
+        self._undone: dict[str, bool] = {}
+        self._written: dict[str, bool] = {}
+        self._unheard: set[str] = set()
+        self._attempt = 0
+        self._asked: _Asked | None = None
+        self.lost = False
+        self.retry_at: int | None = None
+        self.alarm = ""
+        self.refused = ""
+        """Why the line owner did not activate something, in words, until it activates again."""
+        self.objected = False
+        """It has just refused an activation, and the automata do not know yet."""
+
+    def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
+        """Begin to bring the lines to what the first status asks for that changes something; returns those after it.
+
+        Never waits; `finish` does. A new will alone is not written when at the same instant one follows with lines to
+        deactivate: the two are one write.
+        """
+        for number, status in enumerate(statuses):
+            wanted, will = self._of(status), self._will(status)
+            changes = self._changes(wanted) | self._once_more(wanted, status)
+            self._wanted = wanted
+            if not changes and (
+                will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
+            ):
+                continue
+            self._undone = {line: level for line, level in self._undone.items() if line not in changes}
+            self._ask({**self._undone, **changes}, will, status.at)
+            return statuses[number + 1 :]
+        return ()
+
+    def finish(self) -> None:
+        """Wait until what was begun is done; trouble becomes :attr:`alarm`."""
+        asked, self._asked = self._asked, None
+        if asked is None:
+            return
+        try:
+            if asked.error is not None:
+                raise asked.error
+            self._end(asked.changes, asked.wait)
+            self.alarm, self._said, self._undone, self.retry_at = "", asked.will, {}, None
+            return
+        except ReportedError as error:
+            if isinstance(error, LineRefusedError):
+                self.refused, self.objected = str(error), self.objected or any(asked.changes.values())
+            self.alarm = f"The lines could not be written: {error}"
+            self.retry_at = self.retry_at if self.lost else asked.at + RETRY_US
+        self._fail(asked.changes)
+
+    def retry(self, status: Status, at: int) -> None:
+        """Write again what could not be deactivated, and the will."""
+        self._ask(self._undone, self._will(status), at)
+        self.finish()
+
+    def agree(self, at: int, *, gripping: bool = False) -> bool:
+        """Whether the lines are as they were written; raises WireError while nobody knows.
+
+        ``gripping``: and the owner has not taken this program for dead. What was given up then must not go on by
+        itself, whatever the will has left (IL-11).
+        """
+        self.retry_at = at + RETRY_US
+        levels = self._lines.levels()
+        self.lost, overtaken = False, self._lines.overtaken()
+        same = all(levels.get(line) == level for line, level in self._written.items())
+        return same and not (gripping and overtaken)
+
+    def drive(self, line: str, active: bool, will: tuple[WillStep, ...]) -> None:
+        """Write one line by hand; raises WireError."""
+        if self.lost:
+            raise OwnerError(self.alarm)
+        self._end({line: active}, lambda: self._lines.ask({line: active}, will)())
+
+    def lose(self, error: OwnerError, at: int) -> None:
+        """The line owner was lost; nothing is written until `agree` has been asked."""
+        self.lost, self.retry_at = True, at
+        self.alarm = f"The line owner was lost: {error}"
+
+    def let_go(self, lines: Sequence[str], at: int) -> None:
+        """Deactivate lines that were driven by hand; tried again until it is done."""
+        self._ask({**self._undone, **dict.fromkeys(lines, False)}, (), at)
+        self.finish()
+
+    def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
+        """What was to be activated when the owner was lost comes with the next attempt, if it stays active between."""
+        before, self._attempt = self._attempt, status.attempt
+        again = {line: True for line in sorted(self._unheard) if wanted.get(line)}
+        return again if status.attempt > before else {}
+
+    def _changes(self, wanted: Mapping[str, bool]) -> dict[str, bool]:
+        before = self._wanted
+        if wanted == before:
+            return {}
+        return {line: level for line, level in wanted.items() if before is None or before.get(line) != level}
+
+    def _deactivates(self, following: Sequence[Status], status: Status) -> bool:
+        """Whether what follows at the same instant makes lines inactive, and no others active."""
+        return any(
+            (changes := self._changes(self._of(each))) and not any(changes.values())
+            for each in following
+            if each.at == status.at
+        )
+
+    def _ask(self, changes: dict[str, bool], will: tuple[WillStep, ...], at: int) -> None:
+        if self.lost:
+            self._fail(changes)
+            return
+        try:
+            self._asked = _Asked(changes, will, at, self._lines.ask(changes, will))
+        except ReportedError as error:
+            self._asked = _Asked(changes, will, at, _nothing, error)
+
+    def _fail(self, changes: Mapping[str, bool]) -> None:
+        self._said = None
+        if self.lost:
+            self._unheard |= {line for line, level in changes.items() if level}
+        self._undone = {line: False for line, level in changes.items() if not level}
+
+    def _end(self, changes: Mapping[str, bool], wait: Callable[[], object]) -> None:
+        try:
+            wait()
+        except (OwnerError, LineBusyError):
+            # looked at once: perhaps the owner is there again
+            self.lost, self.retry_at = True, 0
+            for line in changes:
+                self._written.pop(line, None)  # perhaps it was executed: either level is right
+            raise
+        self._written |= changes
+        self._unheard -= changes.keys()
+        if any(changes.values()):
+            self.refused = ""
+
+
+def _nothing() -> None:
+    """There is nothing to wait for."""

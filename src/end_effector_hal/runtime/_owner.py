@@ -1,0 +1,87 @@
+"""The line owner of a tool: what its description asks of it, its process, its clients."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from end_effector_hal.arbiter import LineOwner, OwnerClient, serve
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.wires import be_steady
+from end_effector_hal.wires.lines import GpiodLines, HandsOn, LineBackend, VirtualLines
+
+from ._lines import owner_policy, program_lines
+from ._service_manager import ServiceManager
+
+
+def connect_owner(description: Description, program: str, *, patience_s: float = 5.0) -> OwnerClient:
+    """The connection of one program to the line owner; raises OwnerError, LineBusyError."""
+    lines = program_lines(description, program)
+    return OwnerClient(socket_path(description), program, lines, patience_s=patience_s)
+
+
+def run_owner(
+    description: Description,
+    socket: Path | None = None,
+    journal: Path | None = None,
+    group: str | None = None,
+) -> None:
+    """Be the line owner of a tool until SIGTERM or SIGINT; says when it is ready. Raises WireError.
+
+    It remembers what the next owner must know in the folder ``journal``; default: that of the service manager
+    (``$STATE_DIRECTORY``), else that of the socket. Members of ``group`` may command the lines. A service manager
+    is told when it is ready, too (sd_notify), and that it lives: whenever it answers itself over its socket. It
+    keeps the claim of the lines while this process is replaced, so that nobody else can take them.
+    """
+
+    def ready(owner: LineOwner) -> None:
+        levels = ", ".join(f"{line}={int(level)}" for line, level in owner.levels().items())
+        print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
+        manager.store(backend.keepsakes() if isinstance(backend, HandsOn) else {})
+        manager.ready(f"{description.name} on {where}", _Question(where))
+        be_steady()
+
+    where, backend = socket or socket_path(description), _backend(description)
+    with ServiceManager() as manager:
+        if isinstance(backend, HandsOn):
+            backend.inherit(manager.handed_on())
+        serve(
+            backend,
+            where,
+            owner_policy(description),
+            journal=_journal(where, journal),
+            group=group,
+            on_ready=ready,
+        )
+
+
+def _journal(socket: Path, folder: Path | None) -> Path:
+    """One for each socket, so that the owners of two tools may share a folder."""
+    state = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
+    return (folder or Path(state or socket.parent)) / f"{socket.name}.journal"
+
+
+class _Question:
+    """Reads the levels as any client does: the answer went through the socket, the loop and the hardware."""
+
+    def __init__(self, where: Path) -> None:
+        self._where = where
+        self._client: OwnerClient | None = None
+
+    def __call__(self) -> None:
+        # in the thread of the watchdog: before the loop runs nobody would answer
+        self._client = self._client or OwnerClient(self._where, "watchdog", patience_s=0)
+        self._client.levels()
+
+
+def _backend(description: Description) -> LineBackend:
+    if description.lines.backend == "gpiod":
+        return GpiodLines()
+    if description.lines.path is None:
+        raise UsageError(
+            "virtual lines need a file that stands for the chip.",
+            where=description.where("lines"),
+            todo="Add path: to lines.",
+        )
+    return VirtualLines(description.lines.path)

@@ -1,0 +1,49 @@
+"""When a tool can be used: its lines adopted, its sensors heard."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
+from end_effector_hal.wires.link import LinkHealth, LinkState
+
+
+def gripper_ready(status: Status) -> bool:
+    """Whether the lines are adopted, frames come, and every actuator is known by its sensors."""
+    adopted = status.ee != EndEffectorState.OFF
+    return adopted and status.link_up and Evidence.UNKNOWN not in status.evidence
+
+
+def changer_ready(description: Description, status: Status) -> bool:
+    """The same of the tool changer; one without sensors is never known."""
+    changer, carried = description.tool_changer, get_codec(description.link.codec).channels
+    if changer is None or changer.locked_bit not in carried or changer.unlocked_bit not in carried:
+        return True
+    return status.changer != ChangerState.UNKNOWN
+
+
+def missing(description: Description, grip: Status, change: Status, link: LinkHealth) -> Iterator[str]:
+    """What a tool that is not ready lacks, each a clause."""
+    if grip.ee == EndEffectorState.OFF:
+        yield "its lines are not adopted"
+    if not grip.link_up:
+        yield _silence(description.link.port, link)
+    elif Evidence.UNKNOWN in grip.evidence:
+        pairs = zip(description.sequence, grip.evidence, strict=True)
+        unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
+        yield f"its sensors say nothing of {', '.join(unknown)}"
+    if not changer_ready(description, change):
+        yield "its sensors do not say whether the tool is locked"
+    said = [alarm for alarm in (*grip.alarms, *change.alarms) if "sensor link" not in alarm]
+    yield from (alarm.rstrip(".") for alarm in dict.fromkeys(said))
+
+
+def _silence(port: str, link: LinkHealth) -> str:
+    if link.error:
+        return f"the sensor link is down: {link.error.rstrip('.')}"
+    if link.state is LinkState.UP:
+        return f"the sensor link {port} has fallen silent"
+    return f"no frame has come over the sensor link {port}, {link.bytes} bytes"

@@ -1,0 +1,24 @@
+"""Reset: latched faults are cleared; what is active or held is not touched (section 6 of the contract)."""
+
+from __future__ import annotations
+
+from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import WireError
+
+from ._unit import Unit
+
+
+def reset(description: Description, grip: Unit) -> Answer:
+    """Clear what the line owner has latched, and the alarms about a held part that are over.
+
+    GRIP_ERROR and RELEASE_ERROR stay: those need a Drop. A fault that still is the case stays as well.
+    """
+    grip.acknowledge()
+    try:
+        with OwnerClient(socket_path(description), "reset", patience_s=0) as owner:
+            owner.reset()
+    except WireError as error:
+        return Answer(False, str(error))
+    return Answer(True, "Nothing is latched but what only a Drop ends.")

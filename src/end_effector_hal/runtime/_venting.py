@@ -1,0 +1,27 @@
+"""An unlock waits for its proof that nothing is gripped any more (IL-01)."""
+
+from __future__ import annotations
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import ToolChanger
+from end_effector_hal.vocabulary import EndEffectorState
+
+from ._newest import Newest
+
+FALL_S = 0.5
+"""What a vacuum that has just been told gone takes to fall below what IL-01 asks for, at the longest."""
+LAG_S = 0.15
+"""What shows the end of a release may be under way to this program for so long."""
+_MAY_VENT = (EndEffectorState.STAND_BY, EndEffectorState.OFF, EndEffectorState.RELEASING)
+
+
+def await_venting(newest: Newest, changer: ToolChanger) -> None:
+    """Until it is proven or cannot be, for no longer than the fall and the proof take.
+
+    Feedback that is still there says nothing: the last frame of the release may not have come to this program yet.
+    """
+    newest.wait(_is_decided, LAG_S + FALL_S + changer.vented_s)
+
+
+def _is_decided(status: Status) -> bool:
+    return status.vented or status.ee not in _MAY_VENT

@@ -1,0 +1,66 @@
+"""Lines that tell what is written to them, and whether their owner is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from end_effector_hal.errors import ReportedError, WireError
+from end_effector_hal.runtime._outputs import LineWriter
+from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.wires import now_us
+
+from ._recorded_controller import Put
+from ._records import LinesWritten, OwnerSeen
+
+
+class RecordedLines:
+    """A line writer that passes everything on."""
+
+    def __init__(self, lines: LineWriter, put: Put) -> None:
+        self._lines, self._put = lines, put
+        self._there = True
+
+    def levels(self) -> Mapping[str, bool]:
+        """The level of every line."""
+        try:
+            levels = self._lines.levels()
+        except WireError as error:
+            self._lost(error)
+            raise
+        if not self._there:
+            self._there = True
+            self._put("owner", at := now_us(), OwnerSeen(at, there=True))
+        return levels
+
+    def overtaken(self) -> bool:
+        """Whether the line owner took this program for dead since this was asked last."""
+        return self._lines.overtaken()
+
+    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
+        """Begin to write levels, and what to do should this program die."""
+        at = now_us()
+        asked = self._lines.ask(levels, will)
+
+        def wait() -> object:
+            error = ""
+            try:
+                return asked()
+            except ReportedError as refused:
+                error = str(refused)
+                raise
+            finally:
+                steps = tuple(step.as_json() for step in will)
+                self._put("lines", at, LinesWritten(at, now_us() - at, dict(levels), steps, error))
+
+        return wait
+
+    def close(self, will: Sequence[WillStep]) -> None:
+        """Leave in good order."""
+        at = now_us()
+        self._lines.close(will)
+        self._put("lines", at, LinesWritten(at, now_us() - at, {}, tuple(step.as_json() for step in will)))
+
+    def _lost(self, error: Exception) -> None:
+        if self._there:
+            self._there = False
+            self._put("owner", at := now_us(), OwnerSeen(at, there=False, why=str(error)))

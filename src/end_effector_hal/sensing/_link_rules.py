@@ -1,0 +1,143 @@
+"""What a frame is worth: impossible values, frozen sensors, a device that began anew."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from end_effector_hal.codecs import Codec, sequence_of, shows_noise
+from end_effector_hal.description import Description
+from end_effector_hal.signals import PART, Frame, Kind, Value
+from end_effector_hal.vocabulary import to_us
+
+from ._frozen_detector import FrozenDetector
+from ._plausible import plausible_ranges
+
+SAID_US = 10_000_000
+"""So long a reboot of the device is told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A frame as far as it is believed.
+
+    Attributes:
+        frame: what is impossible or frozen is invalid in it.
+        doubted: channels whose reading proves nothing from now on; they are invalid in it.
+        rebooted: the device began anew: what was read before is nothing any more.
+    """
+
+    frame: Frame
+    doubted: frozenset[str] = frozenset()
+    rebooted: bool = False
+
+
+class LinkRules:
+    """Judges every frame before its values count; sans-IO, with a memory of what it has doubted.
+
+    Args:
+        description: the tool; it says what its channels can show.
+        codec: of the link.
+        gap_us: after such a silence a sensor is looked at anew.
+    """
+
+    MEMORY: ClassVar = {
+        "_sequence": PART,
+        "_frozen": PART,
+        "_doubts": dict[str, str],
+        "_rebooted_at": int | None,
+    }
+
+    def __init__(self, description: Description, codec: Codec, gap_us: int) -> None:
+        self._sequence = sequence_of(codec)
+        kinds = codec.channels
+        self._ranges = {
+            channel: span
+            for channel, span in plausible_ranges(description).items()
+            if kinds.get(channel) is Kind.PRESSURE
+        }
+        self._frozen = {
+            channel: FrozenDetector(to_us(after_s), gap_us)
+            for channel, after_s in frozen_after(description, codec).items()
+        }
+        self._doubts: dict[str, str] = {}
+        self._rebooted_at: int | None = None
+
+    @property
+    def reboots(self) -> int:
+        """How often the device began anew."""
+        return self._sequence.reboots
+
+    def judge(self, frame: Frame) -> Judged:
+        """The frame as far as it is believed."""
+        rebooted = self._is_reboot(frame)
+        doubts: dict[str, str] = {}
+        for channel, value in frame.values.items():
+            if value is None or isinstance(value, bool):
+                continue
+            if why := self._impossible(channel, value):
+                doubts[channel] = why
+            elif channel in self._frozen and self._frozen[channel].sample(value, frame.at):
+                doubts[channel] = _frozen(channel)
+        if not doubts:
+            self._doubts = {}
+            return Judged(frame, rebooted=rebooted)
+        # A doubt is told in the words of its beginning: it does not flicker.
+        self._doubts = {channel: self._known(channel, why) for channel, why in doubts.items()}
+        values: Mapping[str, Value] = frame.values
+        values = {channel: None if channel in doubts else value for channel, value in values.items()}
+        return Judged(replace(frame, values=values), frozenset(doubts), rebooted)
+
+    def notices(self, at: int) -> tuple[str, ...]:
+        """What is doubted now, in words."""
+        said = list(self._doubts.values())
+        if self._rebooted_at is not None and at - self._rebooted_at < SAID_US:
+            times = f" ({self.reboots} times since the start)" if self.reboots > 1 else ""
+            said.append(f"The device that reads the sensors began anew{times}: all was read anew.")
+        return tuple(said)
+
+    def deadline(self, at: int) -> int | None:
+        """µs at which a notice ends by itself."""
+        end = None if self._rebooted_at is None else self._rebooted_at + SAID_US
+        return end if end is not None and end > at else None
+
+    def _is_reboot(self, frame: Frame) -> bool:
+        if frame.seq is None or frame.device_ms is None:
+            return False
+        before = self._sequence.reboots
+        self._sequence.is_new(frame.seq, frame.device_ms)
+        if self._sequence.reboots == before:
+            return False
+        self._rebooted_at = frame.at
+        return True
+
+    def _impossible(self, channel: str, value: int) -> str:
+        span = self._ranges.get(channel)
+        return "" if span is None or span.has(value) else span.fault(channel, value)
+
+    def _known(self, channel: str, why: str) -> str:
+        before = self._doubts.get(channel, "")
+        same_kind = (why == _frozen(channel)) == (before == _frozen(channel))
+        return before if before and same_kind else why
+
+
+def frozen_after(description: Description, codec: Codec) -> dict[str, float]:
+    """Seconds by channel, of those that are watched: a pressure, carried finely, with ``frozen_s``."""
+    if not shows_noise(codec):
+        return {}
+    declared = {part.channel: part.frozen_s for _, part in description.ordered}
+    declared[description.supply.channel] = description.supply.frozen_s
+    kinds = codec.channels
+    return {
+        channel: after_s
+        for channel, after_s in declared.items()
+        if after_s is not None and kinds.get(channel) is Kind.PRESSURE
+    }
+
+
+def _frozen(channel: str) -> str:
+    return (
+        f"The channel {channel} has not moved by a single count: its sensor is frozen, and its value counts as "
+        "invalid. Is it broken? Does the device filter what it sends (frozen_s)?"
+    )

@@ -1,0 +1,77 @@
+"""Which time stamps count: those that are not ahead of now, not too old, and not before the last that counted."""
+
+from __future__ import annotations
+
+from end_effector_hal.vocabulary import to_s
+
+SAID_US, LATE_SAID_US = 10_000_000, 1_000_000
+"""So long after the last refusal it is told; what came late is told otherwise as well: the readings are stale."""
+LATE_US = 60_000_000
+"""What is older has not waited so long: its stamp is wrong."""
+HIGHEST = 2**63 - 1
+
+
+class StampGate:
+    """Lets stamps of one source pass or refuses them; a refusal is counted and told, and moves nothing else.
+
+    Args:
+        what: that is stamped, for a sentence; plural.
+        old_us: what is so old, or older, is refused; None: age does not matter.
+        in_order: whether what is older than the last that passed is refused.
+    """
+
+    def __init__(self, what: str, *, old_us: int | None = None, in_order: bool = False) -> None:
+        self._what, self._old_us, self._in_order = what, old_us, in_order
+        self.refused = 0
+        """How many, since the start."""
+        self._last: int | None = None
+        self._until: int | None = None
+        self._text, self._said_us = "", 0
+
+    def passes(self, stamp: object, now: int) -> bool:
+        """Whether a stamp counts.
+
+        Args:
+            stamp: µs on the monotonic clock, as it came: whatever it is.
+            now: µs on the same clock.
+        """
+        why = self._why_not(stamp, now)
+        if not why and type(stamp) is int:
+            self._last = stamp
+            return True
+        self.refused += 1
+        late = type(stamp) is int and 0 <= now - stamp < LATE_US and why.endswith(" old")
+        said_us = LATE_SAID_US if late else SAID_US
+        if (
+            not self.notices(now) or said_us > self._said_us
+        ):  # the words of its beginning: it does not flicker
+            times = f" {self.refused} since the start." if self.refused > 1 else ""
+            doubt = (
+                "Did the machine stand still?"
+                if late
+                else "Is a clock wrong, or does somebody else publish them?"
+            )
+            self._text = f"{self._what} are refused and count for nothing: one is {why}.{times} {doubt}"
+            self._said_us = said_us
+        self._until = max(self._until or 0, now + said_us)
+        return False
+
+    def notices(self, at: int) -> tuple[str, ...]:
+        """What was refused lately, in words."""
+        end = self.deadline(at)
+        return (self._text,) if end is not None else ()
+
+    def deadline(self, at: int) -> int | None:
+        """µs at which the notice ends by itself."""
+        return self._until if self._until is not None and self._until > at else None
+
+    def _why_not(self, stamp: object, now: int) -> str:
+        if type(stamp) is not int or not 0 <= stamp <= HIGHEST:
+            return "stamped with what is no time"
+        if stamp > now:
+            return f"stamped {to_s(stamp - now):.3g} s ahead of now"
+        if self._in_order and self._last is not None and stamp < self._last:
+            return f"stamped {to_s(self._last - stamp):.3g} s before the one that came last"
+        if self._old_us is not None and now - stamp >= self._old_us:
+            return f"{to_s(now - stamp):.3g} s old"
+        return ""

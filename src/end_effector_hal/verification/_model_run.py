@@ -1,0 +1,58 @@
+"""A run of a model as the recording that a real run with the same states would leave."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState, VacuumState
+from timed_automata import Network, State
+from timed_automata.explore import Trace
+
+__all__ = ["has_states", "states_of"]
+
+
+def has_states(network: Network) -> bool:
+    """Whether a network has the variables that a recording is made of: ``ee``, ``command``, ``actuator[]``."""
+    return {"ee", "command", "actuator[0]"} <= set(network.offsets)
+
+
+def states_of(trace: Trace, actuators: Sequence[str] = ()) -> StatesLog:
+    """The states of a run: a row per change, in seconds since start, and one at its end.
+
+    Args:
+        trace: of a network that :func:`has_states`.
+        actuators: their names in sequence order; by default ``actuator_0``, ``actuator_1``, …
+
+    Raises:
+        UsageError: a value that Table II does not have, or not as many names as actuators.
+    """
+    network = trace.network
+    columns = [name for name in network.offsets if name.startswith("actuator[")]
+    names = tuple(actuators) or tuple(f"actuator_{number}" for number in range(len(columns)))
+    if len(names) != len(columns):
+        raise UsageError(f"{len(names)} names for the {len(columns)} actuators of the model.")
+    rows = [_row(network, columns, network.initial, 0.0)]
+    for step in trace.steps:
+        row = _row(network, columns, step.state, float(step.at) / 1000)
+        if row.states != rows[-1].states:
+            rows.append(row)
+    end = float(trace.end) / 1000
+    if end > rows[-1].time_s:
+        last = rows[-1]
+        rows.append(StatesRow(end, last.end_effector, last.command, last.actuators))
+    return StatesLog(names, tuple(rows))
+
+
+def _row(network: Network, columns: list[str], state: State, time_s: float) -> StatesRow:
+    values = [state.values[network.offsets[name]] for name in ("ee", "command", *columns)]
+    try:
+        return StatesRow(
+            round(time_s, 6),
+            EndEffectorState(values[0]),
+            Command(values[1]),
+            tuple(int(VacuumState(value)) for value in values[2:]),
+        )
+    except ValueError as error:
+        raise UsageError(f"Not in Table II: {error}.", where=network.document.path) from None

@@ -1,0 +1,162 @@
+"""All requirements in one exploration; what does not hold there is asked again, for the shortest run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from time import perf_counter
+
+from end_effector_hal.errors import RangeError
+from timed_automata import Network
+from timed_automata.explore import Explorer, Overview, RunTimeError, Verdict, overview, relaxed
+
+from ._checks import checks, without_unused
+from ._finding import Finding, Proof, WorstCase
+from ._requirement import Requirement, requirements_of
+
+Progress = Callable[[str, int], None]
+_FAR = 4  # times the required bound: a worst case beyond is told as "at least"
+_LONG = 10  # times the states of the whole proof that may be spent on worst cases
+
+
+def prove(network: Network, progress: Progress | None = None) -> Proof:
+    """Prove or refute every requirement of a network.
+
+    Args:
+        network: with the constants of a description, or as its file stands.
+        progress: called now and then with what is being done, and the number of states so far.
+
+    Raises:
+        ModelError: a query is not well-formed, or outside of the supported subset.
+    """
+    return _Proving(network, progress or (lambda *_: None)).proof()
+
+
+class _Proving:
+    def __init__(self, network: Network, progress: Progress) -> None:
+        self.requirements = requirements_of(network)
+        self.network, self.progress, self.begun = network, progress, perf_counter()
+
+    def proof(self) -> Proof:
+        queries = [requirement.query for requirement in self.requirements]
+        try:
+            found = overview(self.network, queries, lambda states: self.progress("all requirements", states))
+        except RangeError:
+            return self._out_of_range()
+        seconds = perf_counter() - self.begun
+        found = without_unused(self.network, found)
+        explorer = Explorer(self.network, lambda states: self.progress("the shortest runs", states))
+        others = self._others(explorer, found)
+        extra = checks(self.network, explorer, found)
+        answered = sum(answer is not None for answer in found.answers)
+        share = seconds / max(1, answered + sum(not check.seconds for check in extra))
+        findings = [
+            others.get(number) or self._finding(number, requirement, found, share)
+            for number, requirement in enumerate(self.requirements)
+        ]
+        findings += [check.finding(found.states, share) for check in extra]
+        off = tuple(map(str, found.missing.off))
+        return Proof(tuple(findings), found.states, perf_counter() - self.begun, off)
+
+    def _finding(self, number: int, requirement: Requirement, found: Overview, share: float) -> Finding:
+        """Of what the one exploration has answered."""
+        unmet = "its premise holds nowhere" if number in found.unmet else ""
+        holds = found.answers[number] is True
+        worst = None
+        if response := found.bounded.get(number):
+            longest = response.longest
+            worst = WorstCase(longest.value if longest else None, response.most)
+        query = str(requirement.query)
+        return Finding(
+            requirement.id, requirement.sentence, query, holds, found.states, share, unmet, worst=worst
+        )
+
+    def _others(self, explorer: Explorer, found: Overview) -> dict[int, Finding]:
+        """What is left open: refuted with the shortest run, or of another kind."""
+        open_ = [number for number, answer in enumerate(found.answers) if answer is None]
+        kinds = {number: self.requirements[number].query.kind for number in open_}
+        together = [number for number in open_ if kinds[number] in ("A[]", "E<>")]
+        findings: dict[int, Finding] = {}
+        if together:
+            self.progress("the shortest runs", 0)
+            begun = perf_counter()
+            verdicts = explorer.check_all([self.requirements[number].query for number in together])
+            share = (perf_counter() - begun) / len(together)
+            for number, verdict in zip(together, verdicts, strict=True):
+                findings[number] = self._exact(number, verdict, share)
+        late = [number for number in together if number in found.bounded and not findings[number].holds]
+        for number, worst in self._worst_cases(late, found).items():
+            findings[number] = replace(findings[number], worst=worst, remark=_told(worst))
+        for number in open_:
+            if number not in findings:
+                requirement, begun = self.requirements[number], perf_counter()
+                self.progress(requirement.id, 0)
+                verdict = explorer.check(requirement.query)
+                findings[number] = self._exact(number, verdict, perf_counter() - begun)
+        return findings
+
+    def _worst_cases(self, late: list[int], found: Overview) -> dict[int, WorstCase]:
+        """How late what does not keep its bound can be: in one exploration more, which does not go on for ever."""
+        if not late:
+            return {}
+        most = {number: _FAR * max(1, found.bounded[number].most) for number in late}
+        wider = overview(
+            self.network,
+            [relaxed(self.requirements[number].query, most[number]) for number in late],
+            lambda states: self.progress("worst cases", states),
+            most_states=_LONG * max(found.states, 1000),
+        )
+        answers = {}
+        for at, number in enumerate(late):
+            declared, seen = found.bounded[number].most, wider.bounded[at]
+            if wider.ended or seen.longest is None:
+                answers[number] = WorstCase(None, declared, max(seen.at_least, declared))
+            else:
+                answers[number] = WorstCase(seen.longest.value, declared)
+        return answers
+
+    def _exact(self, number: int, verdict: Verdict, seconds: float) -> Finding:
+        requirement = self.requirements[number]
+        remark = ", ".join(map(str, verdict.extremes))
+        return Finding(
+            requirement.id,
+            requirement.sentence,
+            verdict.query,
+            verdict.holds,
+            verdict.states,
+            seconds,
+            remark,
+            None if verdict.holds else verdict.trace,
+        )
+
+    def _out_of_range(self) -> Proof:
+        """A run of the network leaves a range: nothing else is said of such a model."""
+        self.progress("the shortest run", 0)
+        sentence = "Every value stays in its range, every index in its array."
+        try:
+            Explorer(self.network, lambda states: self.progress("the shortest run", states)).check("A[] true")
+            raise AssertionError("a value leaves its range in no run")
+        except RunTimeError as error:
+            what, trace = str(error), error.trace
+        seconds = perf_counter() - self.begun
+        first = Finding("ranges", sentence, "", False, len(trace.steps), seconds, what, trace)
+        rest = [
+            Finding(
+                each.id,
+                each.sentence,
+                str(each.query),
+                False,
+                0,
+                0.0,
+                "not decided: see [ranges]",
+                decided=False,
+            )
+            for each in self.requirements
+        ]
+        return Proof((first, *rest), first.states, seconds)
+
+
+def _told(worst: WorstCase) -> str:
+    if worst.at_least_ms is not None:
+        return f"takes at least {worst.at_least_ms} ms, {worst.declared_ms} ms are required"
+    return f"takes up to {worst.computed_ms} ms, {worst.declared_ms} ms are required"

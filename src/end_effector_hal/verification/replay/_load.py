@@ -1,0 +1,158 @@
+"""The trace of a program, read back with its types."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from end_effector_hal.control import PROGRAMS
+from end_effector_hal.description import Description, load
+from end_effector_hal.errors import DescriptionError, UsageError
+from end_effector_hal.recording import Record, TraceFile, read_trace
+from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL, Header
+
+SUFFIX = ".mcap"
+FARTHEST_US = 2**63 - 1
+"""No clock shows more."""
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramTrace:
+    """A trace: where it comes from, and its records in order."""
+
+    file: TraceFile
+    header: Header
+
+    def typed(self, number: int) -> Any:
+        """A record as the dataclass that it was; raises UsageError when it is none."""
+        record = self.file.records[number]
+        try:
+            typed = _adapter(record.kind).validate_json(record.data)
+        except ValidationError as error:
+            raise self._fault(number, record, error) from None
+        if abs(getattr(typed, "at", 0)) > FARTHEST_US:
+            raise self._fault(number, record, ValueError("at: it is no time"))
+        return typed
+
+    def content(self, number: int) -> dict[str, Any]:
+        """A record as JSON, with its time ``at``; raises UsageError when it is none."""
+        record = self.file.records[number]
+        try:
+            content = record.content
+        except ValueError as error:
+            raise self._fault(number, record, error) from None
+        if type(content.get("at")) is not int or abs(content["at"]) > FARTHEST_US:
+            raise self._fault(number, record, ValueError("at: it has no time"))
+        return content
+
+    @property
+    def last_at(self) -> int:
+        """The time of the last record, µs."""
+        return max(int(self.content(n)["at"]) for n in range(len(self.file.records)))
+
+    def seconds(self, at: int) -> float:
+        """A time in seconds since the beginning of the trace."""
+        return (at - self.header.at) / 1_000_000
+
+    @contextmanager
+    def description(self) -> Iterator[Description]:
+        """The tool as it was recorded, with its automata; its files are there for as long as this lasts.
+
+        Raises:
+            UsageError: the trace does not hold it.
+        """
+        files = self.file.attachments
+        if DESCRIPTION not in files or MODEL not in files:
+            todo = "Name one with --description."
+            raise UsageError(
+                "This trace does not hold its description.", where=str(self.file.path), todo=todo
+            )
+        with TemporaryDirectory(prefix="eehal-replay-") as folder:
+            for name in (DESCRIPTION, MODEL):
+                (Path(folder) / name).write_bytes(files[name])
+            try:
+                yield load(Path(folder) / DESCRIPTION)
+            except DescriptionError as error:
+                what = f"The description in this trace is not valid any more: {error.faults[0]}"
+                todo = "Name another with --description."
+                raise UsageError(what, where=str(self.file.path), todo=todo) from None
+
+    def _fault(self, number: int, record: Record, error: Exception) -> UsageError:
+        what = f"Record {number} ({record.kind}) cannot be read: {_short(error)}."
+        return UsageError(what, where=str(self.file.path))
+
+
+def load_trace(path: str | Path) -> ProgramTrace:
+    """Read the trace of a program.
+
+    Raises:
+        UsageError: it cannot be read, or is no trace of this product.
+    """
+    file = read_trace(path)
+    if not file.records and not file.complete:
+        raise _without_header(file)
+    if not file.records or file.records[0].kind != "header":
+        todo = "Expected is a file that `eehal run --record` or a node wrote."
+        raise UsageError("This MCAP file holds no header of a trace.", where=str(path), todo=todo)
+    unknown = sorted({record.kind for record in file.records} - KINDS.keys())
+    if unknown:
+        raise UsageError(f"Records of an unknown kind: {', '.join(unknown)}.", where=str(path))
+    try:
+        header = TypeAdapter(Header).validate_json(file.records[0].data)
+    except ValidationError as error:
+        raise UsageError(f"The header cannot be read: {_short(error)}.", where=str(path)) from None
+    if header.program not in PROGRAMS:
+        known = " and ".join(PROGRAMS)
+        raise UsageError(f"There is no program {header.program!r}, only {known}.", where=str(path))
+    return ProgramTrace(file, header)
+
+
+def _without_header(file: TraceFile) -> UsageError:
+    if file.damaged:
+        what = f"Before its header the trace is damaged: {file.note}."
+        return UsageError(what, where=str(file.path), todo="There is nothing to replay.")
+    what = f"The trace ends after {file.size} bytes, before its header: there is nothing to replay."
+    why = "Its program was killed as it began, or the file was cut off."
+    return UsageError(what, where=str(file.path), todo=why)
+
+
+def traces_of(path: str | Path) -> tuple[Path, ...]:
+    """The traces in a folder, or the one that is named, each program's in the order of writing.
+
+    Raises:
+        UsageError: there is none.
+    """
+    path = Path(path)
+    if path.suffix == SUFFIX and not path.is_dir():
+        return (path,)
+    found = tuple(sorted(path.glob(f"*{SUFFIX}"), key=_order)) if path.is_dir() else ()
+    if not found:
+        todo = "Name a folder that `eehal run --record` or `eehal demo` wrote, or a .mcap file in it."
+        raise UsageError("There is no trace here.", where=str(path), todo=todo)
+    return found
+
+
+def _order(path: Path) -> tuple[str, int]:
+    """``grip-10.mcap`` comes after ``grip-9.mcap``."""
+    name, _, number = path.stem.rpartition("-")
+    return (name, int(number)) if name and number.isdecimal() and len(number) < 10 else (path.stem, 1)
+
+
+@cache
+def _adapter(kind: str) -> TypeAdapter[Any]:
+    return TypeAdapter(KINDS[kind])
+
+
+def _short(error: Exception) -> str:
+    if isinstance(error, ValidationError):
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"]))
+        return f"{place}: {first['msg']}" if place else str(first["msg"])
+    return str(error)

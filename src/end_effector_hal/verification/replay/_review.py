@@ -1,0 +1,166 @@
+"""A recorded run looked at again: replayed, and judged by the monitor of its network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import Description, load
+from end_effector_hal.errors import DescriptionError
+from end_effector_hal.recording import content_hash
+from end_effector_hal.runtime.boundary import OBSERVED, STATE
+from timed_automata import load_network
+from timed_automata.monitor import Monitor, Objection
+
+from ._chain import Chain, SegmentEnd
+from ._load import ProgramTrace
+from ._replay import Replay, replay
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """What there is to say of a trace.
+
+    Attributes:
+        trace: of a program.
+        hash: of the description that it was replayed with.
+        replay: whether it decides the same.
+        steps: of the automata, as far as the monitor followed them.
+        objections: of the monitor.
+        requirements: how many of the file's requirements could be judged on the run.
+        notes: what has changed since, and what is missing.
+        end: where the segment ends, for the review of the next one.
+    """
+
+    trace: ProgramTrace
+    hash: str
+    replay: Replay
+    steps: int
+    objections: tuple[Objection, ...]
+    requirements: int
+    notes: tuple[str, ...]
+    end: SegmentEnd
+
+    @property
+    def ok(self) -> bool:
+        """Its bytes are what was written, it decides the same, and is a run of its network.
+
+        A missed bound that was told is no fault of the record.
+        """
+        same = self.replay.difference is None and all(o.kind == "missed" for o in self.objections)
+        return same and not self.trace.file.damaged
+
+    def as_json(self) -> dict[str, Any]:
+        """For programs; times in seconds since the beginning of the trace."""
+        difference, seconds = self.replay.difference, self.trace.seconds
+        return {
+            "trace": str(self.trace.file.path),
+            "program": self.trace.header.program,
+            "ok": self.ok,
+            "segment": self.trace.header.segment,
+            "seconds": round(seconds(self.trace.last_at), 6),
+            "recorded_hash": self.trace.header.hash,
+            "replayed_hash": self.hash,
+            "inputs": self.replay.inputs,
+            "compared": self.replay.compared,
+            "difference": difference
+            and {
+                "time_s": round(seconds(difference.at), 6),
+                "what": difference.what,
+                "recorded": difference.recorded,
+                "replayed": difference.replayed,
+            },
+            "steps": self.steps,
+            "requirements": self.requirements,
+            "objections": [
+                {"time_s": round(seconds(o.at), 6), "kind": o.kind, "what": o.what} for o in self.objections
+            ],
+            "notes": list(self.notes),
+        }
+
+
+def review(
+    trace: ProgramTrace, description: Description | None = None, before: SegmentEnd | None = None
+) -> Review:
+    """Replay a trace and judge it.
+
+    Args:
+        trace: of a program, one segment.
+        description: another tool than the one that was recorded.
+        before: where the trace before it in the folder ended, if it is of the same program; a segment that follows
+            it must begin there. None: the segment is judged alone, from the state that it begins with.
+
+    Raises:
+        UsageError: a record cannot be read.
+        ModelError: the automata cannot be executed.
+    """
+    if description is not None:
+        return _review(trace, description, before)
+    with trace.description() as recorded:
+        return _review(trace, recorded, before)
+
+
+def _review(trace: ProgramTrace, description: Description, before: SegmentEnd | None) -> Review:
+    chain = Chain(trace, before)
+    network = load_network(description.automata_path, model_constants(description))
+    processes = getattr(description.automata, trace.header.program)
+    monitor = Monitor(network, processes, description.automata.interface, requirements=True)
+    joint: list[Objection] = list(chain.objections)
+    for number, record in enumerate(trace.file.records):
+        if record.kind in OBSERVED:
+            monitor.observe(trace.typed(number))
+        elif record.kind == STATE:
+            recorded = trace.typed(number).execution
+            monitor.resume(recorded)
+            joint += chain.compare(recorded)
+    last_at = trace.last_at
+    if trace.file.complete:
+        monitor.end(last_at)
+    used = content_hash(description)
+    replayed = replay(trace, description, network, chain.state)
+    complete, header = trace.file.complete, trace.header
+    return Review(
+        trace,
+        used,
+        replayed,
+        monitor.steps,
+        (*joint, *monitor.objections),
+        len(monitor.queries),
+        (*chain.notes, *_notes(trace, description, used)),
+        SegmentEnd(
+            header.program,
+            header.run,
+            header.segment,
+            complete,
+            replayed.end,
+            monitor.snapshot if complete else None,
+        ),
+    )
+
+
+def _notes(trace: ProgramTrace, description: Description, used: str) -> list[str]:
+    header, notes = trace.header, []
+    if trace.file.note:
+        notes.append(f"The trace is {'damaged' if trace.file.damaged else 'not whole'}: {trace.file.note}.")
+    if header.constants != model_constants(description):
+        names = [
+            key for key, value in model_constants(description).items() if header.constants.get(key) != value
+        ]
+        notes.append(f"Replayed with other constants of the model than recorded: {', '.join(names)}.")
+    if used != header.hash and description.source.name != "description.json":
+        notes.append(f"Replayed with another description ({used}) than recorded ({header.hash}).")
+    elif (now := _hash_of(Path(header.source))) not in (None, header.hash):
+        notes.append(
+            f"{header.source} or its automata have changed since ({header.hash}, now {now}); "
+            "--description replays with them as they are."
+        )
+    return notes
+
+
+def _hash_of(source: Path) -> str | None:
+    try:
+        return content_hash(load(source)) if source.is_file() else None
+    except (DescriptionError, OSError, ValueError):
+        return "not readable"

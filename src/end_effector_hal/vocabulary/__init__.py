@@ -1,0 +1,45 @@
+"""The words that every room shares: Table II, evidence, causes, last wills, units; no logic."""
+
+from ._last_will import LEASE_US, Will, WillStep, read_will
+from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
+from ._tables import (
+    ACTIVE,
+    INACTIVE,
+    PENDING,
+    Command,
+    CylinderState,
+    EndEffectorState,
+    TableState,
+    VacuumState,
+    actuator_states,
+    display_name,
+)
+from ._text import LONGEST_SENTENCE, is_name, printable
+from ._time import to_s, to_us
+
+__all__ = [
+    "ACTIVE",
+    "INACTIVE",
+    "LEASE_US",
+    "LONGEST_SENTENCE",
+    "PENDING",
+    "Cause",
+    "ChangerFault",
+    "ChangerState",
+    "Command",
+    "CylinderState",
+    "EndEffectorState",
+    "Evidence",
+    "TableState",
+    "ToolEvidence",
+    "VacuumState",
+    "Will",
+    "WillStep",
+    "actuator_states",
+    "display_name",
+    "is_name",
+    "printable",
+    "read_will",
+    "to_s",
+    "to_us",
+]

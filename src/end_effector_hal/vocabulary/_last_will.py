@@ -1,0 +1,66 @@
+"""The will of a client: what the owner does when the client dies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from end_effector_hal.errors import UsageError
+
+MOST_STEPS, LONGEST_US = 64, 600_000_000
+
+LEASE_US = 1_000_000
+"""A client that the line owner has not heard of for so long is dead."""
+
+
+class WillStep(NamedTuple):
+    """One deactivation.
+
+    Attributes:
+        line: which.
+        level: False; a will activates nothing (IL-11).
+        after_us: after the death, not after the step before; the steps stand in this order.
+    """
+
+    line: str
+    level: bool = False
+    after_us: int = 0
+
+    def as_json(self) -> dict[str, object]:
+        """As it stands in a message."""
+        return self._asdict()
+
+
+Will = tuple[WillStep, ...]
+"""In order; empty: hold, everything stays as it is."""
+
+
+def read_will(steps: object) -> Will:
+    """From a message, or from whatever a caller gives.
+
+    Raises:
+        UsageError: it is no will; says which step and why.
+    """
+    if not isinstance(steps, Iterable) or isinstance(steps, str | Mapping):
+        raise UsageError("a will is a list of steps.")
+    will = tuple(_step(i, step) for i, step in enumerate(steps))
+    if len(will) > MOST_STEPS:
+        raise UsageError(f"a will has at most {MOST_STEPS} steps, this one has {len(will)}.")
+    if any(a.after_us > b.after_us for a, b in pairwise(will)):
+        raise UsageError("the steps of a will stand in the order of their after_us.")
+    return will
+
+
+def _step(i: int, given: Any) -> WillStep:
+    try:
+        step = WillStep(**given) if isinstance(given, Mapping) else WillStep(*given)
+    except TypeError:
+        raise UsageError(f"step {i} of the will is not {{line, level, after_us}}.") from None
+    if not isinstance(step.line, str):
+        raise UsageError(f"step {i} of the will names no line.")
+    if step.level is not False:
+        raise UsageError(f"IL-11: step {i} of the will would activate {step.line}; a will only deactivates.")
+    if type(step.after_us) is not int or not 0 <= step.after_us <= LONGEST_US:
+        raise UsageError(f"step {i} of the will: after_us is an integer from 0 to {LONGEST_US}.")
+    return step

@@ -1,0 +1,155 @@
+"""The emulated board, from power-up to power-off, for one job of the shell."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import socket
+import tarfile
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from end_effector_hal.errors import BoardError
+from end_effector_lab.demo import EEHAL, Child, Children
+
+from ._root import write_root
+
+LIBRARIES = ("lib", "usr/lib")
+BOOT = "console=ttymxc2 panic=-1 quiet nokaslr mitigations=off clk_ignore_unused"
+CLOCK = ("-icount", "shift=0,sleep=on", "-rtc", "clock=vm")
+"""Its time is what it has executed, 1 ns for each instruction: a busy host makes it slower, and nothing in it later.
+
+It never rests (init.sh): if it did, its time would be that of the host, and the testbench could come too late.
+"""
+START_S = 120.0
+LONGEST_S = 1800.0
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What became of a job; ``code`` None: it did not end. ``seconds`` from power-up to power-off, on our clock."""
+
+    code: int | None
+    output: str
+    seconds: float
+
+
+def run_board(
+    parts: Path,
+    folder: Path,
+    job: str,
+    *,
+    testbench: Sequence[str] = (),
+    files: Mapping[str, str] | None = None,
+    ros: bool = True,
+    timeout_s: float = LONGEST_S,
+    while_running: Callable[[], None] = lambda: None,
+) -> Ended:
+    """Run a job on the board, with a testbench on its wires.
+
+    Args:
+        parts: see `board_parts`.
+        folder: gets ``results/`` (what the job left in /run/results), the console, the logs and ``events``.
+        job: for bash, in the environment of the project.
+        testbench: what `eehal testbench` is given besides its places.
+        files: text of more files for the board, by their path there.
+        ros: with the nodes and their messages.
+        timeout_s: the board is switched off after that, on our clock.
+        while_running: called a few times a second.
+
+    Raises:
+        RosError: ROS is asked for and not here.
+        ReportedError: QEMU or the testbench does not start, or the board does not end.
+    """
+    # a socket's path may be 108 bytes long only: not in the folder of the run
+    with tempfile.TemporaryDirectory(prefix="eehal-board-") as name, Children() as children:
+        place = Path(name)
+        root = write_root(parts, place, job, files or {}, ros=ros)
+        bench = children.start(
+            "testbench",
+            [
+                *EEHAL, "testbench", *testbench, "--events", str(folder / "events"),
+                "--lines", f"qemu:{place / 'pins'}", "--port", f"pty:{place / 'uart'}",
+            ],
+            log=folder / "testbench.log",
+            commands=True,
+        )  # fmt: skip
+        bench.wait_until((place / "uart").exists, timeout_s=START_S, what="its port")
+        command, libraries = _qemu(parts, root, place, folder)
+        begun = time.monotonic()
+        board = children.start(
+            "emulated board", command, log=folder / "qemu.log", env=libraries, failed=BoardError
+        )
+        board.wait_until(lambda: _ready(bench), timeout_s=START_S, what="the testbench saw its pins")
+        _switch_on(place / "qmp")
+        _wait(board, begun + timeout_s, while_running)
+        seconds = time.monotonic() - begun
+        return Ended(*_results(place / "results.tar", folder), seconds)
+
+
+def _qemu(parts: Path, root: Path, place: Path, folder: Path) -> tuple[list[str], dict[str, str]]:
+    """Command and environment; the machine stands still until it is switched on."""
+    at = parts / "qemu"
+    command = [
+        str(at / "usr/bin/qemu-system-aarch64"), "-L", str(at / "usr/share/qemu"),
+        "-M", "imx8mp-evk", "-accel", "tcg", *CLOCK, "-smp", "1", "-m", "2G",
+        "-kernel", str(parts / "kernel"), "-dtb", str(parts / "board.dtb"),
+        "-initrd", str(root), "-append", BOOT,
+        "-display", "none", "-monitor", "none", "-no-reboot", "-S",
+        "-qmp", f"unix:{place / 'qmp'},server=on,wait=off",
+        "-qtest", f"unix:{place / 'pins'},server=on,wait=off", "-qtest-log", "none",
+        "-chardev", f"serial,id=uart,path={place / 'uart'}", "-serial", "chardev:uart",
+        "-serial", f"file:{place / 'results.tar'}",
+        "-serial", f"file:{folder / 'console'}",
+    ]  # fmt: skip
+    folders = [
+        *(at / name for name in LIBRARIES),
+        *at.glob("lib/*-linux-gnu"),
+        *at.glob("usr/lib/*-linux-gnu"),
+    ]
+    return command, {"LD_LIBRARY_PATH": os.pathsep.join(map(str, folders))}
+
+
+def _ready(bench: Child) -> bool:
+    if bench.code is not None:
+        raise bench.error("The testbench has ended.")
+    return "ready:" in bench.text()
+
+
+def _switch_on(path: Path) -> None:
+    """Let the machine run (QMP)."""
+    with socket.socket(socket.AF_UNIX) as connection:
+        connection.connect(str(path))
+        with connection.makefile("rw") as lines:
+            lines.readline()
+            for command in ("qmp_capabilities", "cont"):
+                lines.write(json.dumps({"execute": command}) + "\n")
+                lines.flush()
+                while "return" not in json.loads(lines.readline()):
+                    pass
+
+
+def _wait(board: Child, end: float, while_running: Callable[[], None]) -> None:
+    while board.code is None:
+        if time.monotonic() > end:
+            raise board.error("The emulated board did not come to its end.")
+        time.sleep(0.2)
+        while_running()
+
+
+def _results(archive: Path, folder: Path) -> tuple[int | None, str]:
+    """Unpack what came over the second serial port; exit code and output of the job."""
+    try:
+        with tarfile.open(archive) as results:
+            if hasattr(tarfile, "data_filter"):
+                results.extraction_filter = tarfile.data_filter
+            results.extractall(folder)
+    except (OSError, tarfile.TarError):
+        console = (folder / "console").read_text(errors="replace")
+        return None, re.sub(r"\x1b\[[0-9;]*m", "", console)
+    code, output = folder / "results" / "code", folder / "results" / "output"
+    return int(code.read_text()) if code.exists() else None, output.read_text(errors="replace")

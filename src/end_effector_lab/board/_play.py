@@ -1,0 +1,110 @@
+"""A scenario of the demo on the emulated board."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import BoardError, UsageError
+from end_effector_hal.recording import read_run, read_states
+from end_effector_lab.demo import Report, Scenario, draw, fresh_folder, judge, replayed
+from end_effector_lab.testbench import edges_of, open_inputs
+
+from ._machine import run_board
+
+TOOL = "/opt/end-effector/tool/end_effector.yaml"
+PORTS = ("/dev/verdin-uart1", "/dev/ttymxc0")
+
+
+@dataclass(frozen=True)
+class Played:
+    """``report``: as of the demo; ``said``: by the job on the board."""
+
+    report: Report
+    said: str
+
+
+def need_its_wires(description: Description) -> None:
+    """Raise UsageError when a tool hangs on lines or a port that the board does not have."""
+    if description.lines.backend != "gpiod":
+        raise UsageError(
+            "the lines of this tool are virtual.",
+            where=str(description.source),
+            todo="The board has backend: gpiod.",
+        )
+    open_inputs("qemu:its pins", description)
+    if description.link.port not in PORTS:
+        raise UsageError(
+            f"the board has no port {description.link.port}.",
+            where=str(description.source),
+            todo=f"Its sensor link is {PORTS[0]}.",
+        )
+
+
+def play_on_board(
+    scenario: Scenario,
+    description: Description,
+    parts: Path,
+    folder: Path,
+    *,
+    ros: bool,
+    figures: bool = True,
+    while_running: Callable[[], None] = lambda: None,
+) -> Played:
+    """Play it, bring the recording home, judge it by the pins that the testbench saw.
+
+    Args:
+        scenario: what is played.
+        description: the tool; lines and port are those of the board.
+        parts: see `board_parts`.
+        folder: gets recording, traces, figures and logs.
+        ros: through all nodes, or through `EndEffector` alone.
+        figures: draw them.
+        while_running: called a few times a second.
+
+    Raises:
+        UsageError: what `need_its_wires` raises.
+        BoardError: the job left no recording.
+        ReportedError: what `run_board` raises.
+    """
+    need_its_wires(description)
+    fresh_folder(folder)
+    shutil.copyfile(description.source, folder / "end_effector.yaml")
+    automata = description.automata_path.read_text(encoding="utf-8")
+    files = {
+        TOOL: description.source.read_text(encoding="utf-8"),
+        str(Path(TOOL).parent / description.automata.file): automata,
+    }
+    options = f"--own-wires --no-figures --only {scenario.name}" + ("" if ros else " --no-ros")
+    ended = run_board(
+        parts,
+        folder,
+        f"eehal doctor {TOOL} --only lines; eehal demo {TOOL} {options} -o /run/results",
+        testbench=[str(description.source), "--scenario", scenario.bench],
+        files={name.lstrip("/"): text for name, text in files.items()},
+        ros=ros,
+        while_running=while_running,
+    )
+    recorded = folder / "results" / scenario.name
+    # 1: the board's own judgement, which does not know the pins
+    if ended.code not in (0, 1) or not (recorded / "states.csv").exists():
+        last = "".join(f"\n    {line}" for line in ended.output.strip().splitlines()[-8:])
+        raise BoardError(f"The board left no recording in {folder}; it said:{last}")
+    # links among its logs name places on the board
+    shutil.copytree(recorded, folder, symlinks=True, dirs_exist_ok=True)
+    shutil.rmtree(recorded)
+    return Played(
+        replace(judged(scenario, description, folder, figures=figures), seconds=ended.seconds), ended.output
+    )
+
+
+def judged(scenario: Scenario, description: Description, folder: Path, *, figures: bool) -> Report:
+    """The report on a recording that was brought home, by the pins that the testbench saw."""
+    log, info = read_states(folder / "states.csv"), read_run(folder)
+    if log.rows and figures:
+        draw(folder, log, info)
+    report = judge(scenario, description, log, info, edges_of(folder / "events"))
+    return replace(report, findings=(*report.findings, replayed(folder)), folder=folder)

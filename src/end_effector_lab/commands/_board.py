@@ -1,0 +1,83 @@
+"""``eehal board``: a scenario on the emulated Verdin."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from end_effector_hal.cli import PathName, end_in_order
+
+from ._demo import chosen, console, json_option, no_figures_option, only_option
+
+
+@click.command("board", short_help="a scenario on an emulated Verdin, without hardware")
+@click.argument("description", required=False, type=PathName())
+@click.option("--no-ros", is_flag=True, help="Without ROS: quicker, and the ROS messages are not needed.")
+@only_option(default=["nominal"], show_default=True)
+@no_figures_option
+@click.option(
+    "-o",
+    "--output",
+    default="runs",
+    show_default=True,
+    type=PathName(),
+    help="Gets a folder board-NAME for each.",
+)
+@click.option(
+    "--build-only", is_flag=True, help="Fetch and build what the board is made of; print where it is."
+)
+@json_option
+def command(
+    description: Path | None,
+    no_ros: bool,
+    only: tuple[str, ...],
+    no_figures: bool,
+    output: Path,
+    build_only: bool,
+    as_json: bool,
+) -> None:
+    """Play a scenario on an emulated Verdin iMX8M Plus on Dahlia, and judge what was recorded.
+
+    QEMU boots Debian's arm64 kernel with the board's own device tree; the HAL runs inside, on its GPIO lines and
+    its UART, and the testbench outside. The board is built once, from Debian's packages, into
+    ${XDG_CACHE_HOME:-~/.cache}/end-effector-hal/board; nothing is installed and no root is needed. Its clock counts
+    what it executes: a busy machine makes it slower, and changes nothing in its recordings.
+
+    DESCRIPTION: default is the shipped tool. Exit code 1: a scenario did not tell its story; 3: something is missing.
+    """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import profile_path
+    from end_effector_lab.board import BoardProgress, board_parts, need_its_wires, play_on_board
+    from end_effector_lab.demo import print_table
+
+    end_in_order()
+    loaded = load_tool(description or profile_path())
+    need_its_wires(loaded)
+    picked = chosen(loaded, only, everything=True)
+    progress = console(stderr=True)
+    parts = board_parts(lambda text: progress.print(text, highlight=False, soft_wrap=True))
+    if build_only:
+        click.echo(parts)
+        return
+    reports = []
+    for scenario in picked:
+        folder = output / f"board-{scenario.name}"
+        with BoardProgress(progress, scenario.name, folder / "events") as shown:
+            played = play_on_board(
+                scenario,
+                loaded,
+                parts,
+                folder,
+                ros=not no_ros,
+                figures=not no_figures,
+                while_running=shown.update,
+            )
+        reports.append(played.report)
+    if as_json:
+        click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
+    else:
+        print_table(console(), reports)
+    if not all(report.ok for report in reports):
+        raise click.exceptions.Exit(1)

@@ -1,0 +1,129 @@
+"""``eehal demo``: the paper, end to end."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli import PathName, end_in_order
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from end_effector_hal.description import Description
+    from end_effector_lab.demo import Scenario
+
+WIDTH = 120
+NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
+
+# What `eehal board` takes as well.
+only_option = partial(
+    click.option,
+    "--only",
+    multiple=True,
+    metavar="NAME",
+    help=f"Only this scenario; may be given again. Of {', '.join(NAMES)} (with a tool changer).",
+)
+no_figures_option = click.option("--no-figures", is_flag=True, help="Record only; `eehal plot` draws.")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON.")
+
+
+@click.command("demo", short_help="the three scenarios of the paper, with their figures")
+@click.argument("description", required=False, type=PathName())
+@click.option("--no-ros", is_flag=True, help="The same core, testbench and wires, without ROS.")
+@click.option(
+    "--all", "everything", is_flag=True, help="Also a cancel, a release that fails, unlock and lock."
+)
+@only_option()
+@click.option(
+    "--own-wires",
+    is_flag=True,
+    help="On the lines and the port of DESCRIPTION: a testbench at their other end plays the scenario.",
+)
+@no_figures_option
+@click.option(
+    "-o",
+    "--output",
+    default="runs/demo",
+    show_default=True,
+    type=PathName(),
+    help="Folder of the runs.",
+)
+@json_option
+def command(
+    description: Path | None,
+    no_ros: bool,
+    everything: bool,
+    only: tuple[str, ...],
+    own_wires: bool,
+    no_figures: bool,
+    output: Path,
+    as_json: bool,
+) -> None:
+    """Play the paper's three scenarios (Figs. 7, 8 and 9) and draw what was recorded.
+
+    For each of them a virtual chip, the line owner and the testbench are started, and with ROS a master, the
+    nodes of the launch file and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
+    the tool itself) is at their other end already. DESCRIPTION: default is the shipped tool. Exit code 1: a
+    scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
+    """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import profile_path
+    from end_effector_lab.demo import print_table, run_demo, unplayable
+
+    end_in_order()
+    loaded = load_tool(description or profile_path())
+    picked = chosen(loaded, only, everything=everything)
+    if own_wires and len({scenario.bench for scenario in picked}) > 1:
+        raise UsageError(
+            "on its own wires one scenario of the testbench is played at a time.", todo="Give --only NAME."
+        )
+    progress = console(stderr=True)
+    for name, why in unplayable(loaded).items() if everything and not only else ():
+        progress.print(f"{name} is not played: {why}", highlight=False, soft_wrap=True)
+    reports = list(
+        run_demo(
+            loaded,
+            picked,
+            output,
+            ros=not no_ros,
+            progress=progress,
+            own_wires=own_wires,
+            figures=not no_figures,
+        )
+    )
+    if as_json:
+        click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
+    else:
+        print_table(console(), reports)
+    if not all(report.ok for report in reports):
+        raise click.exceptions.Exit(1)
+
+
+def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[Scenario]:
+    """Those of these names; without a name the paper's three, or all. Raises UsageError."""
+    from end_effector_lab.demo import scenarios, unplayable
+
+    known = scenarios(description, everything=everything or bool(names))
+    by_name, left_out = {scenario.name: scenario for scenario in known}, unplayable(description)
+    if unknown := [name for name in names if name not in by_name]:
+        if why := [f"{name} cannot be played: {left_out[name]}" for name in unknown if name in left_out]:
+            raise UsageError(why[0], where=description.where("link", "codec"))
+        raise UsageError(
+            f"there is no scenario {', '.join(unknown)}.", todo=f"There are: {', '.join(by_name)}."
+        )
+    return [by_name[name] for name in names] if names else list(known)
+
+
+def console(*, stderr: bool = False) -> Console:
+    """Wide where it is no terminal: a file has no width of its own."""
+    from rich.console import Console
+
+    console = Console(stderr=stderr)
+    return console if console.is_terminal else Console(stderr=stderr, width=WIDTH)

@@ -1,0 +1,120 @@
+"""``eehal plot``: figures of a recording."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from end_effector_hal.cli import PathName
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import (
+    Moment,
+    PressuresLog,
+    StatesLog,
+    Story,
+    read_alarms,
+    read_pressures,
+    read_run,
+    read_states,
+    tell,
+)
+from end_effector_hal.verification.replay import missed_moments
+from end_effector_lab.figures import paper, save, timeline
+
+STYLES = ("timeline", "paper")
+
+
+@click.command("plot", short_help="draw a recorded run")
+@click.argument("recording", metavar="STATES.csv", type=PathName())
+@click.option("--style", type=click.Choice([*STYLES, "both"]), default="timeline", show_default=True)
+@click.option("-o", "--output", metavar="FILE.(png|svg)|DIR", type=PathName())
+@click.option("--json", "as_json", is_flag=True, help="Print the story and the files as JSON.")
+def command(recording: Path, style: str, output: Path | None, as_json: bool) -> None:
+    """Draw a recording: STATES.csv, or the folder of a run.
+
+    Pressures and the source of the run are taken from pressures.csv and run.json beside it. Without -o the
+    figure is written beside the recording, as PNG and as SVG.
+    """
+    states = recording / "states.csv" if recording.is_dir() else recording
+    if recording.is_dir() and not states.exists():
+        todo = (
+            "Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote."
+        )
+        raise UsageError("There is no recording here.", where=str(recording), todo=todo)
+    styles = STYLES if style == "both" else (style,)
+    log = read_states(states)
+    info = read_run(states.parent)
+    targets = {name: _targets(states, name, styles, output) for name in styles}
+    alarms = read_alarms(states.with_name("alarms.csv"))
+    pressures, notes = _pressures(states.with_name("pressures.csv"))
+    missed, more = missed_moments(states.parent)
+    files: list[Path] = []
+    for name, paths in targets.items():
+        figure = timeline(log, pressures, info, alarms, missed) if name == "timeline" else paper(log, info)
+        files += [save(figure, path) for path in paths]
+    notes = [note for note in (log.note, info.note, *info.gaps, *notes, *more) if note]
+    _report(log, tell(log, info), missed, files, notes, as_json)
+
+
+def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | None) -> list[Path]:
+    if output is None:
+        return [states.with_name(f"{style}.{suffix}") for suffix in ("png", "svg")]
+    if output.suffix and not output.is_dir():
+        if len(styles) > 1:
+            raise UsageError(
+                "Two figures do not fit into one file.", where=str(output), todo="Name a folder."
+            )
+        return [output]
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(output)) from None
+    return [output / f"{style}.{suffix}" for suffix in ("png", "svg")]
+
+
+def _pressures(path: Path) -> tuple[PressuresLog | None, list[str]]:
+    """A damaged file of pressures is reported and does not stop the figure of the states."""
+    if not path.exists():
+        return None, []
+    try:
+        pressures = read_pressures(path)
+    except UsageError as error:
+        return None, [f"{error} The pressures are not drawn."]
+    return pressures, [pressures.note]
+
+
+def _report(
+    log: StatesLog,
+    story: Story,
+    missed: Sequence[Moment],
+    files: list[Path],
+    notes: list[str],
+    as_json: bool,
+) -> None:
+    if as_json:
+        answer = {
+            "verdict": story.verdict,
+            "final": story.final.name if story.final is not None else None,
+            "grips": [asdict(grip) for grip in story.grips],
+            "releases": [
+                {**asdict(release), "ended": release.ended.name if release.ended is not None else None}
+                for release in story.releases
+            ],
+            "missed": [{"time_s": moment.time_s, "text": moment.text} for moment in missed],
+            "rows": len(log.rows),
+            "files": [str(file) for file in files],
+            "notes": notes,
+        }
+        click.echo(json.dumps(answer, indent=2, ensure_ascii=False))
+        return
+    click.echo(story.verdict)
+    for moment in missed:
+        click.echo(f"At {moment.time_s:.3f} s: {moment.text}")
+    for file in files:
+        click.echo(str(file))
+    for note in notes:
+        click.echo(f"Note: {note}", err=True)

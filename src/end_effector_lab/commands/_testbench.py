@@ -1,0 +1,85 @@
+"""``eehal testbench``: the end-effector's other end, simulated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from end_effector_hal.cli import PathName
+
+
+def _list_faults(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
+    if not value or context.resilient_parsing:
+        return
+    from end_effector_lab.testbench import FAULTS
+
+    width = max(len(fault.usage) for fault in FAULTS)
+    for fault in FAULTS:
+        click.echo(f"{fault.usage:{width}}  {fault.meaning}")
+    context.exit()
+
+
+@click.command("testbench", short_help="the simulated hardware at the other end of the wires")
+@click.argument("description", required=False, type=PathName())
+@click.option("--scenario", default="nominal", metavar="S", help="What goes wrong; several with commas.")
+@click.option(
+    "--list",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_list_faults,
+    help="List the scenarios.",
+)
+@click.option("--seed", default=0, metavar="N", help="Of noise and dead times.")
+@click.option(
+    "--lines",
+    metavar="WHERE",
+    help="Where the lines are seen: virtual:PATH, rpi3, gpiod, gpiod:LINE=NAME,..., gpio-sim, "
+    "virtio-gpio:SOCKET, qemu:SOCKET.  "
+    "[default: the description's virtual chip]",
+)
+@click.option(
+    "--port",
+    metavar="PORT",
+    help="Where frames are sent: a serial device, or pty:PATH for a new pty with a link at PATH.  "
+    "[default: a pty at the description's port; rpi3: /dev/serial0]",
+)
+@click.option("--power-cycle", is_flag=True, help="Make the virtual chip anew: all lines inputs.")
+@click.option("--events", metavar="FILE", type=PathName(), help="Write edges and frames, JSON lines.")
+@click.option("--record", metavar="FILE", type=PathName(), help="Write the true sensor values, CSV.")
+@click.option("--verbose", is_flag=True, help="Print each edge.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
+def command(
+    description: Path | None,
+    scenario: str,
+    seed: int,
+    lines: str | None,
+    port: str | None,
+    power_cycle: bool,
+    events: Path | None,
+    record: Path | None,
+    verbose: bool,
+    as_json: bool,
+) -> None:
+    """Play the end-effector at the other end of the wires.
+
+    Sees the lines of DESCRIPTION (default: the shipped tool) and answers with sensor frames, until SIGTERM or
+    Ctrl-C. While it runs, a line "scenario S" on standard input chooses another scenario, "quit" ends it.
+    """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import profile_path
+    from end_effector_lab.testbench import open_inputs, open_port, run_testbench
+
+    loaded = load_tool(description or profile_path())
+    run_testbench(
+        loaded,
+        open_inputs(lines, loaded, power_cycle=power_cycle),
+        open_port(port, loaded, lines),
+        scenario=scenario,
+        seed=seed,
+        verbose=verbose,
+        as_json=as_json,
+        events=events,
+        record=record,
+    )

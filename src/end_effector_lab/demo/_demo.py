@@ -1,0 +1,94 @@
+"""The demo: scenario after scenario, each with fresh hardware, recorded, judged and drawn."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import read_run, read_states, run_info
+
+from ._answers import answered
+from ._core import play_core
+from ._judge import judge
+from ._pictures import draw
+from ._progress import Progress
+from ._replayed import replayed
+from ._report import Report
+from ._ros import need_ros, play_ros
+from ._scenario import Scenario
+from ._wires import read_edges
+from ._world import DESCRIPTION, LINES, World
+
+
+def run_demo(
+    description: Description,
+    scenarios: Sequence[Scenario],
+    output: Path,
+    *,
+    ros: bool,
+    progress: Console,
+    own_wires: bool = False,
+    figures: bool = True,
+) -> Iterator[Report]:
+    """Play scenarios one after the other; each report comes when its scenario is over and drawn.
+
+    Args:
+        description: the tool; it gets virtual lines and a pty, unless ``own_wires``.
+        scenarios: what to play.
+        output: gets a folder for each.
+        ros: through ROS, or through `EndEffector` in this process.
+        progress: where the progress is shown.
+        own_wires: on the lines and the port of the description; who stands at their other end plays the scenario.
+        figures: draw them.
+
+    Raises:
+        RosError: ROS is asked for and not there.
+        ReportedError: a process does not start, or a folder cannot be written.
+    """
+    if ros:
+        need_ros()
+    for number, scenario in enumerate(scenarios, start=1):
+        folder = fresh_folder(output / scenario.name)
+        begun = time.monotonic()
+        info = run_info(description, scenario=scenario.bench, ros=ros)
+        title = f"[{number}/{len(scenarios)}] {scenario.name}"
+        with (
+            Progress(progress, title, folder / "states.csv", info),
+            World(description, scenario.bench, folder, own_wires=own_wires) as world,
+        ):
+            info.write(folder)
+            (play_ros if ros else play_core)(scenario, world, folder)
+        log, info = read_states(folder / "states.csv"), read_run(folder)
+        if log.rows and figures:
+            draw(folder, log, info)
+        edges = None if own_wires else read_edges(folder / LINES)
+        report = judge(scenario, description, log, info, edges)
+        findings = (*report.findings, answered(folder), replayed(folder))
+        yield replace(report, findings=findings, folder=folder, seconds=time.monotonic() - begun)
+
+
+def fresh_folder(folder: Path) -> Path:
+    """An empty folder; what an earlier demo left in it goes.
+
+    Raises:
+        UsageError: it holds something else, or cannot be made.
+    """
+    try:
+        if folder.exists() and any(folder.iterdir()) and not (folder / DESCRIPTION).exists():
+            raise UsageError(
+                "This folder holds something that no demo wrote.",
+                where=str(folder),
+                todo="Choose another with -o.",
+            )
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+    except OSError as error:
+        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(folder)) from None
+    return folder

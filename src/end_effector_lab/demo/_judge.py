@@ -1,0 +1,143 @@
+"""Whether a recording tells the story that its scenario is for. Everything is read from the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby, pairwise
+
+from end_effector_hal.description import Description
+from end_effector_hal.recording import Grip, Outcome, RunInfo, StatesLog, Story, tell
+from end_effector_hal.vocabulary import Command, EndEffectorState, TableState
+from end_effector_hal.wires.lines import Edge
+
+from ._finding import Finding
+from ._measure import measures
+from ._report import Report
+from ._scenario import Scenario
+from ._wires import on_the_wires
+
+
+def judge(
+    scenario: Scenario,
+    description: Description,
+    log: StatesLog,
+    info: RunInfo | None = None,
+    edges: Sequence[Edge] | None = None,
+) -> Report:
+    """The report on one recording.
+
+    Args:
+        scenario: what was played, with the story expected of it.
+        description: the tool; the nominal times are taken from it.
+        log: the recording.
+        info: its run.json.
+        edges: what was written to the lines; None: that is not known.
+    """
+    story = tell(log, info)
+    expected = scenario.expected
+    attempts = dict(story.grips[0].attempts_by_actuator) if len(story.grips) == 1 else {}
+    states = _shown((row.end_effector for row in log.rows), EndEffectorState.OFF)
+    commands = _shown((row.command for row in log.rows), Command.NONE)
+    return Report(
+        scenario=scenario,
+        verdict=story.verdict,
+        attempts=attempts,
+        measures=tuple(measures(description, log, story, expected.slow_release)),
+        findings=(
+            _start(log),
+            _equal("states", _names(expected.states), _names(states)),
+            _equal("commands", _names(expected.commands), _names(commands)),
+            _equal("attempts", _count(expected.attempts), _count(attempts)),
+            _equal("time-outs", _count(expected.timeouts), _count(_timed_out(story))),
+            _order(description, story),
+            _pending(log),
+            _unwound(description, story),
+            _left_active(log),
+            *([on_the_wires(description, log, edges)] if edges is not None else []),
+        ),
+    )
+
+
+def _equal(what: str, expected: str, found: str) -> Finding:
+    return Finding(what, expected, found, expected == found)
+
+
+def _start(log: StatesLog) -> Finding:
+    first = log.rows[0] if log.rows else None
+    at_rest = first is not None and first.end_effector in (EndEffectorState.OFF, EndEffectorState.STAND_BY)
+    ok = first is not None and at_rest and not any(first.actuators) and first.command is Command.NONE
+    return Finding("start", "at rest", first.end_effector.name if first else "nothing recorded", ok)
+
+
+def _shown(column: Iterable[TableState], idle: TableState) -> list[TableState]:
+    """The values of a column in order, without ``idle`` and repetitions."""
+    return [value for value, _ in groupby(value for value in column if value is not idle)]
+
+
+def _names(values: Iterable[TableState]) -> str:
+    return ", ".join(value.name for value in values) or "none"
+
+
+def _count(numbers: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {number}" for name, number in numbers.items()) or "none"
+
+
+def _timed_out(story: Story) -> dict[str, int]:
+    names = [attempt.actuator for attempt in story.timeouts]
+    return {name: names.count(name) for name in dict.fromkeys(names)}
+
+
+def _order(description: Description, story: Story) -> Finding:
+    """An actuator is activated only when the one before it was confirmed (section 7, property 2)."""
+    expected = "in sequence, each after the one before was confirmed"
+    found = []
+    for grip in story.grips:
+        begun = {attempt.actuator: attempt.start_s for attempt in reversed(grip.attempts)}
+        names = list(dict.fromkeys(attempt.actuator for attempt in grip.attempts))
+        if names != list(description.sequence[: len(names)]):
+            found.append("activated in the order " + ", ".join(names))
+        found += [
+            f"{after} activated before {before} was confirmed"
+            for before, after in pairwise(names)
+            if not _confirmed_by(grip, before, begun[after])
+        ]
+    return Finding("order", expected, "; ".join(found) or expected, not found)
+
+
+def _confirmed_by(grip: Grip, actuator: str, at: float) -> bool:
+    return any(
+        attempt.outcome is Outcome.CONFIRMED and attempt.end_s is not None and attempt.end_s <= at
+        for attempt in grip.of(actuator)
+    )
+
+
+def _pending(log: StatesLog) -> Finding:
+    """No actuator goes from OFF to ON without having been PENDING."""
+    skipped = {
+        name
+        for before, row in pairwise(log.rows)
+        for name, old, new in zip(log.actuators, before.actuators, row.actuators, strict=True)
+        if (old, new) == (0, 2)
+    }
+    found = f"not of {', '.join(sorted(skipped))}" if skipped else "always"
+    return Finding("pending", "between OFF and ON", found, not skipped)
+
+
+def _unwound(description: Description, story: Story) -> Finding:
+    """What is deactivated goes one after the other, in the declared order."""
+    groups = [group for release in story.releases for group in release.deactivated]
+    names = {name for group in groups for name in group}
+    found = ", ".join("+".join(group) for group in groups) or "none"
+    return _equal(
+        "deactivated", ", ".join(name for name in description.releasing if name in names) or "none", found
+    )
+
+
+def _left_active(log: StatesLog) -> Finding:
+    """Nothing is left on, except what a latched GRIP_ERROR keeps."""
+    last = log.rows[-1] if log.rows else None
+    names = [
+        name for name, state in zip(log.actuators, last.actuators if last else (), strict=False) if state
+    ]
+    kept = last is not None and last.end_effector is EndEffectorState.GRIP_ERROR
+    return Finding("left active", "nothing", ", ".join(names) or "nothing", kept or not names)

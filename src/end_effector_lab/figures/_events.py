@@ -1,0 +1,115 @@
+"""The row of events: a mark and its words for each moment of the story, in as many rows as they need."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from end_effector_hal.recording import Moment
+from end_effector_lab.figures._labels import Box, Sheet, height_of, width_of
+
+TEXT = 9.5
+ROW_IN = height_of(TEXT) + 0.06
+MARK_IN = 0.13
+FOOT_IN = 0.3
+"""From the lowest row down to the lanes."""
+
+LONGEST_ROWS = 7
+_FIRST = ("abort", "lost", "missed", "timeout", "alarm", "gripped", "command")
+
+
+@dataclass(frozen=True)
+class Event:
+    """A moment with its place.
+
+    Row 0 is the lowest; ``left`` when the words stand left of the mark; no ``text`` where there was no room.
+    """
+
+    moment: Moment
+    row: int
+    x: float
+    left: bool
+    text: str
+
+    @property
+    def weight(self) -> str:
+        """Of its words."""
+        return weight_of(self.moment)
+
+
+def weight_of(moment: Moment) -> str:
+    """What went wrong for good stands out."""
+    return "bold" if moment.kind in ("abort", "lost") else "normal"
+
+
+def place_events(moments: Sequence[Moment], x_of: Callable[[float], float], right_in: float) -> list[Event]:
+    """A place for each moment, so that no words stand on others or on the line of another mark.
+
+    Where there is no room for all words they become shorter; then the commands lose theirs, the errors last.
+
+    Args:
+        moments: in order of time.
+        x_of: seconds to inches from the left end of the lanes.
+        right_in: words end before this.
+    """
+    events: list[Event] = []
+    for number, wording in product(range(len(_FIRST), 0, -1), (_full, _short)):
+        events = _place_all(moments, _FIRST[:number], wording, x_of, right_in)
+        if all(event.text for event in events if event.moment.kind in _FIRST[:number]):
+            break
+    return sorted(events, key=lambda event: event.moment.time_s)
+
+
+def _full(moment: Moment) -> str:
+    return moment.text
+
+
+def _short(moment: Moment) -> str:
+    """``time-out 2/3`` -> ``2/3``, ``time-out 3/3 – abort`` -> ``abort``."""
+    return (
+        moment.text.rpartition("time-out ")[2] if moment.kind == "timeout" else moment.text.split(" – ")[-1]
+    )
+
+
+def _place_all(
+    moments: Sequence[Moment],
+    kinds: Sequence[str],
+    wording: Callable[[Moment], str],
+    x_of: Callable[[float], float],
+    right_in: float,
+) -> list[Event]:
+    """Marks for all, words for those of some kinds."""
+    sheet = Sheet()
+    events = [_mark(moment, x_of(moment.time_s), sheet) for moment in moments if moment.kind not in kinds]
+    spoken = [(m, x_of(m.time_s), wording(m)) for m in moments if m.kind in kinds]
+    inside = [place for place in spoken if place[1] + _width(place[0], place[2]) <= right_in]
+    beyond = [place for place in spoken if place[1] + _width(place[0], place[2]) > right_in]
+    # from the last to the first: the line of an earlier mark then passes left of all words below it; words that
+    # must stand left of their mark go above the earlier marks, so they come after these
+    return events + [_place(moment, x, text, right_in, sheet) for moment, x, text in (*inside[::-1], *beyond)]
+
+
+def _width(moment: Moment, text: str) -> float:
+    """Of the words and their mark, inches from the middle of the mark."""
+    return width_of(text, TEXT, weight_of(moment)) + MARK_IN / 2 + 0.08
+
+
+def _place(moment: Moment, x: float, text: str, right_in: float, sheet: Sheet) -> Event:
+    width, half = _width(moment, text), MARK_IN / 2
+    for left, row in product((False, True), range(LONGEST_ROWS)):
+        low, high = row * ROW_IN, (row + 1) * ROW_IN - 0.02
+        box = Box(x - width, low, x + half, high) if left else Box(x - half, low, x + width, high)
+        line = ((x, -FOOT_IN), (x, low))
+        within = box.x0 >= (0.0 if left else -MARK_IN) and box.x1 <= right_in
+        if within and sheet.free(box) and sheet.free_line(*line):
+            sheet.take(box)
+            sheet.take_line(*line)
+            return Event(moment, row, x, left, text)
+    return _mark(moment, x, sheet)
+
+
+def _mark(moment: Moment, x: float, sheet: Sheet) -> Event:
+    """Without words: other words must not stand on it, but lines of other marks may pass."""
+    sheet.take_line((x - MARK_IN / 2, ROW_IN / 2), (x + MARK_IN / 2, ROW_IN / 2))
+    return Event(moment, 0, x, False, "")

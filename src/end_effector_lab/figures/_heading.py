@@ -1,0 +1,111 @@
+"""What stands above a timeline: the verdict, where the recording comes from, and what the colours mean."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from end_effector_hal.recording import RunInfo, Story
+from end_effector_lab.figures._labels import height_of, width_of, wrapped
+from end_effector_lab.figures._page import EDGE_IN, WIDTH_IN
+from end_effector_lab.figures._style import FILLS, MUTED, plain
+
+TITLE, SUBTITLE, LEGEND = 13.5, 9.5, 9.5
+_SWATCH_IN = 0.14
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Lines of the title and of the subtitle; inches from the upper edge."""
+
+    title: list[str]
+    subtitle: list[str]
+
+    @property
+    def subtitle_at(self) -> float:
+        """The upper edge of the subtitle."""
+        return EDGE_IN + height_of(TITLE) * len(self.title) + 0.06
+
+    @property
+    def legend_at(self) -> float:
+        """The middle of the legend."""
+        return self.subtitle_at + height_of(SUBTITLE) * len(self.subtitle) + 0.25
+
+    @property
+    def height_in(self) -> float:
+        """Where the events begin."""
+        return self.legend_at + 0.3
+
+
+def heading_of(story: Story, info: RunInfo, width: float) -> Heading:
+    """The heading of a recording; no line wider than ``width`` inches."""
+    return Heading(wrapped(story.verdict, TITLE, "bold", width), _packed(sources(info), width))
+
+
+def sources(info: RunInfo) -> list[str]:
+    """Where the recording comes from, as far as it is known."""
+    if info == RunInfo():
+        return ["no run.json: source unknown"]
+    simulated = bool(info.scenario) if info.simulated is None else info.simulated
+    parts = [
+        f"scenario {plain(info.scenario)}" if info.scenario else "",
+        f"description {plain(info.description)} {plain(info.hash[:8])}"
+        if info.description or info.hash
+        else "",
+        f"end-effector-hal {plain(info.version, 20)}" if info.version else "",
+        "ROS" if info.ros else "without ROS",
+        plain(info.started[:16].replace("T", " ")),
+        "simulated" if simulated else "not simulated",
+    ]
+    return [part.strip() for part in parts if part]
+
+
+def _packed(parts: list[str], width: float) -> list[str]:
+    lines: list[str] = []
+    for part in parts:
+        longer = f"{lines[-1]}  ·  {part}" if lines else part
+        if lines and width_of(longer, SUBTITLE) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(part)
+    return lines
+
+
+def draw_heading(figure: Figure, heading: Heading, left: float) -> None:
+    """Title, subtitle and legend, ``left`` inches from the edge."""
+    height = figure.get_figheight()
+    x = left / WIDTH_IN
+    figure.text(
+        x,
+        1 - EDGE_IN / height,
+        "\n".join(heading.title),
+        va="top",
+        fontsize=TITLE,
+        fontweight="bold",
+        linespacing=1.25,
+    )
+    figure.text(
+        x,
+        1 - heading.subtitle_at / height,
+        "\n".join(heading.subtitle),
+        va="top",
+        fontsize=SUBTITLE,
+        color=MUTED,
+        linespacing=1.25,
+    )
+    y = heading.legend_at
+    for name, colour in FILLS.items():
+        box = Rectangle(
+            (left / WIDTH_IN, 1 - (y + 0.06) / height),
+            _SWATCH_IN / WIDTH_IN,
+            0.12 / height,
+            facecolor=colour,
+            linewidth=0,
+        )
+        box.set(transform=figure.transFigure, label=name)
+        figure.add_artist(box)
+        left += _SWATCH_IN + 0.08
+        figure.text(left / WIDTH_IN, 1 - y / height, name, fontsize=LEGEND, va="center_baseline")
+        left += width_of(name, LEGEND) + 0.22

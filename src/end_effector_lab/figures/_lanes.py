@@ -1,0 +1,199 @@
+"""States as lanes: which segments there are, what is written into them, and what beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+from end_effector_hal.recording import RunInfo, StatesLog
+from end_effector_hal.vocabulary import TableState, actuator_states, display_name
+from end_effector_lab.figures._labels import Box, Point, Sheet, first_fitting, height_of, width_of
+from end_effector_lab.figures._style import kind_of, wordings
+
+BAR_IN = 0.44
+TEXT, SMALL = 9.0, 7.5
+ROW_IN = height_of(TEXT) + 0.03
+GAP_IN = 0.09
+LEADER_IN = 0.07
+LONGEST_ROWS = 3
+THIN_IN = 0.02
+ERROR_IN = 0.05
+"""The least width of a segment; of one that is an error."""
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A state and when it held."""
+
+    start_s: float
+    end_s: float
+    state: TableState
+
+
+@dataclass(frozen=True)
+class Inside:
+    """Words in a bar, centred at ``x`` inches from its left end, ``size`` in points."""
+
+    segment: Segment
+    text: str
+    x: float
+    size: float
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Words below a bar whose segment is too short for them; inches, y from the bar's lower edge down."""
+
+    segment: Segment
+    text: str
+    box: Box
+    start: Point
+    end: Point
+
+
+@dataclass
+class Lane:
+    """One element over time."""
+
+    name: str
+    title: str
+    segments: list[Segment]
+    inside: list[Inside] = field(default_factory=list)
+    beside: list[Beside] = field(default_factory=list)
+
+    @property
+    def height_in(self) -> float:
+        """Bar, words below and gap."""
+        lowest = max((words.box.y1 for words in self.beside), default=0.0)
+        return BAR_IN + max(lowest, 0.0) + GAP_IN
+
+
+def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:
+    """End-effector, command and actuators, each merged into segments of one state."""
+    times = log.times_s
+    columns: list[tuple[str, str, list[TableState]]] = [
+        ("end_effector", "End-effector", [row.end_effector for row in log.rows]),
+        ("command", "Command", [row.command for row in log.rows]),
+    ]
+    for index, name in enumerate(log.actuators):
+        table = actuator_states(name, info.actuators)
+        columns.append((name, display_name(name), [table(row.actuators[index]) for row in log.rows]))
+    return [Lane(name, title, segments_of(times, states, end_s)) for name, title, states in columns]
+
+
+def segments_of(times_s: Sequence[float], states: Sequence[TableState], end_s: float) -> list[Segment]:
+    """Runs of one state; a state that was left in the instant of its entry has no length and stays."""
+    found: list[Segment] = []
+    for index, (start_s, state) in enumerate(zip(times_s, states, strict=True)):
+        until_s = times_s[index + 1] if index + 1 < len(times_s) else max(end_s, start_s)
+        if found and found[-1].state is state:
+            found[-1] = Segment(found[-1].start_s, until_s, state)
+        else:
+            found.append(Segment(start_s, until_s, state))
+    return found
+
+
+def least_width(lane: Lane, segment: Segment, width_in: float) -> float:
+    """The least width of a segment in a lane of ``width_in`` inches, so that a state of no length is seen.
+
+    Errors are the widest, unless there are so many that they would hide everything else.
+    """
+    if kind_of(segment.state) != "error":
+        return THIN_IN
+    errors = sum(kind_of(other.state) == "error" for other in lane.segments)
+    return min(ERROR_IN, max(width_in / (8 * errors), 0.01))
+
+
+def write_lane(lane: Lane, x_of: Callable[[float], float], width_in: float, avoid: Sequence[float]) -> None:
+    """Find places for the words of a lane: inside the segment where they fit, else below it with a leader.
+
+    Args:
+        lane: filled in.
+        x_of: seconds to inches from the left end of the lane.
+        width_in: of the whole lane.
+        avoid: inches at which vertical lines cross the lane.
+    """
+    outside = []
+    for segment in lane.segments:
+        left, right = x_of(segment.start_s), x_of(segment.end_s)
+        for size in (TEXT, SMALL):
+            text = first_fitting(wordings(segment.state), size, right - left - 0.08)
+            if text is not None:
+                x = _clear(left, right, width_of(text, size), avoid)
+                lane.inside.append(Inside(segment, text, x, size))
+                break
+        else:
+            outside.append(segment)
+    in_middle = _beside(sorted(outside, key=_rank), x_of, width_in, _MIDDLE)
+    # left of their feet, in order of time, more words find a place where short segments follow each other
+    to_left = _beside(outside, x_of, width_in, _LEFT)
+    lane.beside = to_left if _worth(to_left) > _worth(in_middle) else in_middle
+
+
+_MIDDLE = ((0.0, -0.35, 0.35, -0.55, 0.55, -0.8, 0.8),)
+_LEFT = ((-0.5, -0.6, -0.8), (0.0, 0.5, 0.8))
+"""Where the middle of the words may be, seen from the middle of the segment, in widths of the words; each
+group is tried in every row before the next."""
+
+
+def _rank(segment: Segment) -> tuple[int, float, float]:
+    """Errors first and NONE last: where there is no room for all words, the last ones have no place."""
+    first = {"error": 0, "": 2}.get(kind_of(segment.state), 1)
+    return first, segment.start_s - segment.end_s, segment.start_s
+
+
+def _worth(words: Sequence[Beside]) -> tuple[int, int]:
+    kinds = [kind_of(beside.segment.state) for beside in words]
+    return kinds.count("error"), len(kinds) - kinds.count("")
+
+
+def _beside(
+    segments: Sequence[Segment],
+    x_of: Callable[[float], float],
+    width_in: float,
+    shifts: Sequence[Sequence[float]],
+) -> list[Beside]:
+    sheet = Sheet()
+    found = []
+    for segment in segments:
+        words = _below(segment, x_of, width_in, sheet, shifts)
+        if words is not None:
+            sheet.take(words.box)
+            sheet.take_line(words.start, words.end)
+            found.append(words)
+    return found
+
+
+def _clear(left: float, right: float, width: float, avoid: Sequence[float]) -> float:
+    """A centre for words inside of a segment that no line of an event crosses; else the middle."""
+    middle, room = (left + right) / 2, (right - left - width) / 2 - 0.05
+    half = width / 2 + 0.04
+    shifts = (0.0, *(sign * room * part / 8 for part in range(1, 9) for sign in (-1, 1)))
+    for shift in shifts:
+        if not any(middle + shift - half < x < middle + shift + half for x in avoid):
+            return middle + shift
+    return middle
+
+
+def _below(
+    segment: Segment,
+    x_of: Callable[[float], float],
+    width_in: float,
+    sheet: Sheet,
+    shifts: Sequence[Sequence[float]],
+) -> Beside | None:
+    text = segment.state.label
+    width = width_of(text, TEXT) + 0.06
+    foot = ((x_of(segment.start_s) + x_of(segment.end_s)) / 2, 0.0)
+    page = Box(-0.35, 0.0, width_in + 0.3, LEADER_IN + (LONGEST_ROWS + 0.5) * ROW_IN)
+    # NONE is not worth a second row
+    rows = range(LONGEST_ROWS if kind_of(segment.state) else 1)
+    for row, shift in (place for group in shifts for place in product(rows, group)):
+        top = LEADER_IN + row * ROW_IN
+        left = foot[0] + shift * width - width / 2
+        box = Box(left, top, left + width, top + ROW_IN)
+        end = (min(max(foot[0], left + 0.03), left + width - 0.03), top + 0.02)
+        if box.within(page) and sheet.free(box) and sheet.free_line(foot, end):
+            return Beside(segment, text, box, foot, end)
+    return None

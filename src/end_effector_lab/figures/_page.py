@@ -1,0 +1,59 @@
+"""The measures of a timeline: inches, seconds, and the names at the left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from matplotlib.axes import Axes
+
+from end_effector_hal.recording import PressuresLog, StatesLog
+from end_effector_lab.figures._labels import width_of, wrapped
+from end_effector_lab.figures._style import plain
+
+WIDTH_IN, EDGE_IN = 12.27, 0.2
+NAME = 10.5
+
+
+@dataclass(frozen=True)
+class Page:
+    """The measures of one figure, inches from the upper left corner; time in seconds."""
+
+    start_s: float
+    end_s: float
+    left: float
+    width: float
+
+    def x(self, at_s: float) -> float:
+        """Inches from the left end of the lanes."""
+        return (at_s - self.start_s) / (self.end_s - self.start_s) * self.width
+
+    def seconds(self, x: float) -> float:
+        """The other way round."""
+        return self.start_s + x / self.width * (self.end_s - self.start_s)
+
+
+def page_of(log: StatesLog, pressures: PressuresLog | None, words_in: float) -> Page:
+    """The page for a recording; ``words_in``: inches of the words right of the pressures."""
+    first, last = log.rows[0].time_s, log.rows[-1].time_s
+    start = 0.0 if first <= 0.25 * last else first
+    end = last + max(0.04 * (last - start), 0.1)
+    if pressures is not None and pressures.samples:
+        end = max(end, min(pressures.times_s[-1], end + 0.5 * (end - start)))
+    names = [
+        lane for name in (*log.actuators, "end_effector") for lane in _lane_title(name.replace("_", " "))
+    ]
+    left = max(width_of(name, NAME) for name in names) + 0.35
+    right = max(words_in + 0.25, 0.4)
+    return Page(start, end, max(left, 1.2), WIDTH_IN - max(left, 1.2) - right)
+
+
+def _lane_title(title: str) -> list[str]:
+    """In two lines at most: a third would stand on the lane below."""
+    first, *others = wrapped(title, NAME, "normal", 1.7)
+    rest = plain(" ".join(others), 24)
+    return [plain(first, 24), rest] if rest else [plain(first, 24)]
+
+
+def write_name(axes: Axes, page: Page, title: str, y: float) -> None:
+    """At the left of a lane; ``y`` in inches."""
+    axes.text(page.seconds(-0.1), y, "\n".join(_lane_title(title)), ha="right", va="center", fontsize=NAME)

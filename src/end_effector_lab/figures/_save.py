@@ -1,0 +1,38 @@
+"""Figures to files, the same bytes for the same figure."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from end_effector_hal.errors import UsageError
+from end_effector_lab.figures._style import drawing
+
+DPI = 120
+
+
+def write(figure: Figure, path: Path) -> Path:
+    """Write whole or not at all."""
+    suffix = path.suffix.lower()
+    if suffix not in (".png", ".svg"):
+        raise UsageError(
+            f"{path.name!r} is neither .png nor .svg.", where=str(path), todo="Choose one of these."
+        )
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with drawing(), beside.open("wb") as file:
+            if suffix == ".png":
+                FigureCanvasAgg(figure)
+                figure.savefig(file, format="png", metadata={"Software": "end-effector-hal"})
+            else:
+                FigureCanvasSVG(figure)
+                figure.savefig(file, format="svg", metadata={"Date": None, "Creator": "end-effector-hal"})
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise UsageError(f"The figure cannot be written: {error.strerror}.", where=str(path)) from None
+    return path

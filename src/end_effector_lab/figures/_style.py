@@ -1,0 +1,110 @@
+"""Colours, type and words of the figures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import matplotlib
+from matplotlib import style
+
+from end_effector_hal.vocabulary import ACTIVE, INACTIVE, PENDING, Command, EndEffectorState, TableState
+
+INK, MUTED, RULE = "#1d2733", "#5b6775", "#b9c0ca"
+
+FILLS = {
+    "inactive": "#d9dde5",
+    "waiting for sensor": "#f4cd63",
+    "confirmed": "#4db390",
+    "releasing": "#a3cbed",
+    "error": "#b8232f",
+    "command": "#5d6fb0",
+}
+"""Kinds of state, in the order of the legend; told apart under colour blindness too."""
+
+NOTHING = "#f1f3f6"
+BAND, BAND_INK = "#e6f3ed", "#1f7a55"
+CURVES = ("#0072b2", "#d55e00", "#cc79a7", "#009e73", "#b08800", "#56b4e9")
+"""Okabe and Ito's, its yellow darkened for lines on white."""
+
+SUPPLY = "#7d8794"
+MARKERS = {
+    "command": ("o", "#2d4f72"),
+    "timeout": ("v", "#8f5d00"),
+    "abort": ("X", "#b8232f"),
+    "lost": ("X", "#b8232f"),
+    "alarm": ("^", "#a85400"),
+    "missed": ("D", "#7a2f8f"),
+    "gripped": ("*", "#1f7a55"),
+}
+"""Kind of moment -> its mark and colour."""
+
+_SHORT = {
+    "PENDING EXTEND": ("PENDING EXT", "PENDING", "PEND."),
+    "PENDING ON": ("PENDING", "PEND."),
+    "RETRACTED": ("RETR.",),
+    "EXTENDED": ("EXT.",),
+    "GRIPPING": ("GRIPP.",),
+    "RELEASING": ("REL.",),
+    "RELEASE": ("REL.",),
+    "RELEASE ERROR": ("REL. ERROR",),
+}
+
+_OF_END_EFFECTOR = {
+    EndEffectorState.OFF: "inactive",
+    EndEffectorState.GRIPPING: "waiting for sensor",
+    EndEffectorState.GRIP_ERROR: "error",
+    EndEffectorState.GRIPPED: "confirmed",
+    EndEffectorState.RELEASING: "releasing",
+    EndEffectorState.RELEASE_ERROR: "error",
+    EndEffectorState.STAND_BY: "inactive",
+}
+_OF_ACTUATOR = {INACTIVE: "inactive", PENDING: "waiting for sensor", ACTIVE: "confirmed"}
+
+
+def kind_of(state: TableState) -> str:
+    """The kind of a state, a key of `FILLS`; empty for the command NONE."""
+    if isinstance(state, EndEffectorState):
+        return _OF_END_EFFECTOR[state]
+    if isinstance(state, Command):
+        return "" if state is Command.NONE else "command"
+    return _OF_ACTUATOR[int(state)]
+
+
+def fill_of(state: TableState) -> str:
+    """The colour of a state."""
+    return FILLS.get(kind_of(state), NOTHING)
+
+
+def ink_of(state: TableState) -> str:
+    """The colour of words on it."""
+    return "white" if kind_of(state) in ("error", "command") else INK
+
+
+def wordings(state: TableState) -> tuple[str, ...]:
+    """What may be written for a state, the longest first."""
+    return (state.label, *_SHORT.get(state.label, ()))
+
+
+def plain(text: str, longest: int = 60) -> str:
+    """Somebody else's text as the font can show it, on one line."""
+    shown = "".join(char if char.isprintable() and ord(char) < 0x530 else "?" for char in text)
+    return shown if len(shown) <= longest else shown[: longest - 1] + "…"
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """The same figure whatever the user's matplotlibrc says."""
+    own = {
+        "font.family": "DejaVu Sans",
+        "text.color": INK,
+        "text.parse_math": False,
+        "axes.edgecolor": INK,
+        "axes.labelcolor": INK,
+        "xtick.color": INK,
+        "ytick.color": INK,
+        "svg.fonttype": "none",
+        "svg.hashsalt": "end-effector-hal",
+    }
+    with style.context("default"), matplotlib.rc_context(own):  # type: ignore[arg-type]
+        yield

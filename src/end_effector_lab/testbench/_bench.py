@@ -1,0 +1,218 @@
+"""The simulated end-effector: line levels in, sensor values out; sans-IO."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+
+from end_effector_hal.description import Description
+from end_effector_hal.description import ToolChanger as Changer
+from end_effector_hal.errors import UsageError
+from end_effector_hal.signals import Value
+
+from ._cylinder import Cylinder
+from ._device import Device
+from ._noise import Noise
+from ._parse import TOOL_CHANGER, device_kinds, parse_scenario
+from ._plant import Plant
+from ._scenario import Scenario
+from ._station import Station
+from ._supply import Supply
+from ._tool_changer import ToolChanger
+from ._vacuum import VacuumCircuit
+from ._valve import Valve
+from ._wire import disturbed
+
+NOISE_KPA = 0.1
+BOOT_US = 300_000
+
+
+class Bench:
+    """Everything on the other end of the wires, for any description.
+
+    Args:
+        description: what the tool is made of.
+        scenario: what goes wrong (text or parsed).
+        seed: of the valves' dead times and of the noise.
+        start: µs, the time of the initial state.
+        levels: lines that are active at the start; their devices have settled, so that a bench that is
+            started anew goes on holding what is held.
+
+    Raises:
+        UsageError: the scenario cannot be used.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        scenario: Scenario | str = "nominal",
+        seed: int = 0,
+        *,
+        start: int = 0,
+        levels: Mapping[str, bool] | None = None,
+    ) -> None:
+        self._description = description
+        self.scenario = self._parsed(scenario)
+        self._noise = Noise(seed)
+        self._start = self._chosen_at = self._booted = start
+        self._frozen: dict[str, Value] = {}
+        supply = Supply(self._supply_kpa(), start=start)
+        kinds = device_kinds(description)
+        devices = {name: self._device(name, kind, supply, start) for name, kind in kinds.items()}
+        self._plant = Plant(supply, devices, start)
+        lines = self.lines
+        self._stations = {
+            name: Station(
+                device, active=(levels or {}).get(lines[name], False), effect=self.scenario.effect(name)
+            )
+            for name, device in devices.items()
+        }
+        self._by_line = {line: self._stations[name] for name, line in lines.items()}
+
+    @property
+    def lines(self) -> dict[str, str]:
+        """Line of each device: the tool changer's first, then the actuators' in their sequence."""
+        changer = self._description.tool_changer
+        first = {TOOL_CHANGER: changer.line} if changer else {}
+        return first | {name: actuator.line for name, actuator in self._description.ordered}
+
+    @property
+    def devices(self) -> Mapping[str, Device]:
+        """What is simulated, by name: how it really is, whatever the sensors and the link make of it."""
+        return self._plant.devices
+
+    def line(self, name: str, level: bool, at: int) -> None:
+        """The line ``name`` has this level from ``at`` (µs) on.
+
+        Raises:
+            UsageError: nothing of the description hangs on that line.
+        """
+        station = self._by_line.get(name)
+        if station is None:
+            close = get_close_matches(name, self._by_line, n=1)
+            todo = f"Did you mean {close[0]!r}?" if close else f"There are: {', '.join(self._by_line)}."
+            raise UsageError(f"nothing hangs on a line named {name!r}.", todo=todo)
+        self._advance(at)
+        station.line(level, at)
+
+    def choose(self, scenario: Scenario | str, at: int) -> None:
+        """Another scenario from ``at`` (µs) on.
+
+        Raises:
+            UsageError: it cannot be used; nothing has changed.
+        """
+        parsed = self._parsed(scenario)
+        self._advance(at)
+        self._booted = self.booted(at)
+        self.scenario, self._chosen_at, self._frozen = parsed, at, {}
+        self._plant.supply.regulated_kpa = self._supply_kpa()
+        for name, station in self._stations.items():
+            station.suffer(parsed.effect(name), at)
+
+    def booted(self, at: int) -> int:
+        """µs at which the device that sends was, or will be, ready after its last start before ``at``."""
+        return self._since(self.scenario.reboot_after_us) + BOOT_US if self._rebooted(at) else self._booted
+
+    def silent(self, at: int) -> bool:
+        """Whether the link is silent at ``at`` (µs)."""
+        return self._is_over(self.scenario.silent_after_us, at) or at < self.booted(at)
+
+    def corrupt(self, data: bytes, at: int) -> bytes:
+        """What comes out of the link when ``data`` is sent at ``at`` (µs)."""
+        random = self._noise.random(f"link {at - self._start}")
+        babble = self._is_over(self.scenario.babble_after_us, at)
+        return disturbed(data, self.scenario, random, babble=babble)
+
+    def _since(self, after_us: int | None) -> int:
+        return self._chosen_at + (after_us or 0)
+
+    def _is_over(self, after_us: int | None, at: int) -> bool:
+        return after_us is not None and at >= self._since(after_us)
+
+    def _rebooted(self, at: int) -> bool:
+        return self._is_over(self.scenario.reboot_after_us, at)
+
+    def sample(self, at: int) -> dict[str, Value]:
+        """What every sensor shows at ``at`` (µs).
+
+        Returns:
+            channel -> gauge Pa (vacuum negative), bit, or None: invalid.
+        """
+        self._advance(at)
+        scenario = self.scenario
+        values: dict[str, Value] = {
+            "tool_present": scenario.tool_present,
+            "in_stand": scenario.in_stand,
+            "estop_ok": scenario.estop_ok,
+        }
+        description, devices = self._description, self._plant.devices
+        for name, actuator in description.ordered:
+            device = devices[name]
+            if device.pressure_kpa is not None:
+                values[actuator.channel] = self._shown(name, actuator.channel, device.pressure_kpa, at)
+            if actuator.kind == "cylinder":
+                places = {actuator.extended_bit: "extended", actuator.retracted_bit: "retracted"}
+                values |= {bit: device.bits[place] for bit, place in places.items() if bit}
+        if description.tool_changer is not None:
+            values |= self._changer_bits(description.tool_changer, devices[TOOL_CHANGER].bits)
+        values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
+        self._swap(values)
+        return values
+
+    def _changer_bits(self, changer: Changer, places: Mapping[str, bool]) -> dict[str, Value]:
+        """What the sensors of the tool changer and of its stand show while it is at ``places``."""
+        effect = self.scenario.effect(TOOL_CHANGER)
+        there = {
+            changer.present_bit: (self.scenario.tool_present, None),
+            changer.stand_bit: (self.scenario.in_stand, effect.stand_shows),
+            changer.locked_bit: (places["locked"], effect.locked_shows),
+            changer.unlocked_bit: (places["unlocked"], effect.unlocked_shows),
+        }
+        return {bit: real if shows is None else shows for bit, (real, shows) in there.items()}
+
+    def _shown(self, name: str, channel: str, kpa: float, at: int) -> Value:
+        """What the pressure sensor of a device shows while ``kpa`` is there."""
+        effect = self.scenario.effect(name)
+        if effect.invalid:
+            return None
+        shown = self._pa(channel, kpa if effect.shows_kpa is None else effect.shows_kpa, at)
+        if self._is_over(effect.frozen_after_us, at):
+            return self._frozen.setdefault(channel, shown)
+        return shown
+
+    def _swap(self, values: dict[str, Value]) -> None:
+        channels = [actuator.channel for _, actuator in self._description.ordered]
+        for index, name in enumerate(self._description.sequence):
+            if self.scenario.effect(name).swapped:
+                one, other = channels[index], channels[(index + 1) % len(channels)]
+                values[one], values[other] = values.get(other), values.get(one)
+
+    def _advance(self, at: int) -> None:
+        """Let time go on to ``at``, and what falls due on the way happen."""
+        while due := sorted(
+            (s.due, n) for n, s in self._stations.items() if s.due is not None and s.due <= at
+        ):
+            moment, name = due[0]
+            self._plant.advance(moment)
+            self._stations[name].lose()
+        self._plant.advance(at)
+
+    def _pa(self, channel: str, kpa: float, at: int) -> int:
+        return round((kpa + NOISE_KPA * self._noise.normal(channel, at - self._start)) * 1000)
+
+    def _parsed(self, scenario: Scenario | str) -> Scenario:
+        return parse_scenario(scenario, self._description) if isinstance(scenario, str) else scenario
+
+    def _supply_kpa(self) -> float:
+        kpa = self.scenario.supply_kpa
+        return self._description.supply.nominal_kpa if kpa is None else kpa
+
+    def _device(self, name: str, kind: str, supply: Supply, start: int) -> Device:
+        """A device of its kind, with a valve whose dead time is its own."""
+        low, high = (20_000, 45_000) if kind == "vacuum" else (15_000, 60_000)
+        valve = Valve(self._noise.between(f"valve {name}", low, high))
+        if kind == "vacuum":
+            return VacuumCircuit(valve, start=start)
+        if kind == "cylinder":
+            return Cylinder(valve, supply, start=start)
+        return ToolChanger(valve, start=start)

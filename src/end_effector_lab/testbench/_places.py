@@ -1,0 +1,122 @@
+"""From the texts of a command line to lines and port."""
+
+from __future__ import annotations
+
+from end_effector_hal.codecs import codec_of, parity_of
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+
+from ._gpio_inputs import GpioInputs
+from ._inputs import LineInputs, VirtualInputs
+from ._parse import TOOL_CHANGER
+from ._ports import Port, PtyPort, SerialPort
+from ._qemu_inputs import QemuInputs
+from ._sim_inputs import GpioSimInputs
+from .virtio_gpio import VirtioGpioInputs
+
+RPI3 = {TOOL_CHANGER: "GPIO19", "bottom": "GPIO16", "cylinder": "GPIO26", "top": "GPIO20"}
+"""Board pins 35 to 38 of a Raspberry Pi, by the channel that proves the actuator on the line."""
+RPI3_PORT = "/dev/serial0"
+VERDIN = {"SODIMM_206": 0, "SODIMM_208": 1, "SODIMM_210": 5, "SODIMM_212": 6}
+"""Pins of the first GPIO controller of an i.MX 8M Plus, by the names that the Verdin's device tree gives them."""
+_CHOICES = (
+    "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3, gpio-sim, virtio-gpio:SOCKET or qemu:SOCKET."
+)
+
+
+def open_inputs(text: str | None, description: Description, *, power_cycle: bool = False) -> LineInputs:
+    """The lines that a text names; nothing is opened yet.
+
+    Args:
+        text: ``virtual:PATH``; ``gpiod``: lines of the same names on this machine; ``gpiod:LINE=NAME,...``:
+            of other names; ``rpi3``; ``gpio-sim``: simulated ones of this machine's kernel;
+            ``virtio-gpio:SOCKET``: those of a virtual machine; ``qemu:SOCKET``: pins of an emulated Verdin;
+            None: the description's virtual chip.
+        description: whose lines are to be seen.
+        power_cycle: of a virtual chip.
+
+    Raises:
+        UsageError: it cannot be used with this description.
+    """
+    lines, others = _lines(description), description.blow_off_lines.values()
+    if text is None:
+        if description.lines.backend != "virtual" or not description.lines.path:
+            # Taking a HAL's own output lines as inputs would drop what they hold.
+            raise UsageError(
+                "the description has no virtual lines; say where to see the lines.", todo=_CHOICES
+            )
+        return VirtualInputs(description.lines.path, lines, power_cycle=power_cycle, others=others)
+    kind, _, rest = text.partition(":")
+    if kind == "virtual" and rest:
+        return VirtualInputs(rest, lines, power_cycle=power_cycle, others=others)
+    if power_cycle:
+        raise UsageError("only virtual lines can be power-cycled.")
+    if kind == "gpiod":
+        return GpioInputs(_renamed(rest, lines) if rest else {line: line for line in lines}, text)
+    if text == "gpio-sim":
+        return GpioSimInputs(lines)
+    if kind == "virtio-gpio" and rest:
+        return VirtioGpioInputs(rest, lines)
+    if kind == "qemu" and rest:
+        return QemuInputs(rest, _pins(lines))
+    if text == "rpi3":
+        return GpioInputs(_preset(description), text)
+    raise UsageError(f"lines cannot be seen at {text!r}.", todo=_CHOICES)
+
+
+def open_port(text: str | None, description: Description, lines: str | None) -> Port:
+    """The port that a text names; nothing is opened yet.
+
+    Args:
+        text: ``pty:PATH``: a new pty with a symbolic link at PATH; ``PATH``: a serial device; None: a pty at
+            the description's port for virtual lines, ``/dev/serial0`` for ``rpi3``.
+        description: whose link it is.
+        lines: the text of the lines.
+
+    Raises:
+        UsageError: none is given and none is known.
+    """
+    codec = codec_of(description)
+    baudrate, parity = description.link.baudrate or codec.baudrate, parity_of(codec)
+    if text is not None:
+        kind, _, rest = text.partition(":")
+        return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate, parity)
+    if lines == "rpi3":
+        return SerialPort(RPI3_PORT, baudrate, parity)
+    if lines is None or lines.startswith("virtual"):
+        return PtyPort(description.link.port)
+    raise UsageError("the port to answer on is not known.", todo="Give --port PATH.")
+
+
+def _lines(description: Description) -> list[str]:
+    changer = [description.tool_changer.line] if description.tool_changer else []
+    return changer + [actuator.line for _, actuator in description.ordered]
+
+
+def _renamed(text: str, lines: list[str]) -> dict[str, str]:
+    pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
+    if set(pairs) != set(lines) or not all(pairs.values()):
+        raise UsageError(
+            f"--lines gpiod:{text} does not name each line once.",
+            todo=f"Expected: gpiod:{','.join(f'{line}=NAME' for line in lines)}.",
+        )
+    return pairs
+
+
+def _pins(lines: list[str]) -> dict[str, int]:
+    if unknown := [line for line in lines if line not in VERDIN]:
+        raise UsageError(
+            f"the emulated Verdin has no line {', '.join(unknown)}.", todo=f"It has {', '.join(VERDIN)}."
+        )
+    return {line: VERDIN[line] for line in lines}
+
+
+def _preset(description: Description) -> dict[str, str]:
+    channels = {actuator.line: actuator.channel for _, actuator in description.ordered}
+    if description.tool_changer:
+        channels[description.tool_changer.line] = TOOL_CHANGER
+    if unknown := [line for line, channel in channels.items() if channel not in RPI3]:
+        raise UsageError(
+            f"the preset rpi3 has no pin for {', '.join(unknown)}.", todo="Use --lines gpiod:LINE=NAME,..."
+        )
+    return {line: RPI3[channel] for line, channel in channels.items()}

@@ -1,0 +1,74 @@
+"""The device that samples the sensors and sends frames, sans-IO: it counts, ages, and restarts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from end_effector_hal.codecs import Codec, is_polled
+from end_effector_hal.description import Description
+from end_effector_hal.signals import Frame, Value
+
+from ._bench import Bench
+from ._carried import carried
+
+
+class Sent(NamedTuple):
+    """What comes out of the link at one time.
+
+    Attributes:
+        data: bytes, as they arrive; b"": the link is silent, or nothing was asked.
+        seq: number of the frame or answer, since the device was started.
+        values: what every sensor showed.
+        clean: the bytes before the cable.
+    """
+
+    data: bytes
+    seq: int
+    values: Mapping[str, Value]
+    clean: bytes
+
+
+class SensorBoard:
+    """Sends what a bench shows, in the format of a codec.
+
+    Args:
+        codec: streamed (call `frame`) or polled (call `answer`).
+        bench: what is measured, and what is wrong with the link.
+        description: of the tool.
+        start: µs, when it was switched on.
+    """
+
+    def __init__(self, codec: Codec, bench: Bench, description: Description, start: int) -> None:
+        self._codec, self._bench, self._description = codec, bench, description
+        self._booted, self._seq = start, 0
+        self._device = codec.device() if is_polled(codec) else None
+
+    def frame(self, at: int) -> Sent:
+        """The frame that is due at ``at`` (µs)."""
+        sample, seq = self._bench.sample(at), self._next(at)
+        age_ms = max(0, at - self._booted) // 1000
+        return self._sent(self._codec.encode(Frame(0, seq, age_ms, self._carried(sample))), seq, sample, at)
+
+    def answer(self, request: bytes, at: int) -> Sent | None:
+        """The answers to what was asked at ``at`` (µs); None: nothing was."""
+        sample = self._bench.sample(at)
+        answers = self._device.answer(request, self._carried(sample)) if self._device else b""
+        if not answers:
+            return None
+        return self._sent(answers, self._next(at), sample, at)
+
+    def _next(self, at: int) -> int:
+        if (booted := self._bench.booted(at)) != self._booted:
+            self._booted, self._seq = booted, 0
+        seq = self._seq
+        if at >= booted:  # before that it does not work yet
+            self._seq += 1
+        return seq
+
+    def _sent(self, clean: bytes, seq: int, sample: Mapping[str, Value], at: int) -> Sent:
+        data = b"" if self._bench.silent(at) else self._bench.corrupt(clean, at)
+        return Sent(data, seq, sample, clean)
+
+    def _carried(self, sample: Mapping[str, Value]) -> dict[str, Value]:
+        return carried(sample, self._codec.channels, self._description)

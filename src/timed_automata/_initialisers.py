@@ -1,0 +1,56 @@
+"""Initialisers and given constants, flattened to what a type has room for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from timed_automata import _ast as ast
+from timed_automata._faults import fault
+from timed_automata._types import Type
+from timed_automata.errors import UsageError
+
+Given = int | bool | Sequence["Given"]
+
+
+def flatten(node: ast.Expression, type_: Type, name: str) -> list[ast.Expression]:
+    """The scalars of an initialiser in row-major order.
+
+    Raises:
+        ModelError: its shape is not that of the type.
+    """
+    if not type_.dimensions:
+        if isinstance(node, ast.Braces):
+            raise fault(node.span, f"Braces where '{name}' has a single value.", "Remove them.")
+        return [node]
+    size = type_.dimensions[0].size
+    if not isinstance(node, ast.Braces):
+        raise fault(node.span, f"'{name}' is an array of {size}.", "Expected {…}.")
+    if len(node.items) != size:
+        todo = "Is a size changed, but not what depends on it?"
+        raise fault(node.span, f"'{name}' has room for {size} values, here are {len(node.items)}.", todo)
+    return [scalar for item in node.items for scalar in flatten(item, type_.element, name)]
+
+
+def flatten_given(value: Given, type_: Type, name: str) -> list[int]:
+    """The scalars of a constant given from outside.
+
+    Raises:
+        UsageError: its shape, a type or a range is not that of the declaration.
+    """
+    if type_.dimensions:
+        size = type_.dimensions[0].size
+        if isinstance(value, str | int) or not isinstance(value, Sequence) or len(value) != size:
+            raise UsageError(f"The constant '{name}' needs a list of {size} values, not {value!r}.")
+        return [scalar for item in value for scalar in flatten_given(item, type_.element, name)]
+    if not isinstance(value, int) or (isinstance(value, bool) and type_.kind != "bool"):
+        raise UsageError(f"The constant '{name}' needs {type_.kind} values, not {value!r}.")
+    if not type_.low <= value <= type_.high:
+        raise UsageError(f"The constant '{name}' = {value} is outside of {type_.low} to {type_.high}.")
+    return [int(value)]
+
+
+def written(value: Given, type_: Type) -> str:
+    """A constant in UPPAAL's language."""
+    if isinstance(value, Sequence):
+        return "{" + ", ".join(written(item, type_) for item in value) + "}"
+    return ("true" if value else "false") if type_.kind == "bool" else str(int(value))

@@ -1,0 +1,111 @@
+"""From a file to a network: declarations with the given constants put in, templates, processes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from timed_automata import _ast as ast
+from timed_automata._declarations import Declarations
+from timed_automata._definitions import Definitions
+from timed_automata._document import Document
+from timed_automata._faults import did_you_mean, fault
+from timed_automata._initialisers import Given
+from timed_automata._network import Network, State
+from timed_automata._parser import parse_declarations, parse_instantiations, parse_system
+from timed_automata._places import Places
+from timed_automata._scope import Constant, Scope
+from timed_automata._templates import ParsedTemplate
+from timed_automata._types import Type
+from timed_automata._unit import Unit
+from timed_automata._xml_reader import load_document
+from timed_automata.errors import ModelError, UsageError
+
+
+def load_network(path: str | Path, constants: Mapping[str, Given] | None = None) -> Network:
+    """Read a UPPAAL file, check it, and put in ``constants`` for the initialisers of its global constants.
+
+    Args:
+        path: UPPAAL XML.
+        constants: by name; a list (of lists) for an array, of the shape that is declared. They are put in
+            before sizes are computed: an array whose size depends on a given constant changes its shape.
+
+    Raises:
+        ModelError: the file is not valid, or outside of the supported subset; with ``file:line:column``.
+        UsageError: a given constant does not exist, or does not fit its declaration.
+    """
+    return make_network(load_document(path), constants)
+
+
+def make_network(document: Document, constants: Mapping[str, Given] | None = None) -> Network:
+    """A network of a document that was read; see :func:`load_network`."""
+    try:
+        return _make(document, constants or {})
+    except (RecursionError, MemoryError, SyntaxError):  # Python's own limits, for generated code as well
+        what = "An expression or a function is nested too deeply."
+        raise ModelError(what, where=document.path, todo="Break it into parts.") from None
+
+
+def _make(document: Document, given: Mapping[str, Given]) -> Network:
+    unit, places, globals_ = Unit(), Places(), Scope()
+    declarations = Declarations(unit, places, globals_, given=given)
+    for declaration in parse_declarations(document.declarations) if document.declarations else ():
+        declarations.take(declaration)
+    _check_given(given, globals_, document.path)
+    definitions = Definitions(unit, places)
+    for template in document.templates:
+        definitions.add_template(ParsedTemplate(template), globals_)
+    _instantiate(document, definitions, Scope(globals_))
+    definitions.check_unused()
+    return Network(
+        document=document,
+        processes=tuple(definitions.processes),
+        variables=tuple(places.variables),
+        clocks=tuple(places.clocks),
+        channels=tuple(places.channels),
+        initial=State(tuple(process.initial for process in definitions.processes), tuple(places.initial)),
+        offsets=places.offsets,
+        constants={
+            name: _nested(symbol.values, symbol.type)
+            for name, symbol in globals_.symbols.items()
+            if isinstance(symbol, Constant)
+        },
+        replaced=tuple(declarations.replaced),
+        scope=globals_,
+        unit=unit,
+    )
+
+
+def _check_given(given: Mapping[str, Given], scope: Scope, path: str) -> None:
+    for name in given:
+        symbol = scope.symbols.get(name)
+        if symbol is None:
+            known = [other for other, found in scope.symbols.items() if isinstance(found, Constant)]
+            raise UsageError(f"{path} declares no global constant '{name}'.", todo=did_you_mean(name, known))
+        if not isinstance(symbol, Constant):
+            raise UsageError(f"'{name}' is not a constant in {path}: it cannot be given.")
+
+
+def _instantiate(document: Document, definitions: Definitions, scope: Scope) -> None:
+    """The instantiations and the ``system`` line; the section's own declarations are seen by it alone."""
+    system = parse_system(document.system)
+    older = parse_instantiations(document.instantiations) if document.instantiations else ()
+    declarations = Declarations(definitions.unit, definitions.places, scope)
+    for item in (*older, *system.items):
+        if isinstance(item, ast.Instantiation):
+            definitions.add_instantiation(item, scope)
+        else:
+            declarations.take(item)
+    seen: set[str] = set()
+    for name in system.processes:
+        if name.name in seen:
+            raise fault(name.span, f"'{name.name}' stands twice on the system line.")
+        seen.add(name.name)
+        definitions.instantiate(name, scope)
+
+
+def _nested(values: tuple[int, ...], type_: Type) -> Given:
+    if not type_.dimensions:
+        return values[0]
+    element = type_.element
+    return [_nested(values[i : i + element.size], element) for i in range(0, len(values), element.size)]

@@ -1,0 +1,115 @@
+"""From a symbolic run to a concrete one with absolute times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from timed_automata.explore._delay import Grow, freely
+from timed_automata.explore._discrete import Move
+from timed_automata.explore._symbolic import Place, SymbolicSpace
+from timed_automata.explore._timing import Timing
+from timed_automata.explore._trace import Trace, TraceStep, changes_between
+from timed_automata.explore._zone import Zone, constraints_of
+
+Ending = Callable[[Place, Zone], Zone | None]
+
+
+class NoRunError(Exception):
+    """The legs are not those of a run."""
+
+
+class Leg(NamedTuple):
+    """A part of a run: a move (None: none, from here on another rule holds for delays), then a delay."""
+
+    move: Move | None
+    grow: Grow = freely
+
+
+class _Visit(NamedTuple):
+    """A leg among exact zones: the place, where it is entered, what a delay makes of that."""
+
+    place: Place
+    entry: Zone | None  # None: anywhere
+    later: Zone | None
+
+
+def concrete(
+    space: SymbolicSpace, legs: Sequence[Leg], ending: Ending, remark: str, *, loop: int | None = None
+) -> Trace:
+    """The earliest run along the legs that then satisfies ``ending`` (the part of a zone that does).
+
+    Args:
+        space: in which the run was found.
+        legs: the first one has no move and starts in the initial state.
+        ending: of the last leg.
+        remark: how it ends.
+        loop: number of the move to which the run returns.
+
+    Raises:
+        NoRunError: there is none; never for legs that a search has found.
+
+    A run that is found among widened zones exists as it is (what is added to a zone is simulated by what was in
+    it), so the zones along it are computed once more, without widening.
+    """
+    exact = SymbolicSpace(space.discrete, space.limits, delays=False, widens=False)
+    place, zone = exact.initial()
+    visits = _follow(exact, place, zone, list(legs), ending)
+    if visits is None:
+        raise NoRunError
+    timing, instants = Timing(), []
+    for leg, visit in zip(legs, visits, strict=True):
+        if leg.move is not None:
+            timing.require(leg.move.guard)
+            for clock, value in leg.move.resets.items():
+                timing.set(clock, value)
+            instants.append(timing.now)
+        _require(timing, visit.place, visit.entry)
+        timing.advance(delays=visit.place.discrete.delays)
+        timing.require(visit.place.discrete.invariant)
+        _require(timing, visit.place, visit.later)
+    times = timing.solve()
+    network, state, steps = space.discrete.network, place.discrete.state, []
+    for move, instant in zip((leg.move for leg in legs if leg.move is not None), instants, strict=True):
+        if move.target is None:
+            break
+        channel = None if move.channel is None else network.channels[move.channel].name
+        after = move.target.state
+        steps.append(
+            TraceStep(times[instant], channel, move.edges, after, changes_between(network, state, after))
+        )
+        state = after
+    return Trace(network, tuple(steps), times[-1], remark, loop)
+
+
+def _require(timing: Timing, place: Place, zone: Zone | None) -> None:
+    if zone is not None:
+        numbers = (0, *place.clocks)
+        for i, j, bound in constraints_of(zone, place.n):
+            timing.require_difference(numbers[i], numbers[j], bound)
+
+
+def _follow(
+    space: SymbolicSpace, place: Place, zone: Zone, legs: list[Leg], ending: Ending
+) -> list[_Visit] | None:
+    """The exact zones of a run; where a condition leaves several ways to stay, the first that leads to the end."""
+    pending: list[tuple[list[_Visit], Place, Zone]] = [([], place, zone)]
+    while pending:
+        visits, place, zone = pending.pop()
+        leg = legs[len(visits)]
+        arrived: Zone | None = zone
+        if leg.move is not None:
+            plan, place, _ = space.step(place, leg.move)
+            arrived = plan(zone)
+        if arrived is None:
+            continue
+        free = leg.grow is freely
+        more: list[tuple[list[_Visit], Place, Zone]] = []
+        for entry, later in leg.grow(place, arrived):
+            if len(visits) + 1 < len(legs):
+                visit = _Visit(place, None if free else entry, None if free else later)
+                more.append(([*visits, visit], place, later))
+            elif (part := ending(place, later)) is not None:
+                return [*visits, _Visit(place, None if free else entry, part)]
+        pending += reversed(more)
+    return None

@@ -1,0 +1,274 @@
+"""Answers queries about a network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import partial
+
+from timed_automata import Network, Text, refused
+from timed_automata import Query as StoredQuery
+from timed_automata import _ast as ast
+from timed_automata.errors import RangeError
+from timed_automata.explore._cases import Cases
+from timed_automata.explore._collector import without_collector
+from timed_automata.explore._concrete import Leg, NoRunError, concrete
+from timed_automata.explore._coverage import Coverage, Survey
+from timed_automata.explore._delay import Only, Within
+from timed_automata.explore._discrete import DiscreteSpace
+from timed_automata.explore._divergence import Timelocks, taken, zeno_run
+from timed_automata.explore._extremes import Found, extreme_clock, extreme_integer
+from timed_automata.explore._formula import (
+    All,
+    Formula,
+    compile_clock,
+    compile_formula,
+    compile_integer,
+    limits_of,
+    mentions_deadlock,
+)
+from timed_automata.explore._limits import Limit, Limits, merged
+from timed_automata.explore._liveness import Lasso, Start, Staying
+from timed_automata.explore._query import Query, parse_query
+from timed_automata.explore._reach import OutOfRangeError, Search, Told
+from timed_automata.explore._reachability import Reachability, answer
+from timed_automata.explore._sharp import SharpSpace
+from timed_automata.explore._symbolic import SymbolicSpace
+from timed_automata.explore._trace import Trace
+from timed_automata.explore._verdict import Verdict
+
+
+class RunTimeError(RangeError):
+    """A value leaves its range in a run of the network: the model is wrong, whatever the query. With its trace."""
+
+    def __init__(self, error: OutOfRangeError, trace: Trace) -> None:
+        super().__init__(error.what, where=error.where, todo=error.todo)
+        self.trace = trace
+
+
+class Explorer:
+    """Checks any number of queries about one network; what does not depend on the query is computed once.
+
+    Args:
+        network: a loaded network.
+        told: called with the number of states of the search at hand now and then.
+    """
+
+    def __init__(self, network: Network, told: Told | None = None) -> None:
+        self.network, self._told = network, told
+        self.discrete = DiscreteSpace(network)
+
+    def check(self, query: Query | StoredQuery | Text | str) -> Verdict:
+        """The answer to a query.
+
+        Raises:
+            ModelError: the query is not well-formed, or outside of the supported subset.
+            RunTimeError: a value leaves its range in a run.
+        """
+        query = _read(query)
+        with without_collector():
+            if query.kind in ("sup", "inf"):
+                return self._extremes(query)
+            if query.kind in ("A[]", "E<>"):
+                return self._reachability(query)
+            return self._liveness(query)
+
+    def explore_all(self) -> Coverage:
+        """What every model must satisfy, whatever its queries.
+
+        Raises:
+            RunTimeError: a value leaves its range in a run.
+        """
+        space = SymbolicSpace(self.discrete, Limits(self.network, symmetric=True))
+        with self._errors(space), without_collector():
+            return Survey(Search(space, self._told)).run()
+
+    def timelock(self) -> Verdict:
+        """Whether time can go on wherever nothing else can happen; if not, the shortest run to where it cannot.
+
+        Raises:
+            RunTimeError: a value leaves its range in a run.
+        """
+        states = 0
+        for trusted in (False, True):
+            limits = Limits(self.network, symmetric=trusted)
+            space = (SymbolicSpace if trusted else SharpSpace)(self.discrete, limits)
+            search = Search(space, self._told)
+            locks = Timelocks(search, trusted=trusted)
+            with self._errors(space), without_collector():
+                trace = locks.run(search.nodes())
+            states += search.states
+            if trace is not None or not locks.doubts:
+                break
+        return Verdict("", trace is None, states, trace)
+
+    def zeno(self) -> Verdict:
+        """Whether time diverges in every endless run; if not, a run to, and round, a cycle on which it need not pass.
+
+        Raises:
+            RunTimeError: a value leaves its range in a run.
+        """
+        search = Search(SymbolicSpace(self.discrete, Limits(self.network)), self._told)
+        with self._errors(search.space), without_collector():
+            for _ in search.nodes():
+                pass
+            trace = zeno_run(search, list(taken(iter(search.space.places))))
+        return Verdict("", trace is None, search.states, trace)
+
+    def check_all(self, queries: Iterable[Query | StoredQuery | Text | str]) -> list[Verdict]:
+        """The answers to several queries, those that can be found in one search together.
+
+        Raises:
+            ModelError: as :meth:`check`.
+            RunTimeError: as :meth:`check`.
+        """
+        read = [_read(query) for query in queries]
+        answers: dict[int, Verdict] = {}
+        groups: dict[frozenset[int], list[int]] = {}
+        asked: dict[int, Reachability] = {}
+        for at, query in enumerate(read):
+            if query.kind in ("A[]", "E<>"):
+                asked[at] = Reachability(self.network, query)
+                groups.setdefault(frozenset(limits_of(asked[at].wanted)), []).append(at)
+            else:
+                answers[at] = self.check(query)
+        for members in groups.values():
+            with without_collector():
+                answers.update(zip(members, self._together([asked[at] for at in members]), strict=True))
+        return [answers[at] for at in range(len(read))]
+
+    # Kinds of queries
+
+    def _reachability(self, query: Query) -> Verdict:
+        return self._together([Reachability(self.network, query)])[0]
+
+    def _together(self, asked: list[Reachability]) -> list[Verdict]:
+        """Answers of one search."""
+        extra: dict[int, Limit] = {}
+        for one in asked:
+            merged(extra, limits_of(one.wanted))
+        for symmetric in (False, True):
+            open_ = [one for one in asked if one.verdict is None]
+            sharp = not symmetric and any(one.about_deadlock for one in open_)
+            limits = Limits(self.network, extra, symmetric=symmetric)
+            search = Search((SharpSpace if sharp else SymbolicSpace)(self.discrete, limits), self._told)
+            with self._errors(search.space):
+                answer(search, open_, trusted=symmetric)
+            if all(one.verdict for one in asked):
+                break
+        return [one.verdict for one in asked if one.verdict]
+
+    def _liveness(self, query: Query) -> Verdict:
+        assert query.condition is not None
+        sustained = query.condition if query.then is None else query.then
+        staying = query.kind == "E[]"
+        inside = self._without_deadlock(sustained, negated=not staying)
+        outside = self._without_deadlock(sustained, negated=staying)
+        extra = limits_of(All((inside, outside)))
+        starts = None
+        if query.then is not None:
+            starts = self._without_deadlock(query.condition, negated=False)
+            merged(extra, limits_of(starts))
+        within, states = Within(Cases(inside), Cases(outside)), 0
+        for symmetric in (False, True):
+            limits = Limits(self.network, extra, symmetric=symmetric)
+            space = SymbolicSpace(self.discrete, limits, delays=False)
+            search = Staying(space, within, partial(_trusted if symmetric else _possible, space))
+            reach = Search(SymbolicSpace(self.discrete, limits), self._told)
+            with self._errors(space):
+                found = (
+                    [Start(*space.initial(), ())] if starts is None else _starts(reach, space, Cases(starts))
+                )
+                lasso = search.lasso(found)
+            states += search.states + reach.states
+            if lasso is not None or not search.doubts:
+                break
+        trace = (
+            None
+            if lasso is None
+            else concrete(space, lasso.legs, lasso.ending, lasso.remark, loop=lasso.loop)
+        )
+        return Verdict(str(query), (lasso is None) != staying, states, trace)
+
+    def _without_deadlock(self, node: ast.Expression, *, negated: bool) -> Formula:
+        formula = compile_formula(self.network, node, negated=negated)
+        if mentions_deadlock(formula):
+            raise refused(node.span, f"'{node.span.snippet}', 'deadlock' outside of A[] and E<>")
+        return formula
+
+    def _extremes(self, query: Query) -> Verdict:
+        condition: Formula = All(())
+        if query.condition is not None:
+            condition = self._without_deadlock(query.condition, negated=False)
+        found = [self._extreme(condition, target, upper=query.kind == "sup") for target in query.targets]
+        trace = None
+        for one, target in zip(found, query.targets, strict=True):
+            if trace is None and one.node is not None:
+                remark = f"{query.kind} of {target.span.snippet}: {one.extreme}"
+                trace = concrete(one.search.space, one.node.legs, one.ending, remark)
+        states, extremes = sum(one.search.states for one in found), tuple(one.extreme for one in found)
+        return Verdict(str(query), all(e.value is not None for e in extremes), states, trace, extremes)
+
+    def _extreme(self, condition: Formula, target: ast.Expression, *, upper: bool) -> Found:
+        clock = compile_clock(self.network, target)
+        space = SymbolicSpace(self.discrete, Limits(self.network))
+        with self._errors(space):
+            if clock is not None:
+                return extreme_clock(self.discrete, condition, clock, upper=upper, told=self._told)
+            read = compile_integer(self.network, target)
+            return extreme_integer(self.discrete, condition, read, upper=upper, told=self._told)
+
+    @contextmanager
+    def _errors(self, space: SymbolicSpace) -> Iterator[None]:
+        """A value that leaves its range is told with the run that leads there."""
+        try:
+            yield
+        except OutOfRangeError as error:
+            raise RunTimeError(error, concrete(space, error.legs, _anywhere, error.what)) from None
+
+
+def _read(query: Query | StoredQuery | Text | str) -> Query:
+    if isinstance(query, StoredQuery):
+        query = query.formula
+    return query if isinstance(query, Query) else parse_query(query)
+
+
+def _starts(reach: Search, space: SymbolicSpace, cases: Cases) -> Iterator[Start]:
+    """All states that satisfy the left side of ``-->``, with the ways there."""
+    only = Only(cases)
+    for node in reach.nodes():
+        place = space.place(node.place.discrete)
+        for _, zone in only(place, node.zone):
+            yield Start(place, tuple(zone), (*node.legs, Leg(None, only)))
+
+
+def _possible(space: SymbolicSpace, lasso: Lasso) -> bool:
+    """Whether a run that ends is there without widening."""
+    try:
+        concrete(space, lasso.legs, lasso.ending, lasso.remark)
+    except NoRunError:
+        return False
+    return True
+
+
+def _trusted(_: SymbolicSpace, __: Lasso) -> bool:
+    return True
+
+
+def _anywhere(_: object, zone: tuple[int, ...]) -> tuple[int, ...]:
+    return zone
+
+
+def check(network: Network, query: Query | StoredQuery | Text | str) -> Verdict:
+    """The answer to one query; see :meth:`Explorer.check`. For several about one network make an Explorer."""
+    return Explorer(network).check(query)
+
+
+def explore_all(network: Network) -> Coverage:
+    """See :meth:`Explorer.explore_all`."""
+    return Explorer(network).explore_all()
+
+
+def worst_case(network: Network, clock: str, *, where: str = "true") -> Verdict:
+    """The supremum of a clock over the states that satisfy ``where``; ``extremes[0]`` of the verdict."""
+    return check(network, f"sup{{{where}}}: {clock}")

@@ -1,0 +1,145 @@
+"""Suprema and infima: how large or small a clock or an integer gets where a condition holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from timed_automata.explore._bound import INFINITY, at_most, below
+from timed_automata.explore._cases import Cases
+from timed_automata.explore._concrete import Ending
+from timed_automata.explore._discrete import DiscreteSpace
+from timed_automata.explore._formula import Formula, limits_of
+from timed_automata.explore._growth import grows
+from timed_automata.explore._limits import NEVER, Limit, Limits, largest, merged
+from timed_automata.explore._reach import Node, Search, Told
+from timed_automata.explore._symbolic import Place, SymbolicSpace
+from timed_automata.explore._verdict import Extreme
+from timed_automata.explore._zone import Zone, constrained
+
+MOST = 1 << 24  # a supremum beyond is called unbounded (4.6 hours in milliseconds)
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """An extreme, where it is (None: nowhere), and the part of a zone there that shows it."""
+
+    extreme: Extreme
+    search: Search
+    node: Node | None
+    ending: Ending
+
+
+Read = Callable[[tuple[int, ...], tuple[int, ...]], int]
+
+
+def extreme_integer(
+    discrete: DiscreteSpace, condition: Formula, read: Read, *, upper: bool, told: Told | None = None
+) -> Found:
+    """Of an integer expression.
+
+    Raises:
+        OutOfRangeError: a value leaves its range on the way.
+    """
+    search, cases = (
+        Search(SymbolicSpace(discrete, Limits(discrete.network, limits_of(condition))), told),
+        Cases(condition),
+    )
+    best, where = None, None
+    for node in search.nodes():
+        state = node.place.discrete.state
+        value = read(state.values, state.locations)
+        if best is not None and (value <= best if upper else value >= best):
+            continue
+        if cases.part(node.place, node.zone) is not None:
+            best, where = value, node
+    return Found(Extreme(best, attained=True), search, where, cases.part)
+
+
+def extreme_clock(
+    discrete: DiscreteSpace, condition: Formula, clock: int, *, upper: bool, told: Told | None = None
+) -> Found:
+    """Of a clock. Zones are exact up to its limits, which are doubled until the extreme lies below.
+
+    Raises:
+        OutOfRangeError: a value leaves its range on the way.
+    """
+    limit = max(1, largest(discrete.network))
+    while True:
+        extra = {clock: Limit(limit, NEVER) if upper else Limit(NEVER, limit)}
+        merged(extra, limits_of(condition))
+        search = Search(SymbolicSpace(discrete, Limits(discrete.network, extra)), told)
+        attempt = _Attempt(search, Cases(condition), clock, upper, limit)
+        found = attempt.run()
+        if found is not None:
+            return found
+        if limit >= MOST:
+            return attempt.unbounded(None)
+        limit *= 2
+
+
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    search: Search
+    cases: Cases
+    clock: int
+    upper: bool
+    limit: int
+
+    def run(self) -> Found | None:
+        """The extreme; None if it lies beyond the limit."""
+        best, where = -INFINITY, None
+        for node in self.search.nodes():
+            bound = self._bound(node)
+            if bound == INFINITY or (self.upper and bound > at_most(self.limit)):
+                endless = bound == INFINITY and self._endless(node)
+                if endless or grows(self.search, node, self.clock, self.cases):
+                    return self.unbounded(node)
+                return None
+            if bound > best:
+                best, where = bound, node
+        if where is None:
+            return Found(Extreme(None, attained=True), self.search, None, self.cases.part)
+        if not self.upper and best <= below(-self.limit):
+            return None
+        value, attained = (best >> 1 if self.upper else -(best >> 1)), bool(best & 1)
+        return Found(Extreme(value, attained), self.search, where, self._ending(value, attained))
+
+    def _bound(self, node: Node) -> int:
+        """The bound of the clock, upper or negated lower; the larger the more extreme."""
+        place, n = node.place, node.place.n
+        index, best = place.index[self.clock], -INFINITY
+        for constraints, _ in self.cases.of(place):
+            part = constrained(node.zone, n, constraints)
+            if part is not None:
+                best = max(best, part[index * n] if self.upper else part[index])
+        return best
+
+    def _endless(self, node: Node) -> bool:
+        """Whether time can pass without end where the condition holds."""
+        discrete = node.place.discrete
+        if not discrete.delays or discrete.invariant:
+            return False
+        return any(all(j for _, j, _ in constraints) for constraints, _ in self.cases.of(node.place))
+
+    def _ending(self, value: int, attained: bool) -> Ending:
+        """The extreme itself, or close to it."""
+        if self.upper:
+            bound = at_most(-value) if attained else below(1 - value)
+        else:
+            bound = at_most(value) if attained else below(value + 1)
+
+        def ending(place: Place, zone: Zone) -> Zone | None:
+            index = place.index[self.clock]
+            wanted = (0, index, bound) if self.upper else (index, 0, bound)
+            for constraints, _ in self.cases.of(place):
+                part = constrained(zone, place.n, (*constraints, wanted))
+                if part is not None:
+                    return part
+            return None
+
+        return ending
+
+    def unbounded(self, node: Node | None) -> Found:
+        """No supremum."""
+        return Found(Extreme(None, attained=False), self.search, node, self.cases.part)

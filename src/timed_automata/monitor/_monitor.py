@@ -1,0 +1,255 @@
+"""Following a run that was recorded: each step must be one that the network allows, then and there.
+
+It shares the rules of the network (`Semantics`) with the executor, and nothing else: when an edge is due, which one
+comes first and what is late is found here once more, from the values of the clocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from timed_automata import (
+    Begun,
+    Change,
+    ExecutionSnapshot,
+    Network,
+    Observation,
+    Received,
+    Sides,
+    State,
+    Step,
+    Transition,
+    Written,
+    resume,
+)
+from timed_automata.errors import RangeError, UsageError
+from timed_automata.monitor._objection import Kind, Objection
+from timed_automata.monitor._situation import Situation
+from timed_automata.monitor._watched import watched_queries
+from timed_automata.monitor._words import changes_in_words, in_words, named, same_edges, why_not
+
+
+class Monitor:
+    """Judges a run, observation by observation.
+
+    What follows a step that is none of the network is not judged: nobody knows in which state it is.
+
+    Args:
+        network: a loaded network, with the constants that were executed.
+        executed: names of processes or templates; everything else is the environment. None: all of them.
+        interface: names of the variables that both sides share.
+        unit_us: length of the model's unit of time, in units of the run's time.
+        requirements: judge the queries of the file, too, as far as they can be judged.
+
+    Attributes:
+        objections: what there is to say against the run, in order.
+        steps: how many steps were judged.
+        queries: those of the file that are judged.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        executed: Iterable[str] | None = None,
+        interface: Iterable[str] = (),
+        *,
+        unit_us: int = 1000,
+        requirements: bool = False,
+    ) -> None:
+        self.network = network
+        self._sides = Sides(network, executed, interface) if executed is not None else None
+        ours = self._sides.executed if self._sides else frozenset(range(len(network.processes)))
+        self.queries = watched_queries(network, ours) if requirements else ()
+        self.objections: list[Objection] = []
+        self.steps = 0
+        self._situation = Situation(network, ours, unit_us)
+        self._broken: set[int] = set()
+        self._now = 0
+        self._event: Received | None = None
+        self._begun = self._following = False
+
+    @property
+    def state(self) -> State:
+        """Locations and values after what was observed."""
+        return self._situation.state
+
+    def begin(self, at: int, writes: Mapping[str, int] | None = None) -> None:
+        """A run begins, all clocks at zero, with these values of the interface."""
+        self._begun = self._following = True
+        self._event, self._broken = None, set()
+        self._now = at
+        self._situation.begin(at)
+        self._situation.write(writes or {}, at)
+        self._judge()
+
+    def resume(self, snapshot: ExecutionSnapshot) -> None:
+        """What was recorded begins in the middle of a run, in this state."""
+        self._begun, self._event, self._broken = True, None, set()
+        self._now = snapshot.at
+        try:
+            self._situation.resume(resume(self.network, snapshot), snapshot.entered)
+        except UsageError as error:
+            self._refuse(snapshot.at, str(error))
+            return
+        self._following = True
+        if not self._situation.may_delay() and snapshot.at > snapshot.entered:
+            self._refuse(
+                snapshot.at, "The recorded state is a committed or urgent location that was not left."
+            )
+        self._judge()
+
+    @property
+    def snapshot(self) -> ExecutionSnapshot | None:
+        """Where the run stands, as far as it was observed; None: it could not be followed to here."""
+        return self._situation.snapshot(self._now) if self._following else None
+
+    def observe(self, observation: Observation) -> None:
+        """Judge what comes next."""
+        if not self._begun and not isinstance(observation, Begun):
+            self._begun = True
+            self._refuse(observation.at, "The beginning is missing.")
+        try:
+            if isinstance(observation, Begun):
+                self.begin(observation.at, observation.writes)
+            elif isinstance(observation, Step) and observation.received is not None:
+                self._take_event(observation)
+            else:
+                self._forget_event()
+                self._next(observation)
+        except (RangeError, UsageError) as error:
+            self._refuse(observation.at, str(error))
+
+    def end(self, at: int) -> None:
+        """Nothing else happened until ``at``."""
+        self._forget_event()
+        if self._pass(at):
+            self._judge()
+            if not self._situation.may_delay():
+                self._refuse(at, "A committed or urgent location was not left.")
+            elif not self._situation.stays(at):
+                self._refuse(at, "A deadline has passed, and nothing was taken.")
+
+    # One observation
+
+    def _next(self, observation: Written | Received | Step) -> None:
+        if not self._pass(observation.at):
+            return
+        if isinstance(observation, Step):
+            self._take(observation)
+        elif isinstance(observation, Written):
+            self._situation.write(observation.writes, self._now)
+            self._judge()
+        else:
+            self._event = observation
+
+    def _pass(self, at: int) -> bool:
+        """Time passes; whether the run is being followed."""
+        if self._following and at < self._now:
+            self._refuse(at, f"Time runs backwards, by {self._now - at} µs.")
+        elif self._following and at > self._situation.entered and not self._situation.may_delay():
+            self._refuse(at, "Time passed in a committed or urgent location.")
+        self._now = max(at, self._now)
+        return self._following
+
+    def _forget_event(self) -> None:
+        """The last event was taken by nobody: that must be so."""
+        event, self._event = self._event, None
+        if event is None or not self._following:
+            return
+        if transition := self._reception(event):
+            who = in_words(self.network, transition.edges)
+            self._refuse(event.at, f"'{event.channel}' was lost, but could have been received: {who}.")
+            return
+        self._situation.write(event.writes, self._now)
+        self._judge()
+
+    def _reception(self, event: Received) -> Transition | None:
+        return self._situation.reception(self._sides.input(event.channel)) if self._sides else None
+
+    def _take_event(self, step: Step) -> None:
+        event, self._event = self._event, None
+        if not self._following:
+            return
+        if event is None or (event.channel, event.at) != (step.received, step.at):
+            self._refuse(step.at, f"{named(step)} received '{step.received}', which was not sent then.")
+        elif (transition := self._reception(event)) is None:
+            self._refuse(step.at, f"Nobody can receive '{event.channel}' then, but {named(step)} did.")
+        elif not same_edges(self.network, transition, step):
+            who = in_words(self.network, transition.edges)
+            self._refuse(step.at, f"'{event.channel}' was received by {named(step)}, not by {who}.")
+        else:
+            # when an event comes is not the machine's doing: only the invariants are asked
+            self._told(step, in_time=self._situation.stays(step.at))
+            self._fire(transition, step, event)
+
+    def _take(self, step: Step) -> None:
+        situation = self._situation
+        found = next((t for t in situation.transitions() if same_edges(self.network, t, step)), None)
+        if found is None:
+            why = why_not(self.network, situation.state, step)
+            self._refuse(step.at, f"{named(step)} was taken and not enabled: {why}.")
+        elif not situation.enabled(found, step.at):
+            self._refuse(step.at, f"{named(step)} was taken before its time.")
+        else:
+            if step.due is not None:
+                self._ask_order(step, found)
+            self._told(step, in_time=situation.in_time(found, step.at))
+            self._fire(found, step)
+
+    # What is asked of a step
+
+    def _told(self, step: Step, *, in_time: bool) -> None:
+        """Whether it came in time, and whether that was told."""
+        if not in_time and not step.missed:
+            self._object(step.at, "no run", f"{named(step)} came after its time, and that was not told.")
+        elif in_time and step.missed:
+            self._object(step.at, "no run", f"{named(step)} was told to be late, and was in time.")
+        elif step.missed:
+            behind = "too late" if step.due is None else f"{step.late_us / 1000:.3f} ms late"
+            self._object(step.at, "missed", f"{named(step)} was taken {behind}: beyond its bound.")
+
+    def _ask_order(self, step: Step, taken: Transition) -> None:
+        """What is due first is taken first; of what is due at once, what stands first in the file."""
+        chances = self._situation.chances
+        due = next((chance.due for chance in chances if chance.transition.edges == taken.edges), None)
+        if due != step.due or step.late_us != step.at - (step.due or 0):
+            self._object(step.at, "no run", f"{named(step)} was due at {due} µs; told was {step.due} µs.")
+        first = min(chances, key=lambda chance: chance.due, default=None)
+        if first is not None and due is not None and first.transition.edges != taken.edges:
+            who = in_words(self.network, first.transition.edges)
+            self._object(step.at, "no run", f"{named(step)} was taken before {who}, which comes first.")
+
+    def _fire(self, transition: Transition, step: Step, event: Received | None = None) -> None:
+        fired = self._situation.fire(transition.edges, event.writes if event else None)
+        pairs = zip(self.network.offsets, self._situation.state.values, fired.state.values, strict=True)
+        changes = tuple(Change(name, old, new) for name, old, new in pairs if old != new)
+        channel = transition.channel if event is None else None
+        sent = None if channel is None else self.network.channels[channel].name
+        if changes != tuple(step.changes):
+            told = changes_in_words(step.changes)
+            self._refuse(step.at, f"{named(step)} changes {changes_in_words(changes)}; told was {told}.")
+        elif sent != step.sent:
+            self._refuse(step.at, f"{named(step)} sends {sent}; told was {step.sent}.")
+        else:
+            self.steps += 1
+            self._judge()  # of the state that is left
+            self._situation.move(transition, fired, step.at)
+            if not step.missed and not self._situation.stays(step.at):
+                self._refuse(step.at, f"{named(step)} leads to where an invariant does not hold.")
+            self._judge()
+
+    def _judge(self) -> None:
+        """The queries of the file, now; each is objected to once until it holds again."""
+        for number, query in enumerate(self.queries):
+            cases = query.violations(self._situation.state)
+            broken = any(self._situation.holds(case.bounds, self._now) for case in cases)
+            if broken and number not in self._broken:
+                self._object(self._now, "requirement", f"Did not hold: {query.comment or query.text}")
+            (self._broken.add if broken else self._broken.discard)(number)
+
+    def _refuse(self, at: int, what: str) -> None:
+        self._object(at, "no run", what)
+        self._following = False
+
+    def _object(self, at: int, kind: Kind, what: str) -> None:
+        self.objections.append(Objection(at, kind, what))

@@ -1,0 +1,94 @@
+"""What guides a run: the next transition, by its channel or by what it makes true, and when."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from timed_automata import Network, State, Text, parse_expression
+from timed_automata.errors import UsageError
+from timed_automata.explore import Data, compile_formula
+from timed_automata.simulate._machine import US_PER_UNIT, Option
+
+_TIMED = re.compile(r"(?P<what>.*?)(?:(?P<sign>[@+])\s*(?P<ms>\d+(?:\.\d+)?)\s*(?:ms)?)?", re.DOTALL)
+_NAME = re.compile(r"\w+(\s*\[.*\])?", re.DOTALL)
+_Holds = Callable[[State], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One step of a guided run.
+
+    Attributes:
+        text: as written.
+        channel: its name, where it is chosen by its channel.
+        holds: what it makes true, otherwise.
+        at: µs since the start; None: as soon as possible.
+        after: µs since the step before; None: as soon as possible.
+    """
+
+    text: str
+    channel: int | None = None
+    holds: _Holds | None = field(default=None, repr=False)
+    at: int | None = None
+    after: int | None = None
+
+    def fits(self, option: Option, state: State) -> bool:
+        """Whether a transition out of ``state`` is meant; not whether the time is right."""
+        if self.holds is None:
+            return option.transition.channel == self.channel
+        if not isinstance(option.fired, tuple):
+            return False
+        return not self.holds(state) and self.holds(option.fired.state)
+
+    def instant(self, now: int) -> int | None:
+        """The instant that is asked for, µs since the start; None: as soon as possible."""
+        return now + self.after if self.after is not None else self.at
+
+
+def parse_choices(network: Network, text: str) -> tuple[Choice, ...]:
+    """Choices from text: ``world == IN_TIME; adopt; grip @ 1000; confirmed[0] + 350; Gripper.Gripped``.
+
+    Separated by ``;``. Each is the name of a channel, or a condition of UPPAAL's requirement language that the
+    transition makes true. ``@`` is followed by the time since the start, ``+`` by that since the step before, ms.
+
+    Raises:
+        UsageError: a time is not one, or the condition is about clocks.
+        ModelError: a condition that does not type-check.
+    """
+    return tuple(_choice(network, item.strip()) for item in text.split(";") if item.strip())
+
+
+def _choice(network: Network, text: str) -> Choice:
+    found = _TIMED.fullmatch(text)
+    assert found is not None
+    what, sign = found["what"].strip(), found["sign"]
+    if not what:
+        todo = "Write for instance 'grip @ 1000'."
+        raise UsageError(f"'{text}' says when, but not what.", todo=todo)
+    if "@" in what:
+        raise UsageError(
+            f"'{text}' does not end with a time in ms.", todo="Write for instance 'grip @ 1000'."
+        )
+    us = Fraction(found["ms"]) * US_PER_UNIT if sign else Fraction(0)
+    if us.denominator != 1:
+        raise UsageError(f"The time in '{text}' is finer than a microsecond.")
+    at, after = (int(us) if sign == "@" else None), (int(us) if sign == "+" else None)
+    channel = _channel(network, what)
+    if channel is not None:
+        return Choice(text, channel=channel, at=at, after=after)
+    return Choice(text, holds=_condition(network, what), at=at, after=after)
+
+
+def _channel(network: Network, what: str) -> int | None:
+    names = {channel.name: number for number, channel in enumerate(network.channels)}
+    return names.get("".join(what.split())) if _NAME.fullmatch(what) else None
+
+
+def _condition(network: Network, what: str) -> _Holds:
+    formula = compile_formula(network, parse_expression(Text.plain(what, "choice")))
+    if not isinstance(formula, Data):
+        raise UsageError(f"'{what}' is about clocks.", todo="Choose by channels, locations and variables.")
+    return lambda state: bool(formula.cases(state))

@@ -1,0 +1,120 @@
+"""A network in one concrete state: which transitions are possible when, and taking one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+from typing import NamedTuple
+
+from timed_automata import NEVER, Bound, Change, Clocks, Fired, Network, Semantics, Transition
+from timed_automata.errors import ModelError, RangeError
+from timed_automata.explore import TraceStep
+
+US_PER_UNIT = 1000  # the model's unit is the millisecond
+
+
+class Option(NamedTuple):
+    """A transition that is possible at every instant from ``first`` to ``last``, µs since the start.
+
+    ``last`` is None where nothing limits it. ``fired`` is what it leads to, or why it cannot.
+    """
+
+    transition: Transition
+    first: int
+    last: int | None
+    fired: Fired | RangeError
+
+
+class Machine:
+    """A network at an instant; all clocks are zero at 0 µs. Instants are whole microseconds.
+
+    Raises:
+        ModelError: the initial state violates an invariant.
+    """
+
+    def __init__(self, network: Network) -> None:
+        self.network = network
+        self.state = network.initial
+        self.now = 0
+        self._semantics = Semantics(network)
+        self._clocks = Clocks(len(network.clocks), US_PER_UNIT)
+        self._clocks.start(0)
+        if not self._semantics.allowed(self.state) or self._latest() < 0:
+            what = "The initial state violates an invariant."
+            raise ModelError(what, where=network.document.path, todo="No run begins there.")
+
+    def _latest(self) -> int:
+        return self._clocks.window(self._semantics.invariant(self.state))[1]
+
+    @property
+    def hurries(self) -> bool:
+        """No time may pass: a location is urgent or committed, or an urgent channel is ready."""
+        return not self._semantics.may_delay(self.state)
+
+    @property
+    def latest(self) -> int | None:
+        """The last instant at which the run may still be in this discrete state; None: for ever."""
+        latest = self.now if self.hurries else self._latest()
+        return None if latest == NEVER else latest
+
+    def options(self) -> list[Option]:
+        """What is possible now or after a delay that nothing interrupts, in the order of the file."""
+        latest = self.now if self.hurries else self._latest()
+        options = []
+        for transition in self._semantics.transitions(self.state):
+            option = self._option(transition, latest)
+            if option is not None:
+                options.append(option)
+        return options
+
+    def _option(self, transition: Transition, latest: int) -> Option | None:
+        first, last = self._clocks.window(_one_sided(transition.bounds))
+        first, last = max(first, self.now), min(last, latest)
+        fired: Fired | RangeError
+        try:
+            fired = self._semantics.fire(self.state, transition.edges)
+        except RangeError as error:
+            fired = error
+        else:
+            if not self._semantics.allowed(fired.state):
+                return None
+            invariant, values = self._semantics.invariant(fired.state), dict(fired.resets)
+            if not all(_holds(values[bound.clock], bound) for bound in invariant if bound.clock in values):
+                return None
+            kept = (bound for bound in invariant if bound.clock not in values)
+            last = min(last, self._clocks.window(kept)[1])
+        return Option(transition, first, None if last == NEVER else last, fired) if first <= last else None
+
+    def take(self, option: Option, at: int) -> TraceStep:
+        """Wait until ``at``, an instant at which it is possible, and take a transition.
+
+        Raises:
+            RangeError: it leads out of a range.
+        """
+        self.now = at
+        if isinstance(option.fired, RangeError):
+            raise option.fired
+        old, (new, resets) = self.state, option.fired
+        self.state = new
+        self._clocks.set(resets, at)
+        channel = option.transition.channel
+        changes = zip(self.network.offsets, old.values, new.values, strict=True)
+        return TraceStep(
+            at=Fraction(at, US_PER_UNIT),
+            channel=None if channel is None else self.network.channels[channel].name,
+            edges=option.transition.edges,
+            state=new,
+            changes=tuple(Change(name, before, after) for name, before, after in changes if before != after),
+        )
+
+
+def _one_sided(bounds: Iterable[Bound]) -> Iterator[Bound]:
+    """An equation as two inequations: no execution has one, so that its windows know none."""
+    for clock, op, value in bounds:
+        if op == "==":
+            yield Bound(clock, ">=", value)
+        yield Bound(clock, "<=" if op == "==" else op, value)
+
+
+def _holds(value: int, bound: Bound) -> bool:
+    return value < bound.value or (value == bound.value and bound.op == "<=")
