@@ -7,8 +7,9 @@ import threading
 from typing import Any
 
 import pytest
-from goal_server import Wire
-from patience import wait_until
+
+from tests.support.goal_server import Wire
+from tests.support.patience import wait_until
 
 STATUSES = ("PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED", "RECALLED", "LOST")
 STAND_BY, GRIPPED, GRIPPING = 6, 3, 1

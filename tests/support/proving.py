@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from patience import wait_until
-
 from end_effector_hal.arbiter import OwnerClient, Teller
 from end_effector_hal.wires import now_us
+from tests.support.patience import wait_until
 
 REPEAT_S = 0.03
 
