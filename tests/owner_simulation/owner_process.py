@@ -7,13 +7,13 @@ from typing import Any
 
 from owner_wire import FarEnd
 
-from end_effector_hal.arbiter._answers import Answers
-from end_effector_hal.arbiter._connection import Connection
-from end_effector_hal.arbiter._journal import Entry, Journal
-from end_effector_hal.arbiter._keeper import Keeper
-from end_effector_hal.arbiter._policy import Policy
-from end_effector_hal.arbiter._records import Records
-from end_effector_hal.arbiter._session_record import SessionRecord
+from end_effector_hal.arbiter.records._journal import Entry, Journal
+from end_effector_hal.arbiter.records._records import Records
+from end_effector_hal.arbiter.records._session_store import SessionRecord
+from end_effector_hal.arbiter.rules._arbiter import Keeper
+from end_effector_hal.arbiter.rules._policy import Policy
+from end_effector_hal.arbiter.server._answers import Answers
+from end_effector_hal.arbiter.server._connection import Connection
 
 
 class Lines:

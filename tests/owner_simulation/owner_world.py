@@ -15,8 +15,10 @@ from owner_judge import Judge
 from owner_process import OwnerProcess
 from owner_wire import NearEnd
 
-from end_effector_hal.arbiter import OwnerClient, _answers, _client, _conversation
-from end_effector_hal.arbiter._message import write_message
+from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter.client import _client, _conversation
+from end_effector_hal.arbiter.protocol._message import write_message
+from end_effector_hal.arbiter.server import _answers
 from end_effector_hal.control import Status, model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError

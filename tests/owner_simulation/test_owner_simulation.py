@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 from owner_world import FAULTS
 
-from end_effector_hal.arbiter import _client, _sensed, _session_record
-from end_effector_hal.arbiter._keeper import Keeper
+from end_effector_hal.arbiter.client import _client
+from end_effector_hal.arbiter.records import _session_store
+from end_effector_hal.arbiter.rules import _predicates
+from end_effector_hal.arbiter.rules._arbiter import Keeper
 from owner_simulation import Met, play, table
 
 RUNS, PARTS = 2_000, 4
@@ -46,7 +48,7 @@ Patch = Callable[[Any, str, Any], None]
 
 def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     """It stays as it is and looks valid: what the journal once did."""
-    whole = _session_record.SessionRecord.keep
+    whole = _session_store.SessionRecord.keep
 
     def keep(self: Any, memory: Any) -> None:
         if not self.trouble:
@@ -55,9 +57,9 @@ def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     def fail(self: Any, error: OSError) -> None:
         self.trouble = str(error)
 
-    patch(_session_record.SessionRecord, "keep", keep)
-    patch(_session_record.SessionRecord, "_fail", fail)
-    patch(_session_record.SessionRecord, "begin", lambda _: None)
+    patch(_session_store.SessionRecord, "keep", keep)
+    patch(_session_store.SessionRecord, "_fail", fail)
+    patch(_session_store.SessionRecord, "begin", lambda _: None)
     patch(Keeper, "_differing", lambda *_: "")
 
 
@@ -73,7 +75,7 @@ def a_table_of_faults_that_clients_can_fill(patch: Patch) -> None:
         if not self.faults:
             self.faults[name] = why
 
-    patch(_sensed.Sensed, "latch", latch)
+    patch(_predicates.Sensed, "latch", latch)
 
 
 def a_last_will_that_is_executed_in_doubt(patch: Patch) -> None:

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 from keeping import CLOSED, GRIP, LINES, LOCKED, UNLOCK
 
-from end_effector_hal.arbiter import LineOwner, Policy, _answers, _connections, _server
+from end_effector_hal.arbiter import LineOwner, Policy
+from end_effector_hal.arbiter.server import _answers, _connections, _server
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 
 MS, S = 1_000, 1_000_000

@@ -14,11 +14,11 @@ from zlib import crc32
 import pytest
 from patience import wait_until
 
-from end_effector_hal.arbiter import _journal as module
-from end_effector_hal.arbiter import _storage as storage_module
-from end_effector_hal.arbiter._journal import PATIENCE_US, Entry, Journal, JournalThread
-from end_effector_hal.arbiter._record_file import SLOT, RecordFile
-from end_effector_hal.arbiter._storage import FileStorage
+from end_effector_hal.arbiter.records import _journal as module
+from end_effector_hal.arbiter.records import _storage as storage_module
+from end_effector_hal.arbiter.records._journal import PATIENCE_US, Entry, Journal, JournalThread
+from end_effector_hal.arbiter.records._record_file import SLOT, RecordFile
+from end_effector_hal.arbiter.records._storage import FileStorage
 
 E_STOP = {"closed": "IL-13: the e-stop was opened."}
 IL_03 = {"IL-03 unlock": "IL-03: unlock was active too long."}

@@ -8,10 +8,10 @@ import pytest
 from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, OTHER, POLICY, SENSING, TOKEN, TOP, UNLOCK, Lines, S
 
 from end_effector_hal.arbiter import Keeper
-from end_effector_hal.arbiter._journal import Entry
-from end_effector_hal.arbiter._memory import Bequest, Memory
-from end_effector_hal.arbiter._recall import recall
-from end_effector_hal.arbiter._session import WillRunsError
+from end_effector_hal.arbiter.records._journal import Entry
+from end_effector_hal.arbiter.records._recall import recall
+from end_effector_hal.arbiter.rules._session import WillRunsError
+from end_effector_hal.arbiter.rules._state import Bequest, Memory
 from end_effector_hal.errors import LineBusyError, LineRefusedError
 from end_effector_hal.vocabulary import WillStep
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from keeping import BOTTOM, CYLINDER, GRIP, LINES, MS, POLICY, SENSING, TOKEN, TOP, UNLOCK, Lines, S
 
 from end_effector_hal.arbiter import Exclusion, Keeper, Policy
-from end_effector_hal.arbiter._memory import Memory
-from end_effector_hal.arbiter._session import WillRunsError
+from end_effector_hal.arbiter.rules._session import WillRunsError
+from end_effector_hal.arbiter.rules._state import Memory
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.vocabulary import WillStep
 

@@ -10,7 +10,7 @@ import pytest
 from keeping import BOTTOM, CYLINDER, TOP, UNLOCK
 from stepping import MS, S, Stepped
 
-from end_effector_hal.arbiter._connections import IDLE_US, MOST_STRANGERS
+from end_effector_hal.arbiter.server._connections import IDLE_US, MOST_STRANGERS
 
 
 @pytest.fixture

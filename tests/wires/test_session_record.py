@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from keeping import BOTTOM, GRIP, LINES, TOKEN, TOP
 
-from end_effector_hal.arbiter import _storage as module
-from end_effector_hal.arbiter._memory import Bequest, Memory
-from end_effector_hal.arbiter._record_file import SLOT, RecordFile
-from end_effector_hal.arbiter._session_record import RETRY_US, SessionRecord, this_boot
-from end_effector_hal.arbiter._storage import FileStorage
+from end_effector_hal.arbiter.records import _storage as module
+from end_effector_hal.arbiter.records._record_file import SLOT, RecordFile
+from end_effector_hal.arbiter.records._session_store import RETRY_US, SessionRecord, this_boot
+from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.arbiter.rules._state import Bequest, Memory
 from end_effector_hal.vocabulary import WillStep
 
 GRIPPING = Bequest("grip", TOKEN, GRIP, (WillStep(TOP), WillStep(BOTTOM, after_us=5)), ended=False, pid=7)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 from dataclasses import replace
 
-from end_effector_hal.arbiter._journal import Entry
-from end_effector_hal.arbiter._memory import Memory
+from end_effector_hal.arbiter.records._journal import Entry
+from end_effector_hal.arbiter.rules import Memory
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 

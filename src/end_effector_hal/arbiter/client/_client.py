@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from end_effector_hal.arbiter._conversation import Conversation, WillStillRunsError
-from end_effector_hal.arbiter._token import make_token
+from end_effector_hal.arbiter.client._conversation import Conversation, WillStillRunsError
+from end_effector_hal.arbiter.protocol import make_token
 from end_effector_hal.errors import OwnerError, ReportedError
 from end_effector_hal.vocabulary import Will, WillStep, printable, read_will
 from end_effector_hal.wires import now_us

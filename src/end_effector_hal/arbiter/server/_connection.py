@@ -6,8 +6,8 @@ import socket
 import struct
 from collections.abc import Mapping
 
-from end_effector_hal.arbiter._message import LONGEST, write_message
-from end_effector_hal.arbiter._session import Session, process_words
+from end_effector_hal.arbiter.protocol import LONGEST, write_message
+from end_effector_hal.arbiter.rules import Session, process_words
 from end_effector_hal.wires import program_name
 
 

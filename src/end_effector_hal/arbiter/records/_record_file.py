@@ -14,7 +14,7 @@ from enum import Enum
 from typing import NamedTuple
 from zlib import crc32
 
-from end_effector_hal.arbiter._storage import Storage
+from end_effector_hal.arbiter.records._storage import Storage
 
 MAGIC = b"EEHALREC"
 _HEADER = struct.Struct("<8sQII")

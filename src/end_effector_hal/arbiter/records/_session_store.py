@@ -17,9 +17,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from end_effector_hal.arbiter._memory import Memory, read_memory
-from end_effector_hal.arbiter._record_file import RecordFile, Standing
-from end_effector_hal.arbiter._storage import Storage
+from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
+from end_effector_hal.arbiter.records._storage import Storage
+from end_effector_hal.arbiter.rules import Memory, read_memory
 from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")

@@ -8,7 +8,7 @@ import struct
 from collections.abc import Mapping
 from typing import Any
 
-from end_effector_hal.arbiter._message import LONGEST, read_reply, write_message
+from end_effector_hal.arbiter.protocol import LONGEST, read_reply, write_message
 from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, ReportedError, UsageError
 from end_effector_hal.vocabulary import printable
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from end_effector_hal.arbiter._token import is_token
+from end_effector_hal.arbiter.protocol import is_token
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import Will, printable, read_will
 

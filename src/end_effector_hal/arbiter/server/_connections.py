@@ -8,7 +8,7 @@ import socket
 from collections import Counter
 from collections.abc import Iterator
 
-from end_effector_hal.arbiter._connection import Connection
+from end_effector_hal.arbiter.server._connection import Connection
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from end_effector_hal.arbiter._keeper import Keeper
+from end_effector_hal.arbiter.rules import Keeper
 
 
 def report(keeper: Keeper, at: int) -> dict[str, Any]:

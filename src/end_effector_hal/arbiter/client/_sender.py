@@ -7,9 +7,7 @@ import socket
 from collections.abc import Mapping
 from pathlib import Path
 
-from end_effector_hal.arbiter._message import LONGEST, read_reply, write_message
-from end_effector_hal.arbiter._protocol import SENSORS
-from end_effector_hal.arbiter._token import make_token
+from end_effector_hal.arbiter.protocol import LONGEST, SENSORS, make_token, read_reply, write_message
 from end_effector_hal.errors import OwnerError, UsageError
 from end_effector_hal.vocabulary import printable
 from end_effector_hal.wires import now_us

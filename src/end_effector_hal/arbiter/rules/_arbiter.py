@@ -12,10 +12,10 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 
-from end_effector_hal.arbiter._memory import Bequest, Memory
-from end_effector_hal.arbiter._policy import Policy
-from end_effector_hal.arbiter._sensed import Sensed
-from end_effector_hal.arbiter._session import Session, WillRunsError, Write
+from end_effector_hal.arbiter.rules._policy import Policy
+from end_effector_hal.arbiter.rules._predicates import Sensed
+from end_effector_hal.arbiter.rules._session import Session, WillRunsError, Write
+from end_effector_hal.arbiter.rules._state import Bequest, Memory
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.vocabulary import Will, WillStep
 from end_effector_hal.wires.lines import LineBackend

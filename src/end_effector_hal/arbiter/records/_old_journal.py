@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from zlib import crc32
 
-from end_effector_hal.arbiter._memory import read_faults
+from end_effector_hal.arbiter.rules import read_faults
 from end_effector_hal.errors import UsageError
 
 _RECORD = re.compile(rb"[0-9a-f]{8} \{")

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
-from end_effector_hal.arbiter._journal import Entry
-from end_effector_hal.arbiter._keeper import Keeper
-from end_effector_hal.arbiter._memory import Memory
-from end_effector_hal.arbiter._recall import recall
-from end_effector_hal.arbiter._session_record import SessionRecord
+from end_effector_hal.arbiter.records._journal import Entry
+from end_effector_hal.arbiter.records._recall import recall
+from end_effector_hal.arbiter.records._session_store import SessionRecord
+from end_effector_hal.arbiter.rules import Keeper, Memory
 
 NO_RECORD = (
     "The record of the sessions cannot be kept ({}): if the line owner dies, no last will is executed."

@@ -7,8 +7,8 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from end_effector_hal.arbiter._policy import Policy
-from end_effector_hal.arbiter._server import LineOwner
+from end_effector_hal.arbiter.rules import Policy
+from end_effector_hal.arbiter.server._server import LineOwner
 from end_effector_hal.wires.lines import LineBackend
 
 

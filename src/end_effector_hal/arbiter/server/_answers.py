@@ -7,14 +7,11 @@ import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from end_effector_hal.arbiter._connection import Connection
-from end_effector_hal.arbiter._keeper import Keeper
-from end_effector_hal.arbiter._message import read_message
-from end_effector_hal.arbiter._protocol import SENSORS, Request, read_id, read_request
-from end_effector_hal.arbiter._prover import Prover, SecondProverError
-from end_effector_hal.arbiter._records import Records
-from end_effector_hal.arbiter._report import report
-from end_effector_hal.arbiter._session import WillRunsError
+from end_effector_hal.arbiter.protocol import SENSORS, Request, read_id, read_message, read_request
+from end_effector_hal.arbiter.records import Records
+from end_effector_hal.arbiter.rules import Keeper, Prover, SecondProverError, WillRunsError
+from end_effector_hal.arbiter.server._connection import Connection
+from end_effector_hal.arbiter.server._report import report
 from end_effector_hal.errors import OwnerError, ReportedError
 from end_effector_hal.wires import now_us
 

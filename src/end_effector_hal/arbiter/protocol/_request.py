@@ -64,7 +64,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from end_effector_hal.arbiter._token import is_token
+from end_effector_hal.arbiter.protocol._token import is_token
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import Will, is_name, read_will
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import NamedTuple
 
-from end_effector_hal.arbiter._policy import Need
+from end_effector_hal.arbiter.rules._policy import Need
 from end_effector_hal.errors import UsageError
 
 

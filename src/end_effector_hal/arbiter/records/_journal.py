@@ -13,10 +13,10 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from end_effector_hal.arbiter._memory import read_faults
-from end_effector_hal.arbiter._old_journal import read_old_journal
-from end_effector_hal.arbiter._record_file import RecordFile, Standing
-from end_effector_hal.arbiter._storage import Storage
+from end_effector_hal.arbiter.records._old_journal import read_old_journal
+from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
+from end_effector_hal.arbiter.records._storage import Storage
+from end_effector_hal.arbiter.rules import read_faults
 from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")

@@ -8,16 +8,19 @@ import selectors
 from collections.abc import Iterable
 from pathlib import Path
 
-from end_effector_hal.arbiter._answers import Answers, refusal
-from end_effector_hal.arbiter._connection import Connection
-from end_effector_hal.arbiter._connections import IDLE_US, MESSAGES, Connections
-from end_effector_hal.arbiter._journal import Journal, JournalThread
-from end_effector_hal.arbiter._keeper import Keeper
-from end_effector_hal.arbiter._policy import Policy
-from end_effector_hal.arbiter._records import Records
-from end_effector_hal.arbiter._session_record import SessionRecord, this_boot
-from end_effector_hal.arbiter._socket import listen, no_socket
-from end_effector_hal.arbiter._storage import FileStorage
+from end_effector_hal.arbiter.records import (
+    FileStorage,
+    Journal,
+    JournalThread,
+    Records,
+    SessionRecord,
+    this_boot,
+)
+from end_effector_hal.arbiter.rules import Keeper, Policy
+from end_effector_hal.arbiter.server._answers import Answers, refusal
+from end_effector_hal.arbiter.server._connection import Connection
+from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connections
+from end_effector_hal.arbiter.server._socket import listen, no_socket
 from end_effector_hal.errors import OwnerError, UsageError, WireError
 from end_effector_hal.wires import Claim, now_us
 from end_effector_hal.wires.lines import LineBackend
