@@ -11,7 +11,7 @@ from pathlib import Path
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording._rows import RowFile, read_lines
+from end_effector_hal.recording.tables._rows import RowFile, read_lines
 
 COLUMNS = ("time_s", "event", "alarm")
 BEGUN, ENDED = "begun", "ended"

@@ -11,7 +11,7 @@ from typing import Self
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording._rows import LONGEST_S, Line, RowFile, read_header, read_lines
+from end_effector_hal.recording.tables._rows import LONGEST_S, Line, RowFile, read_header, read_lines
 
 FIXED = ("time_s",)
 PERIOD_S, JITTER_S = 0.02, 0.005

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.recording._limits import RecordingLimits, make_room
-from end_effector_hal.recording._segment import SegmentFile
+from end_effector_hal.recording.trace._segment import SegmentFile
 
 _log = logging.getLogger("end_effector_hal.recording")
 MOST_WAITING = 3_000

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 
-from end_effector_hal.recording._states import StatesLog
-from end_effector_hal.recording._story import Cause, Decision, Grip, Release, Story
+from end_effector_hal.recording.story._story import Cause, Decision, Grip, Release, Story
+from end_effector_hal.recording.tables import StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
 _LATCHED = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from end_effector_hal.recording._alarms import BEGUN, AlarmRow
-from end_effector_hal.recording._states import StatesLog
-from end_effector_hal.recording._story import Cause, Decision, Grip, Moment, Story
+from end_effector_hal.recording.story._story import Cause, Decision, Grip, Moment, Story
+from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
 _TOGETHER_S = 0.2

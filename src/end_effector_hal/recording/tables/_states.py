@@ -10,7 +10,7 @@ from typing import Self
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording._rows import LONGEST_S, Line, RowFile, read_header, read_lines
+from end_effector_hal.recording.tables._rows import LONGEST_S, Line, RowFile, read_header, read_lines
 from end_effector_hal.vocabulary import Command, EndEffectorState, VacuumState
 
 FIXED = ("time_s", "end_effector", "command")

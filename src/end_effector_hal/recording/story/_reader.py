@@ -6,11 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from end_effector_hal.recording._alarms import AlarmRow
-from end_effector_hal.recording._moments import moments_of
 from end_effector_hal.recording._run import RunInfo
-from end_effector_hal.recording._states import StatesLog, StatesRow
-from end_effector_hal.recording._story import (
+from end_effector_hal.recording.story._moments import moments_of
+from end_effector_hal.recording.story._story import (
     Attempt,
     Cause,
     Decision,
@@ -21,7 +19,8 @@ from end_effector_hal.recording._story import (
     Reset,
     Story,
 )
-from end_effector_hal.recording._verdict import verdict_of
+from end_effector_hal.recording.story._verdict import verdict_of
+from end_effector_hal.recording.tables import AlarmRow, StatesLog, StatesRow
 from end_effector_hal.vocabulary import INACTIVE, PENDING, Command, EndEffectorState
 
 _FULL = 0.9

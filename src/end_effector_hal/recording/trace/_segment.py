@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 from pydantic_core import to_json
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._json_schema import plain_schema
 from end_effector_hal.recording._limits import MEGABYTE, lock, next_number, numbered, still_there
+from end_effector_hal.recording.trace._json_schema import plain_schema
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
