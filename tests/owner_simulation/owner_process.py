@@ -7,10 +7,10 @@ from typing import Any
 
 from owner_wire import FarEnd
 
-from end_effector_hal.arbiter.records._journal import Entry, Journal
+from end_effector_hal.arbiter.records._journal import Journal, JournalEntry
 from end_effector_hal.arbiter.records._records import Records
-from end_effector_hal.arbiter.records._session_store import SessionRecord
-from end_effector_hal.arbiter.rules._arbiter import Keeper
+from end_effector_hal.arbiter.records._session_store import SessionStore
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.server._answers import Answers
 from end_effector_hal.arbiter.server._connection import Connection
@@ -50,7 +50,7 @@ class JournalThread:
     def trouble(self) -> str:
         return self._journal.trouble
 
-    def read(self) -> Entry:
+    def read(self) -> JournalEntry:
         return self._journal.read()
 
     def late(self) -> None:
@@ -74,16 +74,14 @@ class JournalThread:
 
 
 class OwnerProcess:
-    """As `LineOwner`, without a selector."""
+    """As `ArbiterServer`, without a selector."""
 
     def __init__(self, world: Any, policy: Policy) -> None:
         self._world = world
         self._connections: dict[FarEnd, Connection] = {}
         self.journal = JournalThread(world)
-        self._records = Records(
-            SessionRecord(world.memory, world.mark, world.boot, world.clock), self.journal
-        )
-        self.keeper = Keeper(
+        self._records = Records(SessionStore(world.memory, world.mark, world.boot, world.clock), self.journal)
+        self.keeper = LineArbiter(
             Lines(world), policy, world.now, self._records.before, self._records.before_change
         )
         self._records.keep(self.keeper)

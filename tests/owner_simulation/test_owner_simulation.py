@@ -14,7 +14,7 @@ from owner_world import FAULTS
 from end_effector_hal.arbiter.client import _client
 from end_effector_hal.arbiter.records import _session_store
 from end_effector_hal.arbiter.rules import _predicates
-from end_effector_hal.arbiter.rules._arbiter import Keeper
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from owner_simulation import Met, play, table
 
 RUNS, PARTS = 2_000, 4
@@ -48,7 +48,7 @@ Patch = Callable[[Any, str, Any], None]
 
 def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     """It stays as it is and looks valid: what the journal once did."""
-    whole = _session_store.SessionRecord.keep
+    whole = _session_store.SessionStore.keep
 
     def keep(self: Any, memory: Any) -> None:
         if not self.trouble:
@@ -57,10 +57,10 @@ def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     def fail(self: Any, error: OSError) -> None:
         self.trouble = str(error)
 
-    patch(_session_store.SessionRecord, "keep", keep)
-    patch(_session_store.SessionRecord, "_fail", fail)
-    patch(_session_store.SessionRecord, "begin", lambda _: None)
-    patch(Keeper, "_differing", lambda *_: "")
+    patch(_session_store.SessionStore, "keep", keep)
+    patch(_session_store.SessionStore, "_fail", fail)
+    patch(_session_store.SessionStore, "begin", lambda _: None)
+    patch(LineArbiter, "_differing", lambda *_: "")
 
 
 def a_token_that_two_programs_share(patch: Patch) -> None:
@@ -75,12 +75,12 @@ def a_table_of_faults_that_clients_can_fill(patch: Patch) -> None:
         if not self.faults:
             self.faults[name] = why
 
-    patch(_predicates.Sensed, "latch", latch)
+    patch(_predicates.SensorPredicates, "latch", latch)
 
 
 def a_last_will_that_is_executed_in_doubt(patch: Patch) -> None:
-    whole = Keeper._resume
-    patch(Keeper, "_resume", lambda self, memory, at: whole(self, _certain(memory), at))
+    whole = LineArbiter._resume
+    patch(LineArbiter, "_resume", lambda self, memory, at: whole(self, _certain(memory), at))
 
 
 def _certain(memory: Any) -> Any:

@@ -1,7 +1,17 @@
 """The line arbiter: the one process that owns the output lines, its interlocks, its journal and the last wills."""
 
-from .client import OwnerClient, Teller, Written
-from .rules import Exclusion, Keeper, Need, Policy
-from .server import LineOwner, serve
+from .client import ArbiterClient, PredicateSender, WriteResult
+from .rules import Exclusion, LineArbiter, Need, Policy
+from .server import ArbiterServer, serve
 
-__all__ = ["Exclusion", "Keeper", "LineOwner", "Need", "OwnerClient", "Policy", "Teller", "Written", "serve"]
+__all__ = [
+    "ArbiterClient",
+    "ArbiterServer",
+    "Exclusion",
+    "LineArbiter",
+    "Need",
+    "Policy",
+    "PredicateSender",
+    "WriteResult",
+    "serve",
+]

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.arbiter.client._conversation import Conversation, WillStillRunsError
 from end_effector_hal.arbiter.protocol import make_token
-from end_effector_hal.errors import OwnerError, ReportedError
-from end_effector_hal.vocabulary import Will, WillStep, printable, read_will
+from end_effector_hal.errors import ArbiterError, ReportedError
+from end_effector_hal.vocabulary import LastWill, LastWillStep, printable, read_last_will
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -21,17 +21,17 @@ VALID = 0.9
 """Share of the time-out during which a write may be executed: never once it was given up."""
 
 
-class Written(NamedTuple):
+class WriteResult(NamedTuple):
     """What became of a write: the levels of all lines now, and µs until it is applied (0: it is; IL-10)."""
 
     levels: dict[str, bool]
     delay_us: int
 
 
-class OwnerClient:
+class ArbiterClient:
     """Writes some lines through the owner; thread-safe. A thread renews the lease, every 0.25 s.
 
-    When the connection is lost, one call fails with OwnerError, at the latest the next one: levels may have
+    When the connection is lost, one call fails with ArbiterError, at the latest the next one: levels may have
     changed, for the owner may have executed the will. The calls after it work again, once the owner does. A client
     that reads only connects again by itself.
 
@@ -44,7 +44,7 @@ class OwnerClient:
         patience_s: how long to wait for an owner to appear, now.
 
     Raises:
-        OwnerError: there is no owner, or it does not answer.
+        ArbiterError: there is no owner, or it does not answer.
         LineBusyError: another client writes one of the lines; says who.
     """
 
@@ -54,22 +54,22 @@ class OwnerClient:
         client: str,
         lines: Iterable[str] = (),
         *,
-        will: Iterable[WillStep | Mapping[str, object]] = (),
+        will: Iterable[LastWillStep | Mapping[str, object]] = (),
         timeout_s: float = 1.0,
         patience_s: float = 5.0,
     ) -> None:
         self._client, self._token, self._lines = client, make_token(), list(lines)
-        self._will: Will = read_will(will)
+        self._will: LastWill = read_last_will(will)
         self._timeout_s = timeout_s
         self._alive: Callable[[], bool] = lambda: True
-        self._on_lost: Callable[[OwnerError], None] = _nobody
+        self._on_lost: Callable[[ArbiterError], None] = _nobody
         self._on_faults: Callable[[tuple[str, ...]], None] = _nobody
         self._faults: tuple[str, ...] = ()  # as on_faults knows them
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._owner = Conversation(str(socket_path), timeout_s)
-        self._lost: OwnerError | None = None
-        self._overtaken = False
+        self._lost: ArbiterError | None = None
+        self._declared_dead = False
         self._connect_patiently(patience_s)
         self._thread = threading.Thread(target=self._renew_for_ever, name=f"lease of {client}", daemon=True)
         if self._lines:
@@ -79,7 +79,7 @@ class OwnerClient:
         self,
         *,
         alive: Callable[[], bool] = lambda: True,
-        on_lost: Callable[[OwnerError], None] | None = None,
+        on_lost: Callable[[ArbiterError], None] | None = None,
         on_faults: Callable[[tuple[str, ...]], None] | None = None,
     ) -> None:
         """Whom the thread of the renewals asks and tells, from now on.
@@ -97,15 +97,15 @@ class OwnerClient:
         """Of all lines of the owner, read back: they prove the claim, not the actuator."""
         return dict(self._call("levels")["levels"])
 
-    def overtaken(self) -> bool:
+    def declared_dead(self) -> bool:
         """Whether the owner took this client for dead, and did its will, since this was asked last."""
         with self._lock:
-            told, self._overtaken = self._overtaken, False
+            told, self._declared_dead = self._declared_dead, False
         return told
 
     def set(
-        self, levels: Mapping[str, bool], will: Iterable[WillStep | Mapping[str, object]] | None = None
-    ) -> Written:
+        self, levels: Mapping[str, bool], will: Iterable[LastWillStep | Mapping[str, object]] | None = None
+    ) -> WriteResult:
         """Write some of the lines, at once.
 
         Args:
@@ -114,9 +114,9 @@ class OwnerClient:
 
         Raises:
             LineRefusedError: an interlock refuses, its id first in the sentence; nothing has changed.
-            OwnerError: the owner is gone or does not answer; read the levels before anything else.
+            ArbiterError: the owner is gone or does not answer; read the levels before anything else.
         """
-        steps = None if will is None else read_will(will)
+        steps = None if will is None else read_last_will(will)
         with self._lock:
             self._raise_lost()
             if not self._owner.connected:
@@ -124,13 +124,13 @@ class OwnerClient:
             return self._written(steps, self._begin_set(levels, steps))
 
     def ask(
-        self, levels: Mapping[str, bool], will: Iterable[WillStep | Mapping[str, object]] | None = None
-    ) -> Callable[[], Written]:
+        self, levels: Mapping[str, bool], will: Iterable[LastWillStep | Mapping[str, object]] | None = None
+    ) -> Callable[[], WriteResult]:
         """As `set`, in two parts: it is sent, if that can be done at once; what is returned waits for the reply.
 
         It never waits itself. What is returned must be called, once, in any thread: all others wait for that.
         """
-        steps = None if will is None else read_will(will)
+        steps = None if will is None else read_last_will(will)
         if not self._lock.acquire(blocking=False):
             return lambda: self.set(levels, steps)
         if self._lost is not None or not self._owner.connected:
@@ -138,7 +138,7 @@ class OwnerClient:
             return lambda: self.set(levels, steps)
         failed = self._begin_set(levels, steps)
 
-        def wait() -> Written:
+        def wait() -> WriteResult:
             try:
                 return self._written(steps, failed)
             finally:
@@ -162,15 +162,15 @@ class OwnerClient:
         """
         self._call("reset")
 
-    def close(self, will: Iterable[WillStep | Mapping[str, object]] | None = None) -> None:
+    def close(self, will: Iterable[LastWillStep | Mapping[str, object]] | None = None) -> None:
         """Leave in order: ``will`` is executed at once; none: the lines stay as they are.
 
         Raises:
-            OwnerError: ``will`` was given and could not be delivered.
+            ArbiterError: ``will`` was given and could not be delivered.
         """
         if self._ended.is_set():
             return
-        steps = read_will(will or ())
+        steps = read_last_will(will or ())
         self._ended.set()
         try:
             if self._lines:
@@ -181,7 +181,7 @@ class OwnerClient:
         finally:
             self._abandon()
 
-    def __enter__(self) -> OwnerClient:
+    def __enter__(self) -> ArbiterClient:
         return self
 
     def __exit__(self, error: object, *_: object) -> None:
@@ -192,14 +192,14 @@ class OwnerClient:
             self._ended.set()
             self._abandon()
 
-    def _say_bye(self, will: Will) -> None:
+    def _say_bye(self, will: LastWill) -> None:
         """Also to an owner that has followed the one it knew: without a bye that would take this for a death."""
         fields = {"will": [step.as_json() for step in will]}
         with self._lock:
             was_connected = self._owner.connected
             try:
                 self._request("bye", **fields)
-            except OwnerError:
+            except ArbiterError:
                 if not was_connected:
                     raise
                 self._request("bye", **fields)
@@ -218,7 +218,7 @@ class OwnerClient:
             except Exception:  # noqa: BLE001 the application's
                 _log.exception("a callback of the client %s failed", self._client)
 
-    def _renew(self) -> OwnerError | None:
+    def _renew(self) -> ArbiterError | None:
         """The error if the connection was lost just now; later failures to come back are no news."""
         with self._lock:
             connected, known = self._owner.connected, self._faults
@@ -229,7 +229,7 @@ class OwnerClient:
                     )
             except ReportedError as error:
                 if connected:
-                    self._lost = error if isinstance(error, OwnerError) else OwnerError(str(error))
+                    self._lost = error if isinstance(error, ArbiterError) else ArbiterError(str(error))
                     return self._lost
                 return None
             faults, tell = self._faults, self._on_faults
@@ -243,7 +243,7 @@ class OwnerClient:
             again = self._owner.connected and not self._lines
             try:
                 return self._request(op, **fields)
-            except OwnerError:
+            except ArbiterError:
                 # one that only reads is closed when it said nothing for a while
                 if not again or self._owner.connected:
                     raise
@@ -254,7 +254,7 @@ class OwnerClient:
             lost, self._lost = self._lost, None
             raise lost
 
-    def _begin_set(self, levels: Mapping[str, bool], will: Will | None) -> OSError | None:
+    def _begin_set(self, levels: Mapping[str, bool], will: LastWill | None) -> OSError | None:
         """Sends it; the error, if it could not be."""
         fields: dict[str, object] = {"levels": {line: bool(level) for line, level in levels.items()}}
         # given up after the time-out: not to be executed later
@@ -263,15 +263,15 @@ class OwnerClient:
             fields["will"] = [step.as_json() for step in will]
         return self._owner.send("set", fields)
 
-    def _written(self, will: Will | None, failed: OSError | None) -> Written:
+    def _written(self, will: LastWill | None, failed: OSError | None) -> WriteResult:
         try:
             reply = self._owner.reply(failed)
-        except OwnerError:
+        except ArbiterError:
             # Perhaps it was executed: whoever connects again leaves the will that goes with it.
             self._will = self._will if will is None else will
             raise
         self._will = self._will if will is None else will
-        return Written(reply["levels"], reply["delay_us"])
+        return WriteResult(reply["levels"], reply["delay_us"])
 
     def _connect_patiently(self, patience_s: float) -> None:
         until = time.monotonic() + patience_s
@@ -282,7 +282,7 @@ class OwnerClient:
             except WillStillRunsError as error:
                 # The end of a will is certain, so it is waited for whatever the patience.
                 wait_s = error.retry_s + 0.001
-            except OwnerError:
+            except ArbiterError:
                 wait_s = 0.05
                 if time.monotonic() + wait_s > until:
                     raise
@@ -295,7 +295,7 @@ class OwnerClient:
                 will = [step.as_json() for step in self._will]
                 named = {"client": self._client, "token": self._token}
                 said = self._owner.exchange("hello", {**named, "lines": self._lines, "will": will})
-                self._overtaken = self._overtaken or bool(said.get("overtaken"))
+                self._declared_dead = self._declared_dead or bool(said.get("overtaken"))
             except ReportedError:
                 self._owner.close()
                 raise

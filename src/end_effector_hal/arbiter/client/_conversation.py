@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from end_effector_hal.arbiter.protocol import LONGEST, read_reply, write_message
-from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, ReportedError, UsageError
+from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, UsageError
 from end_effector_hal.vocabulary import printable
 
 _ERRORS: dict[str, type[ReportedError]] = {
-    error.code: error for error in (UsageError, LineBusyError, LineRefusedError, OwnerError)
+    error.code: error for error in (UsageError, LineBusyError, LineRefusedError, ArbiterError)
 }
 
 LONGEST_REPLY = 1 << 22
@@ -45,14 +45,14 @@ class Conversation:
         return self._socket is not None
 
     def connect(self) -> None:
-        """Begin; raises OwnerError."""
+        """Begin; raises ArbiterError."""
         self._socket, self._rest = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM), b""
         self._socket.settimeout(self._timeout_s)
         try:
             self._socket.connect(self._path)
         except OSError as error:
             self.close()
-            raise OwnerError(
+            raise ArbiterError(
                 f"the line owner cannot be reached: {error.strerror or error}.",
                 where=self._path,
                 todo="Start it with eehal owner.",
@@ -89,7 +89,7 @@ class Conversation:
         """To what was sent.
 
         Raises:
-            OwnerError: the owner is gone or does not answer; not connected any more.
+            ArbiterError: the owner is gone or does not answer; not connected any more.
             ReportedError: what the owner says.
         """
         try:
@@ -100,7 +100,7 @@ class Conversation:
             self.close()
             silent = isinstance(error, TimeoutError | BlockingIOError)
             text = "does not answer" if silent else f"was lost: {error}"
-            raise OwnerError(
+            raise ArbiterError(
                 f"the line owner {text}.", where=self._path, todo="Levels may have changed: read them."
             ) from error
         if reply.get("ok"):
@@ -128,4 +128,4 @@ def _error(reply: Mapping[str, Any]) -> ReportedError:
         error = WillStillRunsError(text)
         error.retry_s = retry_us / 1e6
         return error
-    return _ERRORS.get(str(reply.get("code")), OwnerError)(text)
+    return _ERRORS.get(str(reply.get("code")), ArbiterError)(text)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from end_effector_hal.arbiter.protocol import LONGEST, SENSORS, make_token, read_reply, write_message
-from end_effector_hal.errors import OwnerError, UsageError
+from end_effector_hal.errors import ArbiterError, UsageError
 from end_effector_hal.vocabulary import printable
 from end_effector_hal.wires import now_us
 
@@ -17,7 +17,7 @@ AGAIN_US = 200_000
 """After a refusal: another process reads the sensors, and perhaps ends soon."""
 
 
-class Teller:
+class PredicateSender:
     """A connection in the role of the sensors, made again whenever it can be. Not thread-safe.
 
     What cannot be sent at once is not sent later: it would be old by then.
@@ -78,13 +78,13 @@ class Teller:
         return self._socket
 
     def _listen(self, sock: socket.socket) -> None:
-        """Raises OwnerError when the owner has refused something, or has gone."""
+        """Raises ArbiterError when the owner has refused something, or has gone."""
         try:
             data = sock.recv(LONGEST)
         except BlockingIOError:
             return
         if not data:
-            raise OwnerError("the line owner has closed the connection.")
+            raise ArbiterError("the line owner has closed the connection.")
         *lines, self._heard = (self._heard + data)[-2 * LONGEST :].split(b"\n")
         for line in lines:
             try:
@@ -93,7 +93,7 @@ class Teller:
                 continue
             if not reply.get("ok"):
                 self._not_before = now_us() + AGAIN_US
-                raise OwnerError(printable(str(reply.get("error"))))
+                raise ArbiterError(printable(str(reply.get("error"))))
             self._refused = ""
 
     def _failed(self, error: OSError) -> None:

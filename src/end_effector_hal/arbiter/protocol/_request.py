@@ -66,7 +66,7 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.arbiter.protocol._token import is_token
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import Will, is_name, read_will
+from end_effector_hal.vocabulary import LastWill, is_name, read_last_will
 
 MOST_NAMES = 64
 """Lines or predicates in one message."""
@@ -83,7 +83,7 @@ class Request(NamedTuple):
     token: str = ""
     lines: tuple[str, ...] = ()
     levels: Mapping[str, bool] = {}
-    will: Will | None = None
+    will: LastWill | None = None
     until_us: int | None = None
     predicates: Mapping[str, bool] = {}
     at_us: int = 0
@@ -159,8 +159,8 @@ def _read_latch(message: Mapping[str, Any]) -> Request:
     return Request("latch", fault=str(fault), why=why)
 
 
-def _read_will(message: Mapping[str, Any]) -> Will | None:
-    return None if message.get("will") is None else read_will(message["will"])
+def _read_will(message: Mapping[str, Any]) -> LastWill | None:
+    return None if message.get("will") is None else read_last_will(message["will"])
 
 
 def _is_flags(given: object) -> bool:

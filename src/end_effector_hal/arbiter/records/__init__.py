@@ -2,7 +2,7 @@
 
 from ._journal import Journal, JournalThread
 from ._records import Records
-from ._session_store import SessionRecord, this_boot
+from ._session_store import SessionStore, this_boot
 from ._storage import FileStorage
 
-__all__ = ["FileStorage", "Journal", "JournalThread", "Records", "SessionRecord", "this_boot"]
+__all__ = ["FileStorage", "Journal", "JournalThread", "Records", "SessionStore", "this_boot"]

@@ -27,7 +27,7 @@ READ_S = 2.0
 """Longest wait for the disk, at the start and at the end of an owner."""
 
 
-class Entry(NamedTuple):
+class JournalEntry(NamedTuple):
     """What stands in the journal.
 
     Attributes:
@@ -63,26 +63,26 @@ class Journal:
         self._since: int | None = None  # when the oldest of what is not on the disk was wanted
         self._error = ""
 
-    def read(self) -> Entry:
+    def read(self) -> JournalEntry:
         """What an earlier owner has left; waits for the disk."""
         if self._file is None or self._storage is None:
-            return Entry({})
+            return JournalEntry({})
         try:
             old = read_old_journal(self._storage.read())
             found = self._file.read()
         except OSError as error:
-            return Entry({}, clean=False, doubt=f"its journal cannot be read ({error.strerror})")
+            return JournalEntry({}, clean=False, doubt=f"its journal cannot be read ({error.strerror})")
         if old is not None:
-            return Entry(old, clean=False)
+            return JournalEntry(old, clean=False)
         if found.standing is Standing.ABSENT:
-            return Entry({})
+            return JournalEntry({})
         if found.standing is Standing.DAMAGED:
-            return Entry({}, clean=False, doubt="its journal is damaged")
+            return JournalEntry({}, clean=False, doubt="its journal is damaged")
         try:
             given = json.loads(found.payload)
-            entry = Entry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))
+            entry = JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))
         except (ValueError, KeyError, TypeError, UsageError, RecursionError):
-            return Entry({}, clean=False, doubt="its journal is of another version")
+            return JournalEntry({}, clean=False, doubt="its journal is of another version")
         if found.standing is Standing.OUTDATED:
             return entry._replace(clean=False, doubt="the last record of its journal is torn")
         return entry
@@ -149,14 +149,14 @@ class JournalThread:
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
 
-    def read(self) -> Entry:
+    def read(self) -> JournalEntry:
         """What an earlier owner has left; a disk that hangs is not waited for: see `late`."""
         self._was_read.wait(READ_S)
-        return self.late() or Entry(
+        return self.late() or JournalEntry(
             {}, clean=False, doubt="its journal cannot be read (the disk does not answer)"
         )
 
-    def late(self) -> Entry | None:
+    def late(self) -> JournalEntry | None:
         """What an earlier owner has left, once: nothing is written before it was taken."""
         if self._taken.is_set() or not self._was_read.is_set():
             return None

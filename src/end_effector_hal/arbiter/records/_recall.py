@@ -5,13 +5,13 @@ from __future__ import annotations
 import logging
 from dataclasses import replace
 
-from end_effector_hal.arbiter.records._journal import Entry
-from end_effector_hal.arbiter.rules import Memory
+from end_effector_hal.arbiter.records._journal import JournalEntry
+from end_effector_hal.arbiter.rules import ArbiterState
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 
 
-def recall(record: Memory | None, journal: Entry) -> Memory:
+def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
     """The sessions from their record of this boot, the latched faults from there, too, else from the journal.
 
     In doubt more faults are latched rather than fewer, and no last will is executed.
@@ -26,4 +26,6 @@ def recall(record: Memory | None, journal: Entry) -> Memory:
     if record is not None:
         return replace(record, faults={**faults, **record.faults})
     known = journal.clean and journal.boot  # an owner that ended in order has left nothing to be done
-    return Memory(faults, clean=journal.clean, doubt="" if known else "no record of the sessions was found")
+    return ArbiterState(
+        faults, clean=journal.clean, doubt="" if known else "no record of the sessions was found"
+    )

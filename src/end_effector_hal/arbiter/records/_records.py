@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
-from end_effector_hal.arbiter.records._journal import Entry
+from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._recall import recall
-from end_effector_hal.arbiter.records._session_store import SessionRecord
-from end_effector_hal.arbiter.rules import Keeper, Memory
+from end_effector_hal.arbiter.records._session_store import SessionStore
+from end_effector_hal.arbiter.rules import ArbiterState, LineArbiter
 
 NO_RECORD = (
     "The record of the sessions cannot be kept ({}): if the line owner dies, no last will is executed."
@@ -26,11 +26,11 @@ class FaultJournal(Protocol):
         """Why the faults are not on the disk, a clause; empty: they are."""
         ...
 
-    def read(self) -> Entry:
+    def read(self) -> JournalEntry:
         """What an earlier owner has left."""
         ...
 
-    def late(self) -> Entry | None:
+    def late(self) -> JournalEntry | None:
         """The same, when the disk did not answer in time; once."""
         ...
 
@@ -46,7 +46,7 @@ class FaultJournal(Protocol):
 class Records:
     """Both of them, for one owner. Trouble with them is a latched fault and ends nothing."""
 
-    def __init__(self, sessions: SessionRecord, journal: FaultJournal) -> None:
+    def __init__(self, sessions: SessionStore, journal: FaultJournal) -> None:
         self._sessions, self._journal = sessions, journal
         self.before = recall(sessions.read(), journal.read())
         """What the owner before this one has left."""
@@ -55,7 +55,7 @@ class Records:
         """Lines are about to be written: what is recorded is outdated until `keep`."""
         self._sessions.begin()
 
-    def keep(self, keeper: Keeper) -> None:
+    def keep(self, keeper: LineArbiter) -> None:
         """Before anybody is told what has changed."""
         if late := self._journal.late():
             for name, why in late.faults.items():
@@ -77,7 +77,7 @@ class Records:
             if why
         }
 
-    def close(self, memory: Memory) -> None:
+    def close(self, memory: ArbiterState) -> None:
         """The owner ends in order."""
         self._sessions.keep(replace(memory, clean=True))
         self._sessions.close()

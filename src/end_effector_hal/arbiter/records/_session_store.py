@@ -19,7 +19,7 @@ from pathlib import Path
 
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import Storage
-from end_effector_hal.arbiter.rules import Memory, read_memory
+from end_effector_hal.arbiter.rules import ArbiterState, read_arbiter_state
 from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -27,7 +27,7 @@ RETRY_US = 1_000_000
 _MARK = struct.Struct("<Q")
 
 
-class SessionRecord:
+class SessionStore:
     """One file; trouble with it is an alarm and ends nothing.
 
     Args:
@@ -43,29 +43,31 @@ class SessionRecord:
         self._retry_at = 0
         self._file = RecordFile(storage)
         self._marked = False
-        self._tried: Memory | None = None
+        self._tried: ArbiterState | None = None
         self._begun = False
         self.trouble = ""
         """Why the record cannot be kept just now, a clause; empty: it is."""
 
-    def read(self) -> Memory | None:
+    def read(self) -> ArbiterState | None:
         """What the owner before this one has left in this boot, with its doubt; None: nothing."""
         try:
             found, mark = self._file.read(), self._mark.read()
         except OSError as error:
-            return Memory(clean=False, doubt=f"the record of the sessions cannot be read ({error.strerror})")
+            return ArbiterState(
+                clean=False, doubt=f"the record of the sessions cannot be read ({error.strerror})"
+            )
         self._marked = len(mark) == _MARK.size
         if found.standing is Standing.ABSENT:
             return None
         if found.standing is Standing.DAMAGED:
-            return Memory(clean=False, doubt="the record of the sessions is damaged")
+            return ArbiterState(clean=False, doubt="the record of the sessions is damaged")
         try:
             given = json.loads(found.payload)
             if not self._boot or given["boot"] != self._boot:
                 return None
-            memory = read_memory(given["memory"])
+            memory = read_arbiter_state(given["memory"])
         except (ValueError, KeyError, TypeError, UsageError, RecursionError):
-            return Memory(clean=False, doubt="the record of the sessions is of another version")
+            return ArbiterState(clean=False, doubt="the record of the sessions is of another version")
         doubt = ""
         if found.standing is Standing.OUTDATED:
             doubt = "the owner before this one died while it changed a line, or a part of its record has gone"
@@ -82,7 +84,7 @@ class SessionRecord:
             except OSError as error:
                 self._fail(error)
 
-    def keep(self, memory: Memory) -> None:
+    def keep(self, memory: ArbiterState) -> None:
         """Keep it, if it is something else than before, or is outdated, or could not be kept for a while."""
         due = bool(self.trouble) and self._clock() >= self._retry_at
         if memory == self._tried and not self._begun and not due:

@@ -63,7 +63,7 @@ class FileStorage:
         return content
 
     def create(self, content: bytes, size: int) -> None:
-        """Written beside it and renamed: whenever the power goes, there is the old file or the new one."""
+        """WriteResult beside it and renamed: whenever the power goes, there is the old file or the new one."""
         self.close()
         fresh = self._path.with_name(f".{self._path.name}.new")
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC | os.O_NOFOLLOW

@@ -13,11 +13,11 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.rules._predicates import Sensed
-from end_effector_hal.arbiter.rules._session import Session, WillRunsError, Write
-from end_effector_hal.arbiter.rules._state import Bequest, Memory
+from end_effector_hal.arbiter.rules._predicates import SensorPredicates
+from end_effector_hal.arbiter.rules._session import LastWillRunsError, Session, Write
+from end_effector_hal.arbiter.rules._state import ArbiterState, SessionRecord
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
-from end_effector_hal.vocabulary import Will, WillStep
+from end_effector_hal.vocabulary import LastWill, LastWillStep
 from end_effector_hal.wires.lines import LineBackend
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -26,7 +26,7 @@ DOUBT = "last wills"
 """The fault that is latched when the wills of an earlier owner are not executed."""
 
 
-class Keeper:
+class LineArbiter:
     """Claims the lines, and applies what its clients may write.
 
     ``at`` must not decrease. After each call, `deadline` says when `expire` and `advance` are due.
@@ -44,13 +44,13 @@ class Keeper:
         backend: LineBackend,
         policy: Policy,
         at: int,
-        memory: Memory | None = None,
+        memory: ArbiterState | None = None,
         before_change: Callable[[], None] = lambda: None,
     ) -> None:
-        memory = memory or Memory()
+        memory = memory or ArbiterState()
         needs = [need for needs in policy.needs.values() for need in needs]
         self.policy = policy
-        self.sensed = Sensed(needs, policy.fresh_us, memory.faults, policy.faults)
+        self.sensed = SensorPredicates(needs, policy.fresh_us, memory.faults, policy.faults)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._dead: deque[tuple[str, str]] = deque(memory.dead, maxlen=100)
@@ -64,16 +64,16 @@ class Keeper:
         self._resume(memory, at)
 
     @property
-    def memory(self) -> Memory:
+    def memory(self) -> ArbiterState:
         """What the owner after this one must know."""
         clients = (
-            Bequest(
+            SessionRecord(
                 each.client, each.token, tuple(sorted(each.lines)), self._left(each), each.ended, each.pid
             )
             for each in self.sessions
         )
         faults, dead = dict(self.sensed.faults), tuple(self._dead)
-        return Memory(faults, tuple(clients), clean=False, levels=dict(self.levels), dead=dead)
+        return ArbiterState(faults, tuple(clients), clean=False, levels=dict(self.levels), dead=dead)
 
     # What clients ask for
 
@@ -82,7 +82,7 @@ class Keeper:
         client: str,
         token: str,
         lines: Sequence[str],
-        will: Will,
+        will: LastWill,
         at: int,
         *,
         pid: int = 0,
@@ -94,7 +94,7 @@ class Keeper:
 
         Raises:
             UsageError: there is no such line, or the will names another one.
-            WillRunsError: the will of the one before is not over; say hello again after ``retry_us``.
+            LastWillRunsError: the will of the one before is not over; say hello again after ``retry_us``.
             LineBusyError: another client writes one of them, or has the same name; says who.
         """
         self.advance(at)
@@ -114,20 +114,20 @@ class Keeper:
                 continue
             if other.ended:
                 left = max(0, self._end(other) - at)
-                raise WillRunsError(f"the will of {other.client} is being executed.", left)
+                raise LastWillRunsError(f"the will of {other.client} is being executed.", left)
             raise LineBusyError(
                 f"{', '.join(sorted(shared)) or 'the name'} belongs to {other.client} ({other.process}).",
                 todo="Stop that process: one program writes a line.",
             )
         session = Session(client, token, frozenset(lines), (), at + self.policy.lease_us, pid, program)
         self._bequeath(session, will)
-        session.overtaken = (client, token) in self._dead
+        session.declared_dead = (client, token) in self._dead
         self._dead = deque((each for each in self._dead if each != (client, token)), maxlen=100)
         self.sessions.append(session)
         _log.info("%s (%s) writes %s", client, session.process, ", ".join(lines))
         return session
 
-    def write(self, session: Session, levels: Mapping[str, bool], will: Will | None, at: int) -> int:
+    def write(self, session: Session, levels: Mapping[str, bool], will: LastWill | None, at: int) -> int:
         """Set some lines at once, and leave a will (None: as before).
 
         Returns:
@@ -157,7 +157,7 @@ class Keeper:
         """The client lives."""
         session.lease_until = at + self.policy.lease_us
 
-    def bye(self, session: Session, will: Will, at: int) -> None:
+    def bye(self, session: Session, will: LastWill, at: int) -> None:
         """The client leaves in order; ``will`` is executed now, the one left before is void."""
         self._bequeath(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
@@ -224,7 +224,7 @@ class Keeper:
         times += [end for line in self.policy.max_active_us if (end := self._trip_at(line)) is not None]
         return min(times, default=None)
 
-    def _resume(self, memory: Memory, at: int) -> None:
+    def _resume(self, memory: ArbiterState, at: int) -> None:
         """What an owner before this one knew; in doubt every client holds."""
         doubt = memory.doubt or self._differing(memory.levels)
         if doubt and any(self.levels.values()):
@@ -243,7 +243,7 @@ class Keeper:
         ]
         return f"{', '.join(others)} was changed while there was no line owner" if others else ""
 
-    def _come_back(self, bequest: Bequest, at: int) -> None:
+    def _come_back(self, bequest: SessionRecord, at: int) -> None:
         """Lines that this owner has not are forgotten."""
         lines = frozenset(bequest.lines).intersection(self.levels)
         will = tuple(step for step in bequest.will if step.line in lines)
@@ -255,18 +255,18 @@ class Keeper:
             _log.warning("the will of %s is executed anew: %s", session.client, _told(will))
             self._end_session(session, will, at)
 
-    def _end_session(self, session: Session, will: Will, at: int) -> None:
+    def _end_session(self, session: Session, will: LastWill, at: int) -> None:
         session.ended, session.will = True, will
         session.queue.extend(Write(at + step.after_us, {step.line: step.level}) for step in will)
         self.advance(at)
 
-    def _left(self, session: Session) -> Will:
+    def _left(self, session: Session) -> LastWill:
         """Its will; before that what it has asked to be deactivated and still waits for its line to settle."""
         if session.ended:
             return session.will
         waits = {line for write in session.queue for line in write.levels}
         return (
-            tuple(WillStep(line) for line in sorted(waits) if not self._expected(session, line))
+            tuple(LastWillStep(line) for line in sorted(waits) if not self._expected(session, line))
             + session.will
         )
 
@@ -277,7 +277,7 @@ class Keeper:
                 f"{session.client} does not write {', '.join(foreign)}: it was not in its hello."
             )
 
-    def _bequeath(self, session: Session, will: Will) -> None:
+    def _bequeath(self, session: Session, will: LastWill) -> None:
         self._own(session, {step.line: False for step in will})
         self.policy.check_will(will)
         session.will = will
@@ -346,5 +346,5 @@ class Keeper:
         self._changed |= dict.fromkeys(changes, at)
 
 
-def _told(will: Will) -> str:
+def _told(will: LastWill) -> str:
     return ", ".join(f"{step.line} off after {step.after_us} µs" for step in will) or "hold"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import LEASE_US, Will
+from end_effector_hal.vocabulary import LEASE_US, LastWill
 
 
 class Exclusion(NamedTuple):
@@ -88,7 +88,7 @@ class Policy:
                 todo="Name each line once, and in the interlocks only lines that it has.",
             )
 
-    def check_will(self, will: Will) -> None:
+    def check_will(self, will: LastWill) -> None:
         """Raises UsageError for a will that takes so long that it would lock its lines."""
         late = [step for step in will if step.after_us > self.longest_will_us]
         if late:

@@ -17,7 +17,7 @@ class Claim(NamedTuple):
     at: int
 
 
-class Sensed:
+class SensorPredicates:
     """Predicates that expire, and latched faults. Pure: time is an argument, in µs.
 
     A predicate refuses activations; nothing in here ever makes a line inactive. All names are known beforehand: no

@@ -9,13 +9,13 @@ from end_effector_hal.errors import LineBusyError
 T = TypeVar("T")
 
 
-class SecondProverError(LineBusyError):
+class SecondSenderError(LineBusyError):
     """Somebody claims to read the sensors while another one does; ``heard`` says whether that one is heard."""
 
     heard = False
 
 
-class Prover(Generic[T]):
+class SenderRole(Generic[T]):
     """The role, and the connection that has it.
 
     Args:
@@ -38,13 +38,13 @@ class Prover(Generic[T]):
             at: now.
 
         Raises:
-            SecondProverError: another one has it; says who.
+            SecondSenderError: another one has it; says who.
         """
         before = self._holder
         if before is not None and (uid, token) != (self._uid, self._token):
             heard = at - self._heard < self._silent_us
             if heard or uid != self._uid:
-                error = SecondProverError(
+                error = SecondSenderError(
                     f"a second process ({process}) wants to say what the sensors show; it counts for nothing, "
                     f"for the first one ({self._process}) {'does' if heard else 'is of another user'}.",
                     todo="Stop one of them: one process reads the sensors.",

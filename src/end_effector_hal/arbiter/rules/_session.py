@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from end_effector_hal.errors import LineBusyError
-from end_effector_hal.vocabulary import Will
+from end_effector_hal.vocabulary import LastWill
 
 
-class WillRunsError(LineBusyError):
+class LastWillRunsError(LineBusyError):
     """The will of the one who had these lines is not over yet; ``retry_us`` says when it is."""
 
     def __init__(self, what: str, retry_us: int) -> None:
@@ -39,19 +39,19 @@ class Session:
     ``token``: by which it is known again when it comes back; empty: it never is. ``pid``: only for people, 0 where
     the client runs in a PID namespace that the owner does not see, as in another container.
     ``ended``: it has gone, what is queued is still to be done. ``absent``: an owner before this one knew it, and it
-    was not heard of since; it has a lease's time to come back. ``overtaken``: it was taken for dead and has come back.
+    was not heard of since; it has a lease's time to come back. ``declared_dead``: it was taken for dead and has come back.
     """
 
     client: str
     token: str
     lines: frozenset[str]
-    will: Will
+    will: LastWill
     lease_until: int
     pid: int = 0
     program: str = ""
     ended: bool = False
     absent: bool = False
-    overtaken: bool = False
+    declared_dead: bool = False
     queue: deque[Write] = field(default_factory=deque)
 
     def forget_activations(self, lines: Iterable[str]) -> None:

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.arbiter.protocol import is_token
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import Will, printable, read_will
+from end_effector_hal.vocabulary import LastWill, printable, read_last_will
 
 
-class Bequest(NamedTuple):
+class SessionRecord(NamedTuple):
     """What one client has left.
 
     Attributes:
@@ -24,13 +24,13 @@ class Bequest(NamedTuple):
     client: str
     token: str
     lines: tuple[str, ...]
-    will: Will
+    will: LastWill
     ended: bool
     pid: int = 0
 
 
 @dataclass(frozen=True)
-class Memory:
+class ArbiterState:
     """Of an owner at one moment.
 
     Attributes:
@@ -43,7 +43,7 @@ class Memory:
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
-    clients: tuple[Bequest, ...] = ()
+    clients: tuple[SessionRecord, ...] = ()
     clean: bool = True
     levels: Mapping[str, bool] = field(default_factory=dict)
     dead: tuple[tuple[str, str], ...] = ()
@@ -63,7 +63,7 @@ class Memory:
         }
 
 
-def read_memory(given: Any) -> Memory:
+def read_arbiter_state(given: Any) -> ArbiterState:
     """The other way round.
 
     Raises:
@@ -73,7 +73,7 @@ def read_memory(given: Any) -> Memory:
         clients = tuple(_read_client(*client) for client in given["clients"])
         levels = {str(line): level is True for line, level in given["levels"].items()}
         dead = tuple((str(client), str(token)) for client, token in given["dead"])
-        return Memory(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead)
+        return ArbiterState(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is no memory of a line owner: {error}.") from error
 
@@ -91,9 +91,9 @@ def read_faults(given: Any) -> dict[str, str]:
 
 def _read_client(
     client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object
-) -> Bequest:
+) -> SessionRecord:
     known = token if is_token(token) else ""
     number = pid if type(pid) is int else 0
-    return Bequest(
-        printable(str(client)), known, tuple(map(str, lines)), read_will(will), bool(ended), number
+    return SessionRecord(
+        printable(str(client)), known, tuple(map(str, lines)), read_last_will(will), bool(ended), number
     )

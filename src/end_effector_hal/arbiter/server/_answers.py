@@ -9,10 +9,10 @@ from typing import Any
 
 from end_effector_hal.arbiter.protocol import SENSORS, Request, read_id, read_message, read_request
 from end_effector_hal.arbiter.records import Records
-from end_effector_hal.arbiter.rules import Keeper, Prover, SecondProverError, WillRunsError
+from end_effector_hal.arbiter.rules import LastWillRunsError, LineArbiter, SecondSenderError, SenderRole
 from end_effector_hal.arbiter.server._connection import Connection
 from end_effector_hal.arbiter.server._report import report
-from end_effector_hal.errors import OwnerError, ReportedError
+from end_effector_hal.errors import ArbiterError, ReportedError
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -33,7 +33,7 @@ class Answers:
 
     def __init__(
         self,
-        keeper: Keeper,
+        keeper: LineArbiter,
         read_levels: Callable[[], Mapping[str, bool]],
         *,
         unclean: bool,
@@ -42,7 +42,7 @@ class Answers:
     ) -> None:
         self._keeper, self._read_levels, self._unclean = keeper, read_levels, unclean
         self._records, self._drop = records, drop
-        self._prover: Prover[Connection] = Prover(keeper.policy.fresh_us)
+        self._prover: SenderRole[Connection] = SenderRole(keeper.policy.fresh_us)
 
     def answer(self, connection: Connection, line: bytes) -> dict[str, Any] | None:
         """The reply to a message; None: it gets none."""
@@ -60,7 +60,7 @@ class Answers:
             return refusal(number, error) | {"levels": self._keeper.levels}
         except Exception:  # noqa: BLE001 the owner must outlive whatever a client sends
             _log.exception("a request of %s failed", connection.process)
-            return refusal(number, OwnerError("the line owner failed at this request; its log says why."))
+            return refusal(number, ArbiterError("the line owner failed at this request; its log says why."))
         return {"id": number, "ok": True, "error": None, "levels": self._keeper.levels} | more
 
     def left(self, connection: Connection) -> None:
@@ -83,17 +83,17 @@ class Answers:
                 return self._hello(connection, request, at)
             case "tell":
                 if not self._prover.says(connection, at):
-                    raise OwnerError(
+                    raise ArbiterError(
                         f"say hello with the role {SENSORS} first: what others tell counts for nothing."
                     )
                 keeper.sensed.tell(request.predicates, request.at_us, at)
                 return {}
         if session is None:
-            raise OwnerError("say hello first.")
+            raise ArbiterError("say hello first.")
         match request.op:
             case "set":
                 if request.until_us is not None and at > request.until_us:
-                    raise OwnerError("this write came too late and was not executed.")
+                    raise ArbiterError("this write came too late and was not executed.")
                 return {"delay_us": keeper.write(session, request.levels, request.will, at)}
             case "renew":
                 keeper.renew(session, at)
@@ -107,7 +107,7 @@ class Answers:
 
     def _hello(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:
         if connection.session or connection.proves:
-            raise OwnerError("this connection has said hello already.")
+            raise ArbiterError("this connection has said hello already.")
         if request.role == SENSORS:
             return self._prove(connection, request, at)
         session = connection.session = self._keeper.hello(
@@ -119,12 +119,12 @@ class Answers:
             pid=connection.pid,
             program=connection.program,
         )
-        return {"overtaken": session.overtaken}
+        return {"overtaken": session.declared_dead}
 
     def _prove(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:
         try:
             before = self._prover.take(connection, connection.uid, request.token, connection.process, at)
-        except SecondProverError as error:
+        except SecondSenderError as error:
             if error.heard:
                 self._keeper.sensed.latch(SECOND, f"{error.what[0].upper()}{error.what[1:]}")
                 self._records.keep(self._keeper)
@@ -138,5 +138,5 @@ class Answers:
 
 def refusal(number: int | str | None, error: ReportedError) -> dict[str, Any]:
     """A reply that says why not; ``number`` None: it belongs to no request."""
-    retry = {"retry_us": error.retry_us} if isinstance(error, WillRunsError) else {}
+    retry = {"retry_us": error.retry_us} if isinstance(error, LastWillRunsError) else {}
     return {"id": number, "ok": False, "error": str(error), "code": error.code, "levels": {}} | retry

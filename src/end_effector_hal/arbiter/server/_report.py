@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from end_effector_hal.arbiter.rules import Keeper
+from end_effector_hal.arbiter.rules import LineArbiter
 
 
-def report(keeper: Keeper, at: int) -> dict[str, Any]:
+def report(keeper: LineArbiter, at: int) -> dict[str, Any]:
     """Who writes which lines, what the sensors are said to show, and what is latched, at ``at`` µs."""
     return {
         "clients": [

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from end_effector_hal.arbiter.rules import Policy
-from end_effector_hal.arbiter.server._server import LineOwner
+from end_effector_hal.arbiter.server._server import ArbiterServer
 from end_effector_hal.wires.lines import LineBackend
 
 
@@ -19,15 +19,15 @@ def serve(
     *,
     journal: str | Path | None = None,
     group: str | None = None,
-    on_ready: Callable[[LineOwner], None] | None = None,
+    on_ready: Callable[[ArbiterServer], None] | None = None,
 ) -> None:
-    """Be the line owner until SIGTERM, SIGINT or `LineOwner.stop`; the lines stay as they are.
+    """Be the line owner until SIGTERM, SIGINT or `ArbiterServer.stop`; the lines stay as they are.
 
     Args:
-        backend, socket_path, policy, journal, group: see `LineOwner`, also for the errors.
+        backend, socket_path, policy, journal, group: see `ArbiterServer`, also for the errors.
         on_ready: called once, when clients can come.
     """
-    with LineOwner(backend, socket_path, policy, journal, group=group) as owner:
+    with ArbiterServer(backend, socket_path, policy, journal, group=group) as owner:
         before = {}
         if threading.current_thread() is threading.main_thread():
             before = {s: signal.signal(s, lambda *_: owner.stop()) for s in (signal.SIGTERM, signal.SIGINT)}

@@ -13,22 +13,22 @@ from end_effector_hal.arbiter.records import (
     Journal,
     JournalThread,
     Records,
-    SessionRecord,
+    SessionStore,
     this_boot,
 )
-from end_effector_hal.arbiter.rules import Keeper, Policy
+from end_effector_hal.arbiter.rules import LineArbiter, Policy
 from end_effector_hal.arbiter.server._answers import Answers, refusal
 from end_effector_hal.arbiter.server._connection import Connection
 from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connections
 from end_effector_hal.arbiter.server._socket import listen, no_socket
-from end_effector_hal.errors import OwnerError, UsageError, WireError
+from end_effector_hal.errors import ArbiterError, UsageError, WireError
 from end_effector_hal.wires import Claim, now_us
 from end_effector_hal.wires.lines import LineBackend
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 
 
-class LineOwner:
+class ArbiterServer:
     """Owns the lines of a back-end and serves them; see `_protocol` for the messages.
 
     Args:
@@ -71,7 +71,7 @@ class LineOwner:
             before = self._records.before
             if not before.clean:
                 _log.warning("the line owner before this one did not end in order")
-            self._keeper = Keeper(backend, policy, now_us(), before, self._records.before_change)
+            self._keeper = LineArbiter(backend, policy, now_us(), before, self._records.before_change)
             self._records.keep(self._keeper)
             listener = listen(self._path, group)
         except BaseException:
@@ -154,7 +154,7 @@ class LineOwner:
         self._claim.release()
         self._close_ends()
 
-    def __enter__(self) -> LineOwner:
+    def __enter__(self) -> ArbiterServer:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -197,14 +197,14 @@ class LineOwner:
     def _end(self, connections: Iterable[Connection], why: str) -> None:
         """Close them, and say why."""
         for connection in connections:
-            connection.send(refusal(None, OwnerError(f"the line owner ends this connection: {why}.")))
+            connection.send(refusal(None, ArbiterError(f"the line owner ends this connection: {why}.")))
             self._drop(connection, why)
 
     def _end_leases(self, at: int) -> None:
         over = self._keeper.expire(at)
         for connection in self._connections if over else ():
             if connection.session in over:
-                error = OwnerError("the lease ended: this client was not heard of, its will is executed.")
+                error = ArbiterError("the lease ended: this client was not heard of, its will is executed.")
                 connection.send(refusal(None, error))
                 self._drop(connection, "its lease ended")
 
@@ -215,4 +215,4 @@ def _records(socket_path: Path, journal: str | Path | None) -> Records:
         FileStorage(Path(f"{socket_path}.{name}"), durable=False) for name in ("sessions", "generation")
     )
     disk = FileStorage(Path(journal), durable=True) if journal else None
-    return Records(SessionRecord(sessions, mark, boot, now_us), JournalThread(Journal(disk, boot, now_us)))
+    return Records(SessionStore(sessions, mark, boot, now_us), JournalThread(Journal(disk, boot, now_us)))
