@@ -7,7 +7,7 @@ from pathlib import Path
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, Fault
-from end_effector_hal.errors import DescriptionError, Told
+from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._table import ACTIONS, FIXED_SERVICES, FIXED_TOPICS, NODES, OF_ROS, position_topics
 
@@ -26,14 +26,16 @@ def load_for_nodes(path: Path) -> Description:
     return description
 
 
-def name_faults(description: Description, name: str = "") -> tuple[Told, ...]:
+def name_faults(description: Description, name: str = "") -> tuple[Diagnostic, ...]:
     """Every name that the nodes could not use, with its place.
 
     Args:
         description: a valid one.
         name: what its file is called in the faults; default: its path.
     """
-    return tuple(fault.told(name or str(description.source)) for fault in sorted(set(_faults(description))))
+    return tuple(
+        fault.diagnostic(name or str(description.source)) for fault in sorted(set(_faults(description)))
+    )
 
 
 def _faults(description: Description) -> Iterator[Fault]:

@@ -28,11 +28,11 @@ def run(node: str) -> None:
 def run_line_owner() -> None:
     """Run the line owner as ``eehal owner`` does, with the arguments of a node. It is none: it needs no master."""
     from end_effector_hal.codecs import load_tool
-    from end_effector_hal.runtime import run_owner
+    from end_effector_hal.runtime import run_arbiter
 
     from ._tool_named import tool_named
 
-    sys.exit(_guarded("line_owner", lambda: run_owner(load_tool(tool_named(sys.argv, lambda _: "")))))
+    sys.exit(_guarded("line_owner", lambda: run_arbiter(load_tool(tool_named(sys.argv, lambda _: "")))))
 
 
 def check_launch(argv: Sequence[str]) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import WireError
@@ -17,7 +17,7 @@ def reset(description: Description, grip: Unit) -> Answer:
     """
     grip.acknowledge()
     try:
-        with OwnerClient(socket_path(description), "reset", patience_s=0) as owner:
+        with ArbiterClient(socket_path(description), "reset", patience_s=0) as owner:
             owner.reset()
     except WireError as error:
         return Answer(False, str(error))

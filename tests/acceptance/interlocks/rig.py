@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from end_effector_hal.arbiter import LineOwner, OwnerClient
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import BlowOff, Description, EStop, VacuumActuator, load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import Unit, Witness, open_unit, output_lines, owner_policy
+from end_effector_hal.runtime import Unit, Witness, arbiter_policy, open_unit, output_lines
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState, Command
 from end_effector_hal.vocabulary import EndEffectorState as State
@@ -53,7 +53,7 @@ class Rig:
         self._stack = ExitStack()
 
     def __enter__(self) -> Rig:
-        self.owner = LineOwner(VirtualLines(self.chip), self.socket, owner_policy(self.description))
+        self.owner = ArbiterServer(VirtualLines(self.chip), self.socket, arbiter_policy(self.description))
         serving = threading.Thread(target=self.owner.run)
         serving.start()
         self._stack.callback(self.owner.close)
@@ -74,7 +74,7 @@ class Rig:
         feeding.start()
         self._stack.callback(feeding.join)
         self._stack.callback(self._ended.set)
-        with OwnerClient(self.socket, "look") as look:
+        with ArbiterClient(self.socket, "look") as look:
             self.until(
                 lambda: bool(told := look.status()["told"]) and all(one["holds"] for one in told.values())
             )
@@ -103,13 +103,13 @@ class Rig:
         return [unit.status for unit in self.units]
 
     @contextmanager
-    def hand(self, *lines: str) -> Iterator[OwnerClient]:
+    def hand(self, *lines: str) -> Iterator[ArbiterClient]:
         """A client of the socket that is none of ours."""
-        with OwnerClient(self.socket, "hand", lines) as client:
+        with ArbiterClient(self.socket, "hand", lines) as client:
             yield client
 
     def faults(self) -> dict[str, str]:
-        with OwnerClient(self.socket, "look") as look:
+        with ArbiterClient(self.socket, "look") as look:
             return dict(look.status()["faults"])
 
     # The action door: HALMain gives the command to the program, and says what it answered and how it ended.
@@ -168,7 +168,7 @@ class Rig:
         } | self.odd  # fmt: skip
 
 
-def refusal(client: OwnerClient, line: str, **more: object) -> str:
+def refusal(client: ArbiterClient, line: str, **more: object) -> str:
     """The sentence of the owner; it must refuse."""
     try:
         client.set({line: True}, **more)  # type: ignore[arg-type]

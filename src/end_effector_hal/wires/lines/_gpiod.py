@@ -33,11 +33,11 @@ class GpiodLines:
         self._inherited: dict[str, int] = {}
 
     def inherit(self, keepsakes: Mapping[str, int]) -> None:
-        """Take over requests; see `HandsOn`."""
+        """Take over requests; see `LineHandover`."""
         self._inherited = dict(keepsakes)
 
     def keepsakes(self) -> dict[str, int]:
-        """The descriptor of each request, by chip and lines in their order; see `HandsOn`."""
+        """The descriptor of each request, by chip and lines in their order; see `LineHandover`."""
         return {name: request.fd for name, (request, _) in zip(self._names, self._requests, strict=True)}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:

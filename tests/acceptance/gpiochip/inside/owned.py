@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 
 PROGRAM = """
 import sys
@@ -35,7 +35,7 @@ class Owner:
         )
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == "ready\n"
-        self._client = OwnerClient(socket, "test", self._lines, timeout_s=20, patience_s=PATIENCE_S)
+        self._client = ArbiterClient(socket, "test", self._lines, timeout_s=20, patience_s=PATIENCE_S)
         return self
 
     def __exit__(self, *_: object) -> None:
