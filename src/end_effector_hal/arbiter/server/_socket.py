@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import grp
 import os
 import socket
 from pathlib import Path
@@ -54,6 +53,8 @@ def no_socket(path: Path, error: OSError) -> WireError:
 
 
 def _number(group: str) -> int:
+    import grp  # what needs no lines needs no POSIX
+
     try:
         return int(group) if group.isdigit() else grp.getgrnam(group).gr_gid
     except KeyError:

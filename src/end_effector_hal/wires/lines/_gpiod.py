@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
-from end_effector_hal.wires.lines._held_request import HeldRequest
 from end_effector_hal.wires.lines._holders import stop_holders
 from end_effector_hal.wires.lines._not_found import line_not_found
 
@@ -141,6 +140,8 @@ class GpiodLines:
 
     def _claimed(self, name: str, chip: str, offsets: Mapping[str, int]) -> Any:
         if name in self._inherited:
+            from end_effector_hal.wires.lines._held_request import HeldRequest  # on Linux only
+
             return HeldRequest(self._inherited.pop(name), list(offsets.values()), self._gpiod.line.Value)
         return self._adopt(chip, offsets)
 
