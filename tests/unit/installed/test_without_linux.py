@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from tests.unit.earlier.conftest import ARCHIVE
 
 BLOCKED = ("fcntl", "termios", "pwd", "grp", "gpiod", "inotify_simple")
