@@ -128,7 +128,7 @@ def test_it_comes_back_when_the_other_end_does(port, heard):
 
 HOLDER = """
 import sys, time
-from end_effector_hal.wires import open_port
+from end_effector_hal.wires.link import open_port
 port = open_port(sys.argv[1], 9600)
 print("open", flush=True)
 time.sleep(60)
