@@ -35,8 +35,8 @@ def test_a_deadlock_that_only_the_coarser_widening_has() -> None:
     )
     explorer = Explorer(network("clock x;", template))
     assert explorer.check("A[] not deadlock").holds
-    assert explorer.explore_all().ok is False  # a and b can alternate in no time
-    assert explorer.explore_all().deadlock is None
+    assert explorer.sanity_check().ok is False  # a and b can alternate in no time
+    assert explorer.sanity_check().deadlock is None
     late = Template(
         "P", ["a -> b", "b -> a; guard: x <= 2; do: x = 0"], invariants={"a": "x <= 3"}, urgent="b"
     )
@@ -62,7 +62,7 @@ def test_liveness_does_not_ask_time_to_diverge() -> None:
     assert verdict.trace is not None
     assert verdict.trace.loop is not None
     assert verdict.trace.end == 0
-    survey = explorer.explore_all()
+    survey = explorer.sanity_check()
     assert survey.timelock is None
     assert survey.zeno is not None
     assert not survey.diverges
@@ -133,7 +133,7 @@ def test_a_value_out_of_range_is_an_error_with_its_trace() -> None:
         assert [step.at for step in error.value.trace.steps] == [2, 4]
         assert error.value.trace.end == 6
     with pytest.raises(RunTimeError):
-        explorer.explore_all()
+        explorer.sanity_check()
 
 
 def test_an_out_of_range_update_that_no_run_reaches_is_none() -> None:
@@ -160,10 +160,10 @@ def test_a_timelock_hides_behind_an_edge_that_is_always_enabled() -> None:
     edges = ["work -> done; guard: x >= 4; do: x = 0", "done -> work; do: x = 0", "work -> work; do: n = 1"]
     explorer = Explorer(network("clock x; int[0,1] n;", Template("P", edges, invariants={"work": "x <= 3"})))
     assert explorer.check("A[] not deadlock").holds
-    survey = explorer.explore_all()
+    survey = explorer.sanity_check()
     assert survey.deadlock is None
-    assert survey.unreached == ("P.done",)
-    assert len(survey.idle) == 2
+    assert survey.coverage.locations == ("P.done",)
+    assert len(survey.coverage.edges) == 2
     assert survey.zeno is not None
 
 

@@ -1,34 +1,13 @@
-"""Initialisers and given constants, flattened to what a type has room for."""
+"""Constants that are given from outside, instead of their initialisers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from timed_automata import _ast as ast
-from timed_automata._faults import fault
 from timed_automata._types import Type
 from timed_automata.errors import UsageError
 
 Given = int | bool | Sequence["Given"]
-
-
-def flatten(node: ast.Expression, type_: Type, name: str) -> list[ast.Expression]:
-    """The scalars of an initialiser in row-major order.
-
-    Raises:
-        ModelError: its shape is not that of the type.
-    """
-    if not type_.dimensions:
-        if isinstance(node, ast.Braces):
-            raise fault(node.span, f"Braces where '{name}' has a single value.", "Remove them.")
-        return [node]
-    size = type_.dimensions[0].size
-    if not isinstance(node, ast.Braces):
-        raise fault(node.span, f"'{name}' is an array of {size}.", "Expected {…}.")
-    if len(node.items) != size:
-        todo = "Is a size changed, but not what depends on it?"
-        raise fault(node.span, f"'{name}' has room for {size} values, here are {len(node.items)}.", todo)
-    return [scalar for item in node.items for scalar in flatten(item, type_.element, name)]
 
 
 def flatten_given(value: Given, type_: Type, name: str) -> list[int]:
@@ -49,8 +28,8 @@ def flatten_given(value: Given, type_: Type, name: str) -> list[int]:
     return [int(value)]
 
 
-def written(value: Given, type_: Type) -> str:
+def as_source(value: Given, type_: Type) -> str:
     """A constant in UPPAAL's language."""
     if isinstance(value, Sequence):
-        return "{" + ", ".join(written(item, type_) for item in value) + "}"
+        return "{" + ", ".join(as_source(item, type_) for item in value) + "}"
     return ("true" if value else "false") if type_.kind == "bool" else str(int(value))

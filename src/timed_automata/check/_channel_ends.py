@@ -8,7 +8,7 @@ from timed_automata import Edge, Network
 
 
 @dataclass(frozen=True, slots=True)
-class Ends:
+class ChannelEnds:
     """A channel or an array of channels as declared, and the templates at its ends.
 
     Attributes:
@@ -27,7 +27,7 @@ class Ends:
     unreceived: tuple[str, ...]
 
 
-def ends_of(network: Network) -> tuple[Ends, ...]:
+def channel_ends(network: Network) -> tuple[ChannelEnds, ...]:
     """The ends of all channels, in the order in which they are declared."""
     groups: dict[str, list[int]] = {}
     for number, channel in enumerate(network.channels):
@@ -46,7 +46,7 @@ def ends_of(network: Network) -> tuple[Ends, ...]:
         return tuple(network.channels[n].name for n in numbers if n not in used)
 
     return tuple(
-        Ends(
+        ChannelEnds(
             name=name if network.channels[numbers[0]].name == name else f"{name}[{len(numbers)}]",
             broadcast=network.channels[numbers[0]].broadcast,
             urgent=network.channels[numbers[0]].urgent,

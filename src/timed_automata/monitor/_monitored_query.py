@@ -6,14 +6,14 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
-from timed_automata import Clock, Function, Network, Process, Scope, State, Storage, effects_of
+from timed_automata import ClockSymbol, Function, Network, Process, Scope, State, Storage, effects_of
 from timed_automata.explore import Case, Formula, compile_formula, parse_query
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
 @dataclass(frozen=True, slots=True)
-class Watched:
+class MonitoredQuery:
     """One query.
 
     Attributes:
@@ -30,7 +30,7 @@ class Watched:
         return self._violation.cases(state)
 
 
-def watched_queries(network: Network, executed: Collection[int]) -> tuple[Watched, ...]:
+def monitored_queries(network: Network, executed: Collection[int]) -> tuple[MonitoredQuery, ...]:
     """Those queries of the file that speak of nothing but the processes with these indices.
 
     Raises:
@@ -44,7 +44,7 @@ def watched_queries(network: Network, executed: Collection[int]) -> tuple[Watche
         query = parse_query(stored.formula)
         if query.kind == "A[]" and query.condition is not None:
             violation = compile_formula(network, query.condition, negated=True)
-            found.append(Watched(str(query), stored.comment, violation))
+            found.append(MonitoredQuery(str(query), stored.comment, violation))
     return tuple(found)
 
 
@@ -69,7 +69,7 @@ def _plain(process: Process) -> str:
 def _variables(scope: Scope, words: set[str]) -> Iterator[str]:
     for word in words & scope.symbols.keys():
         symbol = scope.symbols[word]
-        if isinstance(symbol, Storage | Clock):
+        if isinstance(symbol, Storage | ClockSymbol):
             yield symbol.name
         elif isinstance(symbol, Function):
             yield from symbol.effects.reads

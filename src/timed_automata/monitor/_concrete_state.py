@@ -23,7 +23,7 @@ from timed_automata.errors import RangeError
 _OPS: dict[str, Callable[[Any, Any], bool]] = {"<": lt, "<=": le, "==": eq, ">=": ge, ">": gt}
 
 
-class Chance(NamedTuple):
+class TimedTransition(NamedTuple):
     """A transition that can be taken from ``due`` on; its data guards hold since ``since``."""
 
     transition: Transition
@@ -31,7 +31,7 @@ class Chance(NamedTuple):
     due: int
 
 
-class Situation:
+class ConcreteState:
     """Follows a run; says nothing against it.
 
     Args:
@@ -42,7 +42,7 @@ class Situation:
     Attributes:
         state: locations and values.
         entered: when this discrete state was entered.
-        chances: what can be taken in it, in the order of the file.
+        timed: what can be taken in it, in the order of the file.
     """
 
     def __init__(self, network: Network, ours: Collection[int], unit: int) -> None:
@@ -53,14 +53,14 @@ class Situation:
     def begin(self, at: int) -> None:
         """All clocks are zero at ``at``."""
         self._zero = [at] * len(self.network.clocks)
-        self.chances: tuple[Chance, ...] = ()
+        self.timed: tuple[TimedTransition, ...] = ()
         self._renew(self.network.initial, at, None)
 
     def resume(self, resumed: Resumed, entered: int) -> None:
         """Stand where an execution stood that has entered its discrete state at ``entered``."""
         self._zero = list(resumed.zeros)
         self.state, self.entered = resumed.state, entered
-        self.chances = tuple(self._found({}))
+        self.timed = tuple(self._found({}))
 
     def snapshot(self, at: int) -> ExecutionSnapshot:
         """Where it stands at ``at``."""
@@ -117,13 +117,13 @@ class Situation:
         return self.stays(at) and self.holds([*_upper(transition.bounds), *self._kept(transition)], at)
 
     def _renew(self, state: State, at: int, taken: Transition | None) -> None:
-        ages = {chance.transition.edges: chance.since for chance in self.chances}
+        ages = {each.transition.edges: each.since for each in self.timed}
         if taken is not None:
             ages.pop(taken.edges, None)
         self.state, self.entered = state, at
-        self.chances = tuple(self._found(ages))
+        self.timed = tuple(self._found(ages))
 
-    def _found(self, ages: Mapping[tuple[Edge, ...], int]) -> Iterator[Chance]:
+    def _found(self, ages: Mapping[tuple[Edge, ...], int]) -> Iterator[TimedTransition]:
         hurry = not self.may_delay()
         # what somebody's lateness has broken already is no other edge's doing
         expired = () if self.stays(self.entered) else self._semantics.invariant(self.state)
@@ -133,7 +133,7 @@ class Situation:
             kept = [bound for bound in self._kept(transition) if bound not in expired]
             uppers = [*_upper(transition.bounds), *kept]
             if self.holds(uppers, due) and self._enters(transition) and not (hurry and due > self.entered):
-                yield Chance(transition, since, due)
+                yield TimedTransition(transition, since, due)
 
     def _instant(self, bound: Bound) -> int:
         """The first whole instant at which a lower bound holds."""

@@ -26,7 +26,7 @@ def remainder(left: int, right: int) -> int:
     return left - right * divide(left, right)
 
 
-class Unit:
+class GeneratedCode:
     """Collects generated code; ``sites`` are the places in the model that run-time errors refer to."""
 
     def __init__(self) -> None:

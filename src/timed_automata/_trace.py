@@ -6,7 +6,25 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from timed_automata import Change, Edge, Network, State
+from timed_automata._network import Edge, Network, State
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A variable that got another value."""
+
+    name: str
+    old: int
+    new: int
+
+
+def changes_between(network: Network, old: State, new: State) -> tuple[Change, ...]:
+    """The variables that differ, in the order in which they are declared."""
+    return tuple(
+        Change(name, old.values[at], new.values[at])
+        for name, at in network.offsets.items()
+        if old.values[at] != new.values[at]
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +103,3 @@ def _ms(time: Fraction) -> str:
     if time.denominator == 1:
         return str(time.numerator)
     return f"{float(time):.4f}".rstrip("0").rstrip(".")
-
-
-def changes_between(network: Network, old: State, new: State) -> tuple[Change, ...]:
-    """The variables that differ, in the order in which they are declared."""
-    return tuple(
-        Change(name, old.values[at], new.values[at])
-        for name, at in network.offsets.items()
-        if old.values[at] != new.values[at]
-    )

@@ -11,14 +11,14 @@ from timed_automata import Edge, Network, Process
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-class Parts(NamedTuple):
+class DisabledParts(NamedTuple):
     """Edges by the ``id`` of what was drawn, which all processes of a template share; template and location."""
 
     edges: frozenset[int]
     locations: frozenset[tuple[str, int]]
 
 
-def switched_off(network: Network) -> Parts:
+def statically_disabled(network: Network) -> DisabledParts:
     """Edges whose guard the constants make false, and all that can only happen after such edges.
 
     A guard that is false and names no constant is no switch: what lies behind it is expected to happen.
@@ -31,9 +31,9 @@ def switched_off(network: Network) -> Parts:
         if id(edge.drawn) not in possible and _mentions(edge, network.constants.keys())
     }
     if not switches:
-        return Parts(frozenset(), frozenset())
+        return DisabledParts(frozenset(), frozenset())
     without, with_ = _dead(network, frozenset()), _dead(network, frozenset(switches))
-    return Parts(with_.edges - without.edges, with_.locations - without.locations)
+    return DisabledParts(with_.edges - without.edges, with_.locations - without.locations)
 
 
 def _mentions(edge: Edge, names: Collection[str]) -> bool:
@@ -41,7 +41,7 @@ def _mentions(edge: Edge, names: Collection[str]) -> bool:
     return guard is not None and not set(_WORD.findall(guard.text.content)).isdisjoint(names)
 
 
-def _dead(network: Network, off: frozenset[int]) -> Parts:
+def _dead(network: Network, off: frozenset[int]) -> DisabledParts:
     """What no process can do without the edges that are off, by the graphs of the processes and by who sends."""
     while True:
         alive: set[int] = set()
@@ -62,7 +62,7 @@ def _dead(network: Network, off: frozenset[int]) -> Parts:
         off = dead
     places = {(process.template, at) for process in network.processes for at in reached[process.index]}
     every = {(process.template, at) for process in network.processes for at in range(len(process.locations))}
-    return Parts(dead, frozenset(every - places))
+    return DisabledParts(dead, frozenset(every - places))
 
 
 def _reached(process: Process, off: frozenset[int]) -> Iterator[int]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from tests.unit.timed_automata.explore.models import Template, network
-from timed_automata.explore import Coverage, explore_all
+from timed_automata.explore import Explorer, SanityReport
 
 
-def survey(declarations: str, *templates: Template, system: str = "") -> Coverage:
-    return explore_all(network(declarations, *templates, system=system))
+def survey(declarations: str, *templates: Template, system: str = "") -> SanityReport:
+    return Explorer(network(declarations, *templates, system=system)).sanity_check()
 
 
 def loop(*edges: str, **more: object) -> Template:
@@ -39,9 +39,9 @@ def test_locations_and_edges_are_judged_by_template() -> None:
         declarations="clock x;",
     )
     found = survey("int[0,1] n;", cell)
-    assert found.unreached == ("Cell.c",)
-    assert [edge.partition(": ")[2] for edge in found.idle] == ["Cell a → c (id == 2)"]
-    assert found.idle[0].startswith("model.xml:1:")
+    assert found.coverage.locations == ("Cell.c",)
+    assert [edge.partition(": ")[2] for edge in found.coverage.edges] == ["Cell a → c (id == 2)"]
+    assert found.coverage.edges[0].startswith("model.xml:1:")
 
 
 def test_channels_with_one_end() -> None:

@@ -10,7 +10,7 @@ from timed_automata._scope import Effects
 from timed_automata.errors import ModelError, UsageError
 
 
-class Sides:
+class ExecutionBoundary:
     """The executed processes and their environment.
 
     Attributes:

@@ -16,7 +16,7 @@ K = TypeVar("K", bound=Hashable)
 _ENOUGH = 20  # states in which only what is known holds: then it is worth to compile anew without it
 
 
-class Watch(Generic[K]):
+class FirstHitWatch(Generic[K]):
     """Tells for each condition when it holds for the first time."""
 
     def __init__(self, network: Network) -> None:
@@ -29,7 +29,7 @@ class Watch(Generic[K]):
 
     def add(self, key: K, condition: ast.Expression, *, wanted: bool = True) -> None:
         """Look for a condition without clocks, or (not ``wanted``) for its contrary."""
-        source = QueryExpressions(self._network.unit, QueryScope(self._network)).value(condition).source
+        source = QueryExpressions(self._network.code, QueryScope(self._network)).value(condition).source
         self._sources[key] = self._open[key] = f"({source})" if wanted else f"(not ({source}))"
         self._any = None
 
@@ -54,4 +54,4 @@ class Watch(Generic[K]):
         return tuple(self._open)
 
     def _compiled(self, source: str) -> Callable[..., Any]:
-        return self._network.unit.expression(ARGUMENTS, source)
+        return self._network.code.expression(ARGUMENTS, source)

@@ -1,27 +1,27 @@
-"""Discrete states in which nothing can be stuck whatever the clocks say: they need no search for deadlocks."""
+"""DiscreteState states in which nothing can be stuck whatever the clocks say: they need no search for deadlocks."""
 
 from __future__ import annotations
 
 from timed_automata.explore._deadlock import enabling, enabling_key
-from timed_automata.explore._symbolic import Place
+from timed_automata.explore._symbolic import StateRecord
 from timed_automata.explore._zone import Constraint, Zone, constrained, down, everything, included
 
 
-class GoesOn:
+class DeadlockFree:
     """Whether one transition is enabled, now or later, from every valuation that the invariant allows."""
 
     def __init__(self) -> None:
         self._known: dict[object, bool] = {}
 
-    def __call__(self, place: Place) -> bool:
+    def __call__(self, record: StateRecord) -> bool:
         """Sufficient, not necessary: several transitions may do so together."""
-        for step in place.steps:
-            key = enabling_key(place, step)
+        for step in record.steps:
+            key = enabling_key(record, step)
             always = self._known.get(key)
             if always is None:
-                needed = enabling(place, step)
+                needed = enabling(record, step)
                 always = needed is not None and _always(
-                    place.n, place.discrete.delays, place.invariant, needed
+                    record.n, record.discrete.delays, record.invariant, needed
                 )
                 self._known[key] = always
             if always:

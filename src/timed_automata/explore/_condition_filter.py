@@ -10,14 +10,14 @@ from timed_automata.explore._formula import All, Data, Formula, Some
 from timed_automata.explore._query_terms import ARGUMENTS
 
 
-class Concern:
+class ConditionFilter:
     """Tells which of some numbered conditions can hold in a discrete state."""
 
     def __init__(self, network: Network, conditions: Mapping[int, Formula]) -> None:
         self._numbers = tuple(conditions)
         parts = [_possible(formula) for formula in conditions.values()]
-        self._any = network.unit.expression(ARGUMENTS, " or ".join(parts) or "False")
-        self._each = network.unit.expression(ARGUMENTS, f"({' '.join(f'{part},' for part in parts)})")
+        self._any = network.code.expression(ARGUMENTS, " or ".join(parts) or "False")
+        self._each = network.code.expression(ARGUMENTS, f"({' '.join(f'{part},' for part in parts)})")
 
     def __call__(self, state: State) -> tuple[int, ...]:
         """The numbers of those that can."""

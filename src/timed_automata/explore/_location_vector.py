@@ -1,4 +1,4 @@
-"""Where all processes stand: what depends on their locations alone is found once."""
+"""A location of each process: what depends on their locations alone is found once."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from timed_automata import Bound, ClockConstraint, Network, Values
 
 if TYPE_CHECKING:
-    from timed_automata.explore._discrete import Discrete
+    from timed_automata.explore._discrete import DiscreteState
 
 
-class Stand:
+class LocationVector:
     """A location of each process; one object for each combination that was met.
 
     Attributes:
@@ -32,33 +32,33 @@ class Stand:
         )
         fixed = tuple(bound for part in self._parts if (bound := part.fixed) is not None)
         self.invariant = fixed if len(fixed) == len(self._parts) else None
-        self.states: dict[bytes, Discrete | None] = {}
+        self.states: dict[bytes, DiscreteState | None] = {}
 
     def invariant_at(self, values: Values) -> tuple[Bound, ...]:
         """The upper bounds of clocks in a discrete state."""
         return tuple(part.at(values) for part in self._parts)
 
 
-class Stands:
+class LocationVectors:
     """All of a network that were met."""
 
     def __init__(self, network: Network) -> None:
         self._network = network
-        self._known: dict[tuple[int, ...], Stand] = {}
+        self._known: dict[tuple[int, ...], LocationVector] = {}
 
-    def __iter__(self) -> Iterator[Stand]:
+    def __iter__(self) -> Iterator[LocationVector]:
         return iter(self._known.values())
 
-    def at(self, locations: tuple[int, ...]) -> Stand:
+    def at(self, locations: tuple[int, ...]) -> LocationVector:
         """The one object for these locations."""
         found = self._known.get(locations)
         if found is None:
-            found = self._known[locations] = Stand(self._network, locations)
+            found = self._known[locations] = LocationVector(self._network, locations)
         return found
 
-    def moved(self, stand: Stand, targets: Iterable[tuple[int, int]]) -> Stand:
+    def moved(self, vector: LocationVector, targets: Iterable[tuple[int, int]]) -> LocationVector:
         """Where some processes, by their numbers, are in other locations."""
-        locations = list(stand.locations)
+        locations = list(vector.locations)
         for process, target in targets:
             locations[process] = target
         return self.at(tuple(locations))
