@@ -6,7 +6,7 @@ import pytest
 from virtual_tool import VirtualTool
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.ros1._status_lines import StatusLines
+from end_effector_hal.nodes.report import StatusLines
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 
 
