@@ -69,7 +69,7 @@ def check(path: Path) -> Checked:
     if description is None:
         return Checked(None, examination.diagnostics)
     from end_effector_hal.codecs import fitting
-    from end_effector_hal.ros1 import name_faults
+    from end_effector_hal.nodes.interface import name_faults
     from end_effector_hal.runtime import load_automata
 
     fits = fitting(description)
