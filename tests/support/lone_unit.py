@@ -11,7 +11,7 @@ from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import Unit
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState as State
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 from tests.support.patience import PATIENCE_S
 
@@ -25,11 +25,11 @@ class Owner:
     def __init__(self) -> None:
         self.active = dict.fromkeys(LINES, OFF)
         self.error: OSError | None = None
-        self.will: tuple[WillStep, ...] = ()
-        self.parting: tuple[WillStep, ...] | None = None
+        self.will: tuple[LastWillStep, ...] = ()
+        self.parting: tuple[LastWillStep, ...] | None = None
         self.took_for_dead = False
 
-    def overtaken(self) -> bool:
+    def declared_dead(self) -> bool:
         told, self.took_for_dead = self.took_for_dead, False
         return told
 
@@ -38,7 +38,7 @@ class Owner:
             raise self.error
         return dict(self.active)
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
         def wait() -> None:
             if self.error:
                 raise self.error
@@ -47,7 +47,7 @@ class Owner:
 
         return wait
 
-    def close(self, will: Sequence[WillStep]) -> None:
+    def close(self, will: Sequence[LastWillStep]) -> None:
         self.parting = tuple(will)
 
 

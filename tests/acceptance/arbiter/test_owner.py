@@ -17,16 +17,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from end_effector_hal.arbiter import LineOwner, OwnerClient, Policy
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy
 from end_effector_hal.errors import (
+    ArbiterError,
     LineBusyError,
     LineNotFoundError,
     LineRefusedError,
-    OwnerError,
     UsageError,
     WireError,
 )
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import ChipWatcher, VirtualChip, VirtualLines, read_chip
 from tests.support.patience import PATIENCE_S, wait_until
@@ -47,7 +47,7 @@ class Bench:
 
     @contextmanager
     def owner(self, policy=POLICY):
-        with LineOwner(VirtualLines(self.chip), self.socket, policy) as owner:
+        with ArbiterServer(VirtualLines(self.chip), self.socket, policy) as owner:
             thread = threading.Thread(target=owner.run)
             thread.start()
             try:
@@ -57,7 +57,7 @@ class Bench:
                 thread.join()
 
     def client(self, name="grip", lines=(BOTTOM, TOP), **more):
-        return OwnerClient(self.socket, name, lines, **{"patience_s": 0.0} | more)
+        return ArbiterClient(self.socket, name, lines, **{"patience_s": 0.0} | more)
 
     def levels(self):
         return [read_chip(self.chip).lines[line].level for line in LINES]
@@ -103,7 +103,7 @@ def test_set_and_levels(bench):
 def test_a_will_can_be_left_without_levels(bench):
     with bench.owner():
         grip = bench.client()
-        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         grip.set({}, [])
         assert grip.status()["clients"][0]["will"] == []
         grip.close()
@@ -113,7 +113,7 @@ def test_a_write_that_was_given_up_is_not_executed_later(bench):
     with bench.owner():
         raw = Raw(bench)
         raw.ask({"id": 1, "op": "hello", "client": "grip", "token": TOKEN, "lines": [BOTTOM]})
-        will = [WillStep(BOTTOM).as_json()]
+        will = [LastWillStep(BOTTOM).as_json()]
         late = {"id": 2, "op": "set", "levels": {BOTTOM: True}, "will": will, "until_us": now_us() - 1}
         reply = raw.ask(late)
         assert (reply["ok"], reply["error"]) == (False, "this write came too late and was not executed.")
@@ -142,7 +142,7 @@ def test_a_client_says_how_long_its_writes_are_good_for(bench):
         thread.start()
         client = bench.client(timeout_s=0.2)
         begun = now_us()
-        with pytest.raises(OwnerError, match="does not answer"):
+        with pytest.raises(ArbiterError, match="does not answer"):
             client.set({BOTTOM: True})
         given_up = now_us()
         thread.join()
@@ -159,11 +159,11 @@ def test_the_socket_is_for_the_group(bench):
 def test_the_socket_can_be_given_to_a_group(bench):
     """Root sees the group; whoever is not root can at least give it to an own one."""
     group = 65_533 if os.geteuid() == 0 else os.getgroups()[0]
-    owner = LineOwner(VirtualLines(bench.chip), bench.socket, POLICY, group=str(group))
+    owner = ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group=str(group))
     assert (bench.socket.stat().st_gid, stat.S_IMODE(bench.socket.stat().st_mode)) == (group, 0o660)
     owner.close()
     with pytest.raises(UsageError, match="there is no group 'nobody-has-this'"):
-        LineOwner(VirtualLines(bench.chip), bench.socket, POLICY, group="nobody-has-this")
+        ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group="nobody-has-this")
     with bench.owner():
         pass
 
@@ -185,7 +185,7 @@ def test_only_members_of_the_group_can_open_the_socket():
         # the folders above are open: it is the socket that decides
         os.chmod(folder, 0o755)
         bench = Bench(Path(folder))
-        with LineOwner(VirtualLines(bench.chip), bench.socket, POLICY, group="65533") as owner:
+        with ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group="65533") as owner:
             os.chmod(bench.socket.parent, 0o755)
             serving = threading.Thread(target=owner.run)
             serving.start()
@@ -212,12 +212,12 @@ def test_refusals_are_sentences(bench):
         with pytest.raises(LineBusyError, match=rf"SODIMM_208 belongs to grip \(pid {os.getpid()}, "):
             bench.client("other", [BOTTOM])
         with pytest.raises(UsageError, match="IL-11"):
-            grip.set({TOP: True}, [WillStep(TOP, True)])
+            grip.set({TOP: True}, [LastWillStep(TOP, True)])
         assert bench.levels() == [False, True, False]
 
 
 def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
-    with bench.owner(), OwnerClient(bench.socket, "grip", [BOTTOM]) as client:
+    with bench.owner(), ArbiterClient(bench.socket, "grip", [BOTTOM]) as client:
         wait = client.ask({BOTTOM: True}, [(BOTTOM, False, 0)])
         levels = [None]
         other = threading.Thread(target=lambda: levels.append(client.levels()))
@@ -231,7 +231,7 @@ def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
 
 
 def test_a_write_in_two_parts_never_waits_for_the_calls_of_others(bench):
-    with bench.owner(), OwnerClient(bench.socket, "grip", [BOTTOM]) as client:
+    with bench.owner(), ArbiterClient(bench.socket, "grip", [BOTTOM]) as client:
         first = client.ask({BOTTOM: True})
         second = client.ask({BOTTOM: False})  # its turn has not come: all of it is done when it is waited for
         assert first().levels[BOTTOM] is True
@@ -240,11 +240,11 @@ def test_a_write_in_two_parts_never_waits_for_the_calls_of_others(bench):
 
 def test_a_write_in_two_parts_tells_of_a_lost_owner(bench):
     with bench.owner():
-        client = OwnerClient(bench.socket, "grip", [BOTTOM], patience_s=0)
+        client = ArbiterClient(bench.socket, "grip", [BOTTOM], patience_s=0)
     wait = client.ask({BOTTOM: True})
-    with pytest.raises(OwnerError):
+    with pytest.raises(ArbiterError):
         wait()
-    with pytest.raises(OwnerError):  # nobody holds the connection: it does not hang
+    with pytest.raises(ArbiterError):  # nobody holds the connection: it does not hang
         client.ask({BOTTOM: True})()
     client.close()
 
@@ -271,13 +271,13 @@ def test_il_03_is_ended_by_the_owner_and_told_in_its_status(bench):
 def test_close_holds_or_executes_what_it_is_given(bench):
     with bench.owner():
         with bench.client() as grip:
-            grip.set({BOTTOM: True, TOP: True}, [WillStep(TOP), WillStep(BOTTOM)])
+            grip.set({BOTTOM: True, TOP: True}, [LastWillStep(TOP), LastWillStep(BOTTOM)])
         assert bench.levels() == [False, True, True]
         grip = bench.client()
-        grip.close(will=[WillStep(TOP)])
+        grip.close(will=[LastWillStep(TOP)])
         grip.close()
         assert bench.levels() == [False, True, False]
-        with pytest.raises(ZeroDivisionError), bench.client(will=[WillStep(BOTTOM)]):
+        with pytest.raises(ZeroDivisionError), bench.client(will=[LastWillStep(BOTTOM)]):
             raise ZeroDivisionError
         wait_until("it", lambda: bench.levels() == [False, False, False])
 
@@ -288,7 +288,7 @@ def test_a_lease_that_is_not_renewed_ends(bench):
     policy = Policy(LINES, lease_us=1_500_000, min_switch_us=0)
     with bench.owner(policy), bench.client() as grip:
         grip.attend(alive=alive.is_set, on_lost=lost.append)
-        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         threading.Event().wait(2.0)
         assert bench.levels()[1]
         alive.clear()
@@ -296,10 +296,10 @@ def test_a_lease_that_is_not_renewed_ends(bench):
         alive.set()
         wait_until("it", lambda: lost)
         assert "the lease ended" in str(lost[0])
-        with pytest.raises(OwnerError, match="the lease ended"):
+        with pytest.raises(ArbiterError, match="the lease ended"):
             grip.set({TOP: True})
         assert grip.set({TOP: True}).levels[TOP]
-        assert [grip.overtaken(), grip.overtaken()] == [True, False], "told once"
+        assert [grip.declared_dead(), grip.declared_dead()] == [True, False], "told once"
 
 
 def test_a_lost_owner_is_told_once_and_found_again(bench):
@@ -307,10 +307,10 @@ def test_a_lost_owner_is_told_once_and_found_again(bench):
     with bench.owner():
         grip = bench.client()
         grip.attend(on_lost=lost.append)
-        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
-    with pytest.raises(OwnerError, match="was lost"):
+        grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
+    with pytest.raises(ArbiterError, match="was lost"):
         grip.levels()
-    with pytest.raises(OwnerError, match="cannot be reached"):
+    with pytest.raises(ArbiterError, match="cannot be reached"):
         grip.levels()
     threading.Event().wait(0.6)
     with bench.owner():
@@ -325,7 +325,7 @@ def test_a_client_that_only_reads_connects_again_by_itself(bench):
     with bench.owner():
         look = bench.client("look", [])
         assert look.levels()
-    with pytest.raises(OwnerError, match="cannot be reached"):
+    with pytest.raises(ArbiterError, match="cannot be reached"):
         look.levels()
     with bench.owner():
         assert look.levels()
@@ -342,7 +342,7 @@ def test_the_renewals_find_the_owner_again(bench):
     wait_until("it", lambda: lost)
     with bench.owner(), bench.client("look", []) as look:
         wait_until("it", lambda: look.status()["clients"])
-        with pytest.raises(OwnerError, match="was lost"):
+        with pytest.raises(ArbiterError, match="was lost"):
             grip.levels()
         grip.levels()
         grip.close()
@@ -352,7 +352,7 @@ def test_the_renewals_find_the_owner_again(bench):
 def test_a_loss_that_was_not_told_yet_does_not_make_a_close_a_death(bench):
     with bench.owner():
         grip = bench.client()
-        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
     with bench.owner(), bench.client("look", []) as look:
         wait_until("it", lambda: look.status()["clients"])
         grip.close()
@@ -364,12 +364,12 @@ def test_a_will_that_cannot_be_delivered_is_told(bench):
     with bench.owner():
         grip, other = bench.client(), bench.client("changer", [UNLOCK])
     other.close()
-    with pytest.raises(OwnerError):
-        grip.close(will=[WillStep(BOTTOM)])
+    with pytest.raises(ArbiterError):
+        grip.close(will=[LastWillStep(BOTTOM)])
 
 
 def test_no_owner(bench):
-    with pytest.raises(OwnerError, match="cannot be reached") as caught:
+    with pytest.raises(ArbiterError, match="cannot be reached") as caught:
         bench.client()
     assert "eehal owner" in str(caught.value)
     assert caught.value.where == str(bench.socket)
@@ -390,28 +390,28 @@ def test_an_owner_that_does_not_answer(bench):
     with socket.socket(socket.AF_UNIX) as deaf:
         deaf.bind(str(bench.socket))
         deaf.listen()
-        with pytest.raises(OwnerError, match="does not answer"):
+        with pytest.raises(ArbiterError, match="does not answer"):
             bench.client(timeout_s=0.05)
 
 
 def test_a_second_owner_is_refused(bench, tmp_path):
     with bench.owner():
         with pytest.raises(LineBusyError, match=f"socket is held by pid {os.getpid()}"):
-            LineOwner(VirtualLines(bench.chip), bench.socket, POLICY)
+            ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY)
         with pytest.raises(LineBusyError, match=f"chip is held by pid {os.getpid()}"):
-            LineOwner(VirtualLines(bench.chip), tmp_path / "other.sock", POLICY)
+            ArbiterServer(VirtualLines(bench.chip), tmp_path / "other.sock", POLICY)
         with bench.client() as grip:
             assert grip.levels()
 
 
 def test_an_owner_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
     with pytest.raises(LineNotFoundError):
-        LineOwner(VirtualLines(bench.chip), bench.socket, Policy(("SODIMM_1",)))
+        ArbiterServer(VirtualLines(bench.chip), bench.socket, Policy(("SODIMM_1",)))
     with pytest.raises(WireError, match="less than 90 letters"):
-        LineOwner(VirtualLines(bench.chip), tmp_path / ("x" * 120), POLICY)
+        ArbiterServer(VirtualLines(bench.chip), tmp_path / ("x" * 120), POLICY)
     (tmp_path / "file").touch()
     with pytest.raises(WireError, match="socket cannot be made"):
-        LineOwner(VirtualLines(bench.chip), tmp_path / "file" / "owner.sock", POLICY)
+        ArbiterServer(VirtualLines(bench.chip), tmp_path / "file" / "owner.sock", POLICY)
     with bench.owner():
         pass
 
@@ -590,17 +590,18 @@ def shared(tmp_path_factory):
 
 OWNER = """
 import sys
-from end_effector_hal.wires import Policy, VirtualLines, serve
+from end_effector_hal.arbiter import Policy, serve
+from end_effector_hal.wires.lines import VirtualLines
 chip, socket, *lines = sys.argv[1:]
 serve(VirtualLines(chip), socket, Policy(lines), on_ready=lambda owner: print("ready", flush=True))
 print("end", flush=True)
 """
 CLIENT = """
 import sys, time
-from end_effector_hal.wires import OwnerClient, WillStep
+
 socket, *lines = sys.argv[1:]
-client = OwnerClient(socket, "grip", lines)
-will = [WillStep(line, False, i * 300_000) for i, line in enumerate(lines[::-1])]
+client = ArbiterClient(socket, "grip", lines)
+will = [LastWillStep(line, False, i * 300_000) for i, line in enumerate(lines[::-1])]
 client.set(dict.fromkeys(lines, True), will)
 print("ready", flush=True)
 time.sleep(60)
@@ -623,12 +624,12 @@ def test_a_killed_owner_leaves_the_lines_and_the_next_adopts_them(bench):
     with process(OWNER, bench.chip, bench.socket, *LINES) as first:
         with bench.client() as grip:
             with pytest.raises(LineBusyError, match=f"pid {first.pid} "):
-                LineOwner(VirtualLines(bench.chip), bench.socket, POLICY)
+                ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY)
             grip.set({BOTTOM: True}, [])
             wait_until("it", lambda: bench.levels()[1])
             first.kill()
             first.wait()
-            with pytest.raises(OwnerError):
+            with pytest.raises(ArbiterError):
                 grip.levels()
         assert bench.socket.exists()
     records = bench.chip.read_bytes()
@@ -641,7 +642,7 @@ def test_a_killed_owner_leaves_the_lines_and_the_next_adopts_them(bench):
 def test_an_owner_that_is_asked_to_end_leaves_the_lines_as_they_are(bench, number):
     with process(OWNER, bench.chip, bench.socket, *LINES) as owner:
         grip = bench.client()
-        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         wait_until("it", lambda: bench.levels()[1])
         owner.send_signal(number)
         assert owner.stdout.read() == b"end\n"
@@ -710,7 +711,7 @@ def test_a_stopped_client_is_dead_after_its_lease(bench):
 
 def test_an_owner_that_was_stopped_kills_nobody(bench):
     with process(OWNER, bench.chip, bench.socket, *LINES) as owner, bench.client(timeout_s=10) as grip:
-        grip.set({BOTTOM: True}, [WillStep(BOTTOM)])
+        grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         owner.send_signal(signal.SIGSTOP)
         threading.Event().wait(1.5)
         owner.send_signal(signal.SIGCONT)

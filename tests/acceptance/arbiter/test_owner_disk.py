@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires.lines import VirtualChip, read_chip
 from tests.support.keeping import BOTTOM, LINES, TOP
 from tests.support.patience import PATIENCE_S, wait_until
@@ -25,13 +25,14 @@ pytestmark = [
 ]
 OWNER = """
 import sys
-from end_effector_hal.wires import Need, Policy, VirtualLines, serve
+from end_effector_hal.arbiter import Need, Policy, serve
+from end_effector_hal.wires.lines import VirtualLines
 chip, socket, journal, *lines = sys.argv[1:]
 closed = Need("closed", "IL-13", "the e-stop is closed", "the e-stop is open", latched="the e-stop was opened")
 policy = Policy(lines, needs={line: (closed,) for line in lines}, faults=("sensor_fault",))
 serve(VirtualLines(chip), socket, policy, journal=journal, on_ready=lambda owner: print("ready", flush=True))
 """
-UNWIND = [WillStep(TOP), WillStep(BOTTOM, after_us=100_000)]
+UNWIND = [LastWillStep(TOP), LastWillStep(BOTTOM, after_us=100_000)]
 
 
 class Disk:
@@ -120,11 +121,11 @@ class Bench:
                 process.kill()
                 process.wait(PATIENCE_S)
 
-    def program(self) -> OwnerClient:
-        return OwnerClient(self.socket, "grip", [BOTTOM, TOP])
+    def program(self) -> ArbiterClient:
+        return ArbiterClient(self.socket, "grip", [BOTTOM, TOP])
 
-    def look(self) -> OwnerClient:
-        return OwnerClient(self.socket, "look")
+    def look(self) -> ArbiterClient:
+        return ArbiterClient(self.socket, "look")
 
     def faults(self) -> dict[str, str]:
         with self.look() as look:
@@ -133,17 +134,17 @@ class Bench:
     def active(self) -> set[str]:
         return {name for name, line in read_chip(self.chip).lines.items() if line.level}
 
-    def grip(self, program: OwnerClient) -> None:
+    def grip(self, program: ArbiterClient) -> None:
         """GRIPPING: both lines are active, the will unwinds."""
         with proving(self.socket, closed=True):
             wait_until("the sensors are heard in time", lambda: _is_written(program))
         wait_until("both lines", lambda: self.active() == {BOTTOM, TOP})
 
 
-def change_much(program: OwnerClient) -> None:
+def change_much(program: ArbiterClient) -> None:
     """More than fits into what is left of a page of the disk; the last will unwinds."""
     for after_us in range(100, -1, -1):
-        program.set({}, [WillStep(TOP, after_us=after_us), UNWIND[1]])
+        program.set({}, [LastWillStep(TOP, after_us=after_us), UNWIND[1]])
 
 
 def hold_through_a_kill(bench: Bench, disk: Disk, hurt: str) -> None:
@@ -223,7 +224,7 @@ def test_an_owner_that_starts_on_a_full_disk_says_so_and_holds(
         second.wait(PATIENCE_S)
 
 
-def _is_written(program: OwnerClient) -> bool:
+def _is_written(program: ArbiterClient) -> bool:
     try:
         program.set({BOTTOM: True, TOP: True}, UNWIND)
     except LineRefusedError:  # this machine was busy elsewhere: what was proven is too old
@@ -231,7 +232,7 @@ def _is_written(program: OwnerClient) -> bool:
     return True
 
 
-def _is_reset(look: OwnerClient) -> bool:
+def _is_reset(look: ArbiterClient) -> bool:
     try:
         look.reset()
     except LineRefusedError:

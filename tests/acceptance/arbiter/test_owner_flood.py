@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import LineOwner, OwnerClient, Policy
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from tests.support.keeping import BOTTOM, LINES, TOP
 
@@ -43,7 +43,7 @@ while not ended.is_set():
 
 def test_who_writes_lines_is_served_in_a_flood(tmp_path: Path) -> None:
     chip, path = VirtualChip.create(tmp_path / "chip", LINES).path, tmp_path / "sock"
-    with LineOwner(VirtualLines(chip), path, Policy(LINES, min_switch_us=0)) as owner:
+    with ArbiterServer(VirtualLines(chip), path, Policy(LINES, min_switch_us=0)) as owner:
         serving = threading.Thread(target=owner.run)
         serving.start()
         command = [sys.executable, "-c", FLOOD, str(path)]
@@ -51,14 +51,14 @@ def test_who_writes_lines_is_served_in_a_flood(tmp_path: Path) -> None:
             try:
                 assert flood.stdout is not None
                 assert flood.stdout.readline() == b"floods\n"
-                client = OwnerClient(path, "grip", [BOTTOM, TOP], timeout_s=30.0)
+                client = ArbiterClient(path, "grip", [BOTTOM, TOP], timeout_s=30.0)
                 for number in range(100):
                     assert client.set({BOTTOM: number % 2 == 0}).delay_us == 0
-                with OwnerClient(path, "changer", ["unlock"], timeout_s=30.0) as late:
+                with ArbiterClient(path, "changer", ["unlock"], timeout_s=30.0) as late:
                     assert late.levels()["unlock"] is False
                 (grip,) = client.status()["clients"]
                 assert (grip["client"], grip["ended"]) == ("grip", False)
-                assert not client.overtaken()
+                assert not client.declared_dead()
                 client.close()
             finally:
                 flood.kill()

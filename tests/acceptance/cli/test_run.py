@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import NotReadyError
 from end_effector_hal.runtime import EndEffector
@@ -29,7 +29,7 @@ def world(tmp_path: Path) -> Iterator[World]:
 
 
 def clients(world: World) -> list[str]:
-    with OwnerClient(world.socket, "look") as look:
+    with ArbiterClient(world.socket, "look") as look:
         return [each["client"] for each in look.status()["clients"]]
 
 

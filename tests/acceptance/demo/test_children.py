@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.errors import OwnerError
+from end_effector_hal.errors import ArbiterError
 from end_effector_lab.demo._children import Children
 from tests.support.patience import PATIENCE_S
 
@@ -81,8 +81,8 @@ def test_end_since_leaves_those_before(tmp_path: Path) -> None:
 def test_one_that_ends_before_it_is_ready_is_told_with_its_last_lines(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "print('reading'); raise SystemExit('there is no chip')"]
     with Children() as children:
-        child = children.start("line owner", command, log=tmp_path / "owner.log", failed=OwnerError)
-        with pytest.raises(OwnerError) as raised:
+        child = children.start("line owner", command, log=tmp_path / "owner.log", failed=ArbiterError)
+        with pytest.raises(ArbiterError) as raised:
             child.wait_until(lambda: False, timeout_s=PATIENCE_S, what="its socket")
     text = str(raised.value)
     assert text.startswith("The line owner ended (exit code 1) before its socket.")
@@ -93,11 +93,11 @@ def test_one_that_ends_before_it_is_ready_is_told_with_its_last_lines(tmp_path: 
 
 def test_one_that_is_never_ready(tmp_path: Path) -> None:
     with Children() as children:
-        child = children.start("line owner", ["sleep", "9"], log=tmp_path / "log", failed=OwnerError)
-        with pytest.raises(OwnerError, match=r"but its socket did not come within 0\.1 s"):
+        child = children.start("line owner", ["sleep", "9"], log=tmp_path / "log", failed=ArbiterError)
+        with pytest.raises(ArbiterError, match=r"but its socket did not come within 0\.1 s"):
             child.wait_until(lambda: False, timeout_s=0.1, what="its socket")
 
 
 def test_a_program_that_is_not_there(tmp_path: Path) -> None:
-    with Children() as children, pytest.raises(OwnerError, match="cannot be started: No such file"):
-        children.start("ghost", ["/no/such/program"], log=tmp_path / "log", failed=OwnerError)
+    with Children() as children, pytest.raises(ArbiterError, match="cannot be started: No such file"):
+        children.start("ghost", ["/no/such/program"], log=tmp_path / "log", failed=ArbiterError)

@@ -8,7 +8,7 @@ import sys
 import time
 from itertools import pairwise
 
-from end_effector_hal.arbiter import OwnerClient, Teller
+from end_effector_hal.arbiter import ArbiterClient, PredicateSender
 from end_effector_hal.description import load
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.runtime import program_lines
@@ -35,7 +35,7 @@ def serves(other_than):
     begin = time.monotonic()
     while time.monotonic() < begin + 30:
         try:
-            with OwnerClient(SOCKET, "check", patience_s=0) as client:
+            with ArbiterClient(SOCKET, "check", patience_s=0) as client:
                 if client.status()["pid"] != other_than:
                     return time.monotonic() - begin
         except ReportedError:
@@ -46,7 +46,7 @@ def serves(other_than):
 
 def engage(client, will):
     """What an owner does only where the sensors are said to prove it."""
-    teller, begin = Teller(SOCKET), time.monotonic()
+    teller, begin = PredicateSender(SOCKET), time.monotonic()
     while time.monotonic() < begin + 30:
         teller.tell({"locked": True, "nothing_gripped": True, "parked": True}, now_us())
         if client.status()["told"]:
@@ -58,7 +58,7 @@ def engage(client, will):
 def replaced(signal_name):
     """What the death or the standstill of the owner does while lines are active."""
     pid = int(shown("MainPID"))
-    with OwnerClient(SOCKET, "grip", ACTIVE) as client:
+    with ArbiterClient(SOCKET, "grip", ACTIVE) as client:
         engage(client, ())
         subprocess.run(["systemctl", "kill", "-s", signal_name, UNIT], check=True)
         seconds = serves(other_than=pid)
@@ -73,7 +73,7 @@ def replaced(signal_name):
 
 def die():
     """A client that leaves a will that takes 1.2 s, and dies."""
-    client = OwnerClient(SOCKET, "grip", ACTIVE)
+    client = ArbiterClient(SOCKET, "grip", ACTIVE)
     engage(client, WILL)
     os._exit(0)
 

@@ -8,7 +8,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ReportedError, RosError
 from end_effector_lab.demo._child import Child
@@ -121,7 +121,7 @@ class System:
     def clients_of_the_owner(self) -> set[str]:
         """Programs that hold a lease now; empty: there is no owner."""
         try:
-            with OwnerClient(self.plant.socket, "observer", patience_s=0.0, timeout_s=0.3) as owner:
+            with ArbiterClient(self.plant.socket, "observer", patience_s=0.0, timeout_s=0.3) as owner:
                 return {each["client"] for each in owner.status()["clients"] if not each["ended"]}
         except ReportedError:
             return set()

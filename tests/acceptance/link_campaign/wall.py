@@ -13,7 +13,7 @@ from tempfile import mkdtemp
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.errors import NotReadyError, OwnerError, ReportedError
+from end_effector_hal.errors import ArbiterError, NotReadyError, ReportedError
 from end_effector_hal.runtime import EndEffector
 from end_effector_hal.signals import Value
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
@@ -57,7 +57,7 @@ class Hardware(World, Watcher):
         self.judge = Judge(self.description, self.bench._bench, late_us=LATE_US)
         path = str(self.description_path)
         owner = self.children.start(
-            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=OwnerError
+            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=ArbiterError
         )
         owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

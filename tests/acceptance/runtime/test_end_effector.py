@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import EndEffector
@@ -98,7 +98,7 @@ def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.grip().succeeded)
-        with OwnerClient(world.socket, "test") as observer:
+        with ArbiterClient(world.socket, "test") as observer:
             os.kill(observer.status()["pid"], signal.SIGKILL)
         time.sleep(0.5)
         assert levels(world) == ALL_ACTIVE

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import pytest
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.errors import LineRefusedError, OwnerError
+from end_effector_hal.errors import ArbiterError, LineRefusedError
 from end_effector_hal.runtime._maintenance import Maintenance
 from end_effector_hal.vocabulary import EndEffectorState as State
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from tests.support.lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 
 S = 1_000_000
@@ -48,8 +48,8 @@ class TestLease:
     def test_its_will_deactivates_everything_in_release_order(self, description: Description) -> None:
         mode = Maintenance(description)
         mode.drove(BOTTOM, True, 0)
-        assert mode.will_with(TOP, True) == (WillStep(TOP), WillStep(BOTTOM))
-        assert mode.will == (WillStep(BOTTOM),)
+        assert mode.will_with(TOP, True) == (LastWillStep(TOP), LastWillStep(BOTTOM))
+        assert mode.will == (LastWillStep(BOTTOM),)
         assert mode.will_with(BOTTOM, False) == ()
 
     def test_it_says_what_is_active_and_for_how_long(self, description: Description) -> None:
@@ -101,10 +101,10 @@ class TestUnit:
 
     def test_its_will_stands_when_everything_is_written_anew(self, tool: Tool) -> None:
         drive(tool, "bottom_vacuum", BOTTOM)
-        assert tool.owner.will == (WillStep(BOTTOM),)
+        assert tool.owner.will == (LastWillStep(BOTTOM),)
         tool.owner.will = ()
-        tool.unit.lost(OwnerError("the connection broke."))
-        tool.until(lambda _: tool.owner.will == (WillStep(BOTTOM),))
+        tool.unit.lost(ArbiterError("the connection broke."))
+        tool.until(lambda _: tool.owner.will == (LastWillStep(BOTTOM),))
 
     def test_the_end_of_the_program_deactivates_whatever_is_declared_for_a_grip(
         self, description: Description
@@ -116,11 +116,11 @@ class TestUnit:
         tool.until(lambda status: status.ee == State.STAND_BY)
         drive(tool, "bottom_vacuum", BOTTOM)
         tool.unit.close()
-        assert tool.owner.parting == (WillStep(BOTTOM),)
+        assert tool.owner.parting == (LastWillStep(BOTTOM),)
 
     def test_a_write_without_an_answer_counts_as_driven(self, tool: Tool) -> None:
         """It was executed perhaps: the lease has to end it."""
-        tool.owner.error = OwnerError("the answer was lost.")
+        tool.owner.error = ArbiterError("the answer was lost.")
         assert not tool.unit.set_actuator("bottom_vacuum", True).accepted
         tool.owner.active[BOTTOM] = ON
         tool.owner.error = None
@@ -128,7 +128,7 @@ class TestUnit:
 
     def test_a_lease_that_ends_without_an_owner_is_ended_when_it_is_back(self, tool: Tool) -> None:
         drive(tool, "cylinder", CYLINDER)
-        tool.owner.error = OwnerError("the line owner cannot be reached.")
+        tool.owner.error = ArbiterError("the line owner cannot be reached.")
         tool.until(lambda status: any("cannot be reached" in alarm for alarm in status.alarms))
         assert tool.unit.alive
         tool.owner.error = None

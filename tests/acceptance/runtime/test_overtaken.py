@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from end_effector_hal.errors import LineBusyError, OwnerError
+from end_effector_hal.errors import ArbiterError, LineBusyError
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.vocabulary import Evidence
 from tests.support.lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
@@ -28,7 +28,7 @@ def overtake(tool: Tool) -> None:
     """The will was executed, all of it, at once."""
     tool.owner.active = dict.fromkeys(LINES, OFF)
     tool.confirmed = dict.fromkeys(LINES, OFF)
-    tool.unit.lost(OwnerError("the lease ended."))
+    tool.unit.lost(ArbiterError("the lease ended."))
 
 
 def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_finds(tool: Tool) -> None:
@@ -46,7 +46,7 @@ def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_find
 def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
     tool.grip_to(1)
     tool.owner.error = LineBusyError("the will of grip is being executed.")
-    tool.unit.lost(OwnerError("the lease ended."))
+    tool.unit.lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarms))
     assert "the will of grip is being executed." in status.alarms
     assert not tool.unit.command("grip").accepted
@@ -57,7 +57,7 @@ def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
 
 def test_lines_that_did_not_move_change_nothing(tool: Tool) -> None:
     tool.grip_to(2)
-    tool.unit.lost(OwnerError("the line owner was lost."))
+    tool.unit.lost(ArbiterError("the line owner was lost."))
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     assert State.OFF not in tool.states()[1:]
@@ -68,7 +68,7 @@ def test_a_program_that_was_taken_for_dead_does_not_go_on_with_its_grip(tool: To
     """Also where its will has left every line as it was: the goal was given up meanwhile."""
     tool.grip_to(1)
     tool.owner.took_for_dead = True
-    tool.unit.lost(OwnerError("the lease ended."))
+    tool.unit.lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.GRIP_ERROR)
     assert tool.states()[-2:] == [State.OFF, State.GRIP_ERROR]
     tool.confirmed[CYLINDER] = ON
@@ -82,7 +82,7 @@ def test_what_is_held_is_held_also_by_a_program_that_was_taken_for_dead(tool: To
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.owner.took_for_dead = True
-    tool.unit.lost(OwnerError("the lease ended."))
+    tool.unit.lost(ArbiterError("the lease ended."))
     tool.until(lambda status: not tool.owner.took_for_dead and not status.alarms)
     assert tool.states()[-1] == State.GRIPPED
     assert State.OFF not in tool.states()[1:]
@@ -92,7 +92,7 @@ def test_gripped_is_not_claimed_before_the_owner_has_the_will_that_holds(tool: T
     """Else it might unwind, with the will from before, what is held already."""
     tool.grip_to(2)
     assert tool.owner.will
-    tool.owner.error = OwnerError("the line owner does not answer.")
+    tool.owner.error = ArbiterError("the line owner does not answer.")
     tool.confirmed[TOP] = ON
     tool.until(lambda status: any("does not answer" in alarm for alarm in status.alarms))
     for _ in range(30):
@@ -109,8 +109,8 @@ def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.owner.error = OwnerError("the line owner cannot be reached.")
-    tool.unit.lost(OwnerError("the line owner was lost."))
+    tool.owner.error = ArbiterError("the line owner cannot be reached.")
+    tool.unit.lost(ArbiterError("the line owner was lost."))
     assert tool.until(lambda status: bool(status.alarms)).held
     tool.owner.error = None
     assert tool.until(lambda status: not status.alarms).ee == State.GRIPPED
@@ -120,7 +120,7 @@ def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
 
 def test_a_deactivation_that_found_no_owner_is_done_when_it_is_back(tool: Tool) -> None:
     tool.grip_to(1)
-    tool.owner.error = OwnerError("the line owner cannot be reached.")
+    tool.owner.error = ArbiterError("the line owner cannot be reached.")
     assert tool.unit.command("cancel").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: bool(status.alarms))

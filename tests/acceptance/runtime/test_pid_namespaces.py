@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.demo._world import EEHAL, World
@@ -23,7 +23,7 @@ ALONE = ("unshare", "--pid", "--fork", "--mount-proc", "--kill-child")
 GRIP = """
 import sys, threading
 from end_effector_hal.runtime import EndEffector
-from end_effector_hal.recording import EndEffectorState as State
+from end_effector_hal.vocabulary import EndEffectorState as State
 tool = EndEffector.open(sys.argv[1])
 tool.wait_ready(30.0)
 if "grip" in sys.argv:
@@ -59,7 +59,7 @@ def test_what_two_killed_programs_have_left_is_unwound_though_both_are_pid_0(tmp
         def active() -> list[bool]:
             return [bool(read_chip(world.chip).lines[line].level) for line in lines]
 
-        with OwnerClient(world.socket, "look") as look:
+        with ArbiterClient(world.socket, "look") as look:
             outside = look.status()["pid"]
         os.kill(outside, signal.SIGTERM)
         wait_until("the end of the owner outside", lambda: not world.socket.exists())
@@ -68,7 +68,7 @@ def test_what_two_killed_programs_have_left_is_unwound_though_both_are_pid_0(tmp
             assert first.stdout is not None
             assert "ready" in first.stdout.readline()
             wait_until("the last step of GRIPPING", lambda: all(active()))
-            with OwnerClient(world.socket, "look") as look:
+            with ArbiterClient(world.socket, "look") as look:
                 assert {client["pid"] for client in look.status()["clients"]} == {0}
             kill(first)
             kill(gripping)

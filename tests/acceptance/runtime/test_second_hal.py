@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import load, profile_path
 from end_effector_lab.demo._world import EEHAL, World
 from tests.support.patience import PATIENCE_S
@@ -58,7 +58,7 @@ def test_a_second_hal_is_told_who_writes_the_lines(world: World, running: subpro
 
 
 def test_a_second_owner_at_the_same_socket_is_told_who_serves_it(world: World) -> None:
-    with OwnerClient(world.socket, "look") as look:
+    with ArbiterClient(world.socket, "look") as look:
         first = look.status()["pid"]
         said = second("owner", world.description_path)
         assert f"the line owner's socket is held by pid {first} (" in said
@@ -66,7 +66,7 @@ def test_a_second_owner_at_the_same_socket_is_told_who_serves_it(world: World) -
 
 
 def test_a_second_owner_of_the_same_lines_is_told_who_has_them(world: World, tmp_path: Path) -> None:
-    with OwnerClient(world.socket, "look") as look:
+    with ArbiterClient(world.socket, "look") as look:
         first = look.status()["pid"]
         said = second("owner", world.description_path, "--socket", tmp_path / "other.sock")
         assert f"the virtual chip is held by pid {first} (" in said

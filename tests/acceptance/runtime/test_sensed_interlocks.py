@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.runtime import EndEffector, Witness
@@ -46,14 +46,14 @@ def active(world: World, line: str) -> bool:
     return bool(read_chip(world.chip).lines[line].level)
 
 
-def refusal(client: OwnerClient, line: str) -> str:
+def refusal(client: ArbiterClient, line: str) -> str:
     with pytest.raises(LineRefusedError) as caught:
         client.set({line: True})
     return str(caught.value)
 
 
 def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
-    with OwnerClient(world.socket, "hand", [UNLOCK, BOTTOM]) as hand:
+    with ArbiterClient(world.socket, "hand", [UNLOCK, BOTTOM]) as hand:
         assert "nobody who reads the sensors has said yet whether nothing is gripped" in refusal(hand, UNLOCK)
         assert "nobody who reads the sensors has said yet whether the tool is locked" in refusal(hand, BOTTOM)
     with EndEffector.open(world.description) as tool:
@@ -62,7 +62,7 @@ def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
         assert tool.grip().succeeded
         os.kill(world.testbench.pid, signal.SIGSTOP)
         try:
-            with OwnerClient(world.socket, "look") as look:
+            with ArbiterClient(world.socket, "look") as look:
                 wait_until("it", lambda: look.status()["told"]["locked"]["age_us"] > 150_000)
             assert active(world, BOTTOM), "a predicate that expires deactivates nothing"
             assert tool.status.ee == EndEffectorState.GRIPPED
@@ -131,7 +131,7 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
 
 
 def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> None:
-    with EndEffector.open(world.description) as tool, OwnerClient(world.socket, "look") as look:
+    with EndEffector.open(world.description) as tool, ArbiterClient(world.socket, "look") as look:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
         assert tool.grip().succeeded

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import Unit, open_unit
@@ -39,7 +39,7 @@ def fed(unit: Unit, until: Callable[[Status], bool], *, unlocked: bool) -> Statu
 
 
 def faults(world: World) -> set[str]:
-    with OwnerClient(world.socket, "look") as look:
+    with ArbiterClient(world.socket, "look") as look:
         return set(look.status()["faults"])
 
 
@@ -58,12 +58,12 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     status = fed(second, lambda status: status.changer != ChangerState.UNKNOWN, unlocked=False)
     assert (status.changer, status.changer_fault) == (ChangerState.FAULT, ChangerFault.SENSOR)
     fed(second, lambda status: "sensor fault" in " ".join(status.alarms), unlocked=False)
-    with OwnerClient(world.socket, "reset") as owner:
+    with ArbiterClient(world.socket, "reset") as owner:
         owner.reset()
         # the program has not been reset: what it shows is kept anew
         fed(second, lambda _: "sensor_fault" in owner.status()["faults"], unlocked=False)
     assert second.command("reset").accepted
-    with OwnerClient(world.socket, "reset") as owner:
+    with ArbiterClient(world.socket, "reset") as owner:
         owner.reset()
     fed(second, lambda status: status.changer == ChangerState.LOCKED, unlocked=False)
     assert not faults(world)

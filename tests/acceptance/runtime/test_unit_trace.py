@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import OwnerError
+from end_effector_hal.errors import ArbiterError
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime import Unit
 from end_effector_hal.runtime.boundary import open_recorder
@@ -28,13 +28,13 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     tool.grip_to(2)
     tool.owner.active = dict.fromkeys(LINES, OFF)  # the line owner took it for dead
     tool.confirmed = dict.fromkeys(LINES, OFF)
-    tool.unit.lost(OwnerError("the lease ended."))
+    tool.unit.lost(ArbiterError("the lease ended."))
     tool.until(lambda status: status.ee == State.STAND_BY)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.owner.error = OwnerError("the line owner cannot be reached.")
-    tool.unit.lost(OwnerError("the line owner was lost."))
+    tool.owner.error = ArbiterError("the line owner cannot be reached.")
+    tool.unit.lost(ArbiterError("the line owner was lost."))
     tool.until(lambda status: bool(status.alarms))
     tool.owner.error = None
     tool.until(lambda status: not status.alarms)

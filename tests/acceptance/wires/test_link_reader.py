@@ -13,7 +13,7 @@ from end_effector_hal.codecs import get_codec
 from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.link import LinkReader, LinkState, PtyPair, _port, _reader, open_port
+from end_effector_hal.wires.link import LinkReader, LinkState, PtyPair, _reader, open_port
 
 pytestmark = pytest.mark.wall
 
@@ -128,7 +128,7 @@ def test_it_comes_back_when_the_other_end_does(port, heard):
 
 HOLDER = """
 import sys, time
-from end_effector_hal.wires import open_port
+from end_effector_hal.wires.link import open_port
 port = open_port(sys.argv[1], 9600)
 print("open", flush=True)
 time.sleep(60)
@@ -186,7 +186,7 @@ def test_errors_are_sentences(tmp_path, monkeypatch):
     def deny(*_, **__):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(_port.serial, "Serial", deny)
+    monkeypatch.setattr("serial.Serial", deny)
     with pytest.raises(LinkError, match="group dialout"):
         open_port("/dev/ttyS0", 9600)
 

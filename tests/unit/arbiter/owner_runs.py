@@ -6,11 +6,11 @@ import random
 import re
 from dataclasses import dataclass, field
 
-from end_effector_hal.arbiter import Keeper, Policy
+from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.control import Status, model_constants, will_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.vocabulary import Command, EndEffectorState, WillStep
+from end_effector_hal.vocabulary import Command, EndEffectorState, LastWillStep
 from timed_automata import make_network, read_document
 from timed_automata.explore import Explorer
 
@@ -45,7 +45,7 @@ class Run:
 
     description: Description
     policy: Policy
-    keeper_type: type[Keeper] = Keeper
+    keeper_type: type[LineArbiter] = LineArbiter
     left: tuple[str, ...] = ()
     """Lines that an unwinding leaves active."""
     steps: list[tuple[int, dict[str, str]]] = field(default_factory=list)
@@ -101,7 +101,7 @@ class Run:
         """ToolChange writes its line."""
         changer = self.description.tool_changer
         locks = changer is not None and changer.endings.process_death == "release"
-        will = (WillStep(self.unlock),) if level and locks else ()
+        will = (LastWillStep(self.unlock),) if level and locks else ()
         try:
             self.keeper.write(self.change, {self.unlock: level}, will, self.at * MS)
         except LineRefusedError:
@@ -163,7 +163,9 @@ class Run:
         return f'{head}{kept}{seen}<init ref="s0"/>{edges}</template><system>system Seen, Owner, Wills;</system></nta>'
 
 
-def random_run(description: Description, policy: Policy, seed: int, keeper: type[Keeper] = Keeper) -> Run:
+def random_run(
+    description: Description, policy: Policy, seed: int, keeper: type[LineArbiter] = LineArbiter
+) -> Run:
     """Both clients write as they like, one of them dies in the middle of it."""
     chooser, run = random.Random(seed), Run(description, policy, keeper)
     run.left = tuple(line for line in run.names if chooser.random() < 0.2)

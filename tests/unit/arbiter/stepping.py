@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.arbiter import LineOwner, Policy, _answers, _connections, _server
+from end_effector_hal.arbiter import ArbiterServer, Policy
+from end_effector_hal.arbiter.server import _answers, _connections, _server
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from tests.support.keeping import CLOSED, GRIP, LINES, LOCKED, UNLOCK
 
@@ -99,7 +100,7 @@ class Stepped:
             monkeypatch.setattr(module, "now_us", lambda: self.at)
         self.chip = VirtualChip.create(folder / "chip", policy.lines).path
         self.socket, self.record = folder / "sock", folder / "sock.sessions"
-        self.owner = LineOwner(VirtualLines(self.chip), self.socket, policy)
+        self.owner = ArbiterServer(VirtualLines(self.chip), self.socket, policy)
         self.peers: list[Peer] = []
         monkeypatch.chdir(folder)  # the folders above it may be closed to others
         self.to(1 * S)

@@ -13,11 +13,11 @@ from zlib import crc32
 
 import pytest
 
-from end_effector_hal.arbiter import _journal as module
-from end_effector_hal.arbiter import _storage as storage_module
-from end_effector_hal.arbiter._journal import PATIENCE_US, Entry, Journal, JournalThread
-from end_effector_hal.arbiter._record_file import SLOT, RecordFile
-from end_effector_hal.arbiter._storage import FileStorage
+from end_effector_hal.arbiter.records import _journal as module
+from end_effector_hal.arbiter.records import _storage as storage_module
+from end_effector_hal.arbiter.records._journal import PATIENCE_US, Journal, JournalEntry, JournalThread
+from end_effector_hal.arbiter.records._record_file import SLOT, RecordFile
+from end_effector_hal.arbiter.records._storage import FileStorage
 from tests.support.patience import wait_until
 
 E_STOP = {"closed": "IL-13: the e-stop was opened."}
@@ -36,17 +36,17 @@ def journal(folder: Path, clock: Clock | None = None) -> Journal:
 
 
 def test_what_is_kept_is_read(tmp_path: Path) -> None:
-    assert journal(tmp_path).read() == Entry({})
+    assert journal(tmp_path).read() == JournalEntry({})
     for faults in ({}, E_STOP, {**E_STOP, **IL_03}, IL_03):
         first = journal(tmp_path)
         first.read()
         first.keep(faults)
         assert first.write_next()
-        assert journal(tmp_path).read() == Entry(faults, clean=False, boot="boot")
+        assert journal(tmp_path).read() == JournalEntry(faults, clean=False, boot="boot")
         first.keep(faults, clean=True)
         assert first.write_next()
-        assert journal(tmp_path).read() == Entry(faults, clean=True, boot="boot")
-    assert Journal(None, "boot", Clock()).read() == Entry({})
+        assert journal(tmp_path).read() == JournalEntry(faults, clean=True, boot="boot")
+    assert Journal(None, "boot", Clock()).read() == JournalEntry({})
 
 
 class Power:
@@ -69,7 +69,7 @@ class Power:
 
         return synced
 
-    def goes(self, folder: Path) -> Entry:
+    def goes(self, folder: Path) -> JournalEntry:
         folder.mkdir(exist_ok=True)
         (folder / "journal").write_bytes(self.safe)
         return journal(folder).read()
@@ -146,7 +146,9 @@ def test_a_torn_record_is_a_doubt_and_the_one_before_counts(tmp_path: Path) -> N
     content = (tmp_path / "journal").read_bytes()
     later.write(SLOT, content[SLOT : SLOT + 8] + (9).to_bytes(8, "little"))
     found = journal(tmp_path).read()
-    assert found == Entry(E_STOP, clean=False, boot="boot", doubt="the last record of its journal is torn")
+    assert found == JournalEntry(
+        E_STOP, clean=False, boot="boot", doubt="the last record of its journal is torn"
+    )
 
 
 @pytest.mark.parametrize("payload", [b"", b"{}", b"[]", b'{"boot":"b","clean":true,"faults":[]}'])
@@ -165,10 +167,10 @@ def test_the_faults_of_version_0_1_are_read_also_behind_a_torn_record(tmp_path: 
     whole = old_record({}) + old_record(E_STOP)[:30] + b"\n" + old_record(IL_03)
     (tmp_path / "journal").write_bytes(whole + old_record({})[:-9])
     kept = journal(tmp_path)
-    assert kept.read() == Entry(IL_03, clean=False)
+    assert kept.read() == JournalEntry(IL_03, clean=False)
     kept.keep(IL_03)
     assert kept.write_next()
-    assert journal(tmp_path).read() == Entry(IL_03, clean=False, boot="boot")
+    assert journal(tmp_path).read() == JournalEntry(IL_03, clean=False, boot="boot")
 
 
 def test_what_version_0_1_wrote_down_can_be_shown(tmp_path: Path) -> None:
@@ -209,7 +211,7 @@ def thread(storage: FileStorage) -> Iterator[JournalThread]:
 def test_nobody_waits_for_a_disk_that_hangs(tmp_path: Path) -> None:
     disk = Hanging(tmp_path / "journal")
     with thread(disk) as running:
-        assert running.read() == Entry({})
+        assert running.read() == JournalEntry({})
         running.keep({})
         wait_until("the file", lambda: journal(tmp_path).read().boot == "boot")
         disk.answers.clear()
@@ -217,7 +219,7 @@ def test_nobody_waits_for_a_disk_that_hangs(tmp_path: Path) -> None:
         running.keep(IL_03)
         disk.answers.set()
         wait_until("the last of them", lambda: journal(tmp_path).read().faults == IL_03)
-    assert journal(tmp_path).read() == Entry({}, clean=True, boot="boot")
+    assert journal(tmp_path).read() == JournalEntry({}, clean=True, boot="boot")
 
 
 @pytest.mark.wall
@@ -232,9 +234,9 @@ def test_what_is_read_late_is_not_written_over(tmp_path: Path, monkeypatch: pyte
         assert running.read().doubt == "its journal cannot be read (the disk does not answer)"
         running.keep({})
         disk.answers.set()
-        found = list[Entry | None]()
+        found = list[JournalEntry | None]()
         wait_until("the late one", lambda: found.append(running.late()) or found[-1])
-        assert found[-1] == Entry(E_STOP, clean=False, boot="boot")
+        assert found[-1] == JournalEntry(E_STOP, clean=False, boot="boot")
         assert running.late() is None
         wait_until("it is written", lambda: journal(tmp_path).read().faults == {})
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from end_effector_hal.arbiter import Exclusion, Keeper, Policy
-from end_effector_hal.arbiter._memory import Memory
-from end_effector_hal.arbiter._session import WillRunsError
+from end_effector_hal.arbiter import Exclusion, LineArbiter, Policy
+from end_effector_hal.arbiter.rules._session import LastWillRunsError
+from end_effector_hal.arbiter.rules._state import ArbiterState
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import (
     BOTTOM,
     CYLINDER,
@@ -32,7 +32,7 @@ class Owner:
 
     def __init__(self, policy=POLICY, start=1 * S, **active):
         self.lines = Lines(**active)
-        self.keeper = Keeper(self.lines, policy, 0)
+        self.keeper = LineArbiter(self.lines, policy, 0)
         self.now = 0
         self.alive = []
         self.to(start)
@@ -267,7 +267,11 @@ def test_il_03_that_fails_is_tried_again():
 
 # Wills
 
-UNWIND = (WillStep(TOP, False, 0), WillStep(CYLINDER, False, 2 * S), WillStep(BOTTOM, False, 4 * S))
+UNWIND = (
+    LastWillStep(TOP, False, 0),
+    LastWillStep(CYLINDER, False, 2 * S),
+    LastWillStep(BOTTOM, False, 4 * S),
+)
 
 
 def gripped(will):
@@ -305,31 +309,31 @@ def test_the_last_will_counts_and_stays_until_the_next():
 def test_a_refused_write_leaves_the_will_as_it_was():
     owner = gripped(UNWIND)
     with pytest.raises(LineRefusedError):
-        owner.keeper.write(owner.changer, {UNLOCK: True}, (WillStep(UNLOCK),), owner.now)
+        owner.keeper.write(owner.changer, {UNLOCK: True}, (LastWillStep(UNLOCK),), owner.now)
     assert owner.changer.will == ()
 
 
 def test_who_was_taken_for_dead_is_told_once():
     owner = Owner()
-    assert not owner.grip.overtaken
+    assert not owner.grip.declared_dead
     owner.die(owner.grip)
     back = owner.hello("grip", GRIP)
-    assert back.overtaken
+    assert back.declared_dead
     owner.alive.remove(back)
     owner.keeper.bye(back, (), owner.now)
-    assert not owner.hello("grip", GRIP).overtaken, "it left in order"
+    assert not owner.hello("grip", GRIP).declared_dead, "it left in order"
 
 
 def test_the_will_of_a_hello_counts():
     owner = Owner(bottom=True)
     owner.die(owner.grip)
-    owner.die(owner.hello("grip", GRIP, (WillStep(BOTTOM),)))
+    owner.die(owner.hello("grip", GRIP, (LastWillStep(BOTTOM),)))
     assert owner.written == [(1 * S, BOTTOM, False)]
 
 
 def test_a_will_keeps_il_10():
     owner = Owner()
-    owner.set(owner.grip, (WillStep(TOP), WillStep(BOTTOM)), top=True)
+    owner.set(owner.grip, (LastWillStep(TOP), LastWillStep(BOTTOM)), top=True)
     owner.die(owner.grip)
     owner.to(2 * S)
     assert owner.written == [(1 * S, TOP, True), (1 * S + 50 * MS, TOP, False)]
@@ -339,7 +343,7 @@ def test_a_death_cancels_waiting_activations_and_keeps_deactivations():
     owner = Owner()
     owner.set(owner.grip, bottom=True, top=True)
     owner.set(owner.grip, bottom=False, cylinder=True)
-    owner.set(owner.grip, (WillStep(CYLINDER),), bottom=True)
+    owner.set(owner.grip, (LastWillStep(CYLINDER),), bottom=True)
     owner.die(owner.grip)
     owner.to(3 * S)
     assert owner.written[2:] == [(1 * S + 50 * MS, BOTTOM, False)]
@@ -350,7 +354,7 @@ def test_hello_waits_for_the_end_of_a_will():
     owner.die(owner.grip)
     owner.to(3 * S)
     for client, lines in (("grip", GRIP), ("other", (BOTTOM,))):
-        with pytest.raises(WillRunsError, match="grip is being executed") as caught:
+        with pytest.raises(LastWillRunsError, match="grip is being executed") as caught:
             owner.hello(client, lines)
         assert caught.value.retry_us == 3 * S
     owner.to(6 * S)
@@ -369,7 +373,7 @@ def test_no_unlock_while_a_will_is_not_over():
 
 def test_bye_executes_what_it_says_and_nothing_else():
     owner = gripped(UNWIND)
-    owner.keeper.bye(owner.grip, (WillStep(BOTTOM, False, 1 * S),), owner.now)
+    owner.keeper.bye(owner.grip, (LastWillStep(BOTTOM, False, 1 * S),), owner.now)
     owner.alive.remove(owner.grip)
     owner.to(9 * S)
     assert owner.written == [(3 * S, BOTTOM, False)]
@@ -419,9 +423,9 @@ def test_unknown_and_foreign_lines():
     with pytest.raises(UsageError, match="grip does not write unlock"):
         owner.set(owner.grip, unlock=True)
     with pytest.raises(UsageError, match="grip does not write unlock"):
-        owner.set(owner.grip, (WillStep(UNLOCK),), bottom=True)
+        owner.set(owner.grip, (LastWillStep(UNLOCK),), bottom=True)
     with pytest.raises(UsageError, match="grip does not write unlock"):
-        owner.keeper.bye(owner.grip, (WillStep(UNLOCK),), owner.now)
+        owner.keeper.bye(owner.grip, (LastWillStep(UNLOCK),), owner.now)
     assert owner.written == []
 
 
@@ -471,7 +475,7 @@ def test_the_interlocks_hold_whatever_the_clients_do(todo):
             elif who == "changer dies" and owner.changer in owner.alive:
                 owner.die(owner.changer)
                 owner.changer = owner.hello("changer", (UNLOCK,))
-        except WillRunsError as error:
+        except LastWillRunsError as error:
             owner.to(owner.now + error.retry_us)
             name = who.split()[0]
             setattr(owner, name, owner.hello(name, GRIP if name == "grip" else (UNLOCK,)))
@@ -503,7 +507,7 @@ def refusal(owner, session=None, line=BOTTOM):
     session = session or owner.grip
     before, will = dict(owner.keeper.levels), session.will
     with pytest.raises(LineRefusedError) as caught:
-        owner.set(session, (WillStep(line),), **{line: True})
+        owner.set(session, (LastWillStep(line),), **{line: True})
     assert (owner.keeper.levels, session.will) == (before, will), "nothing has changed"
     return str(caught.value)
 
@@ -583,25 +587,25 @@ def test_faults_of_clients_are_known_beforehand_and_take_no_room_of_an_interlock
 
 def test_an_e_stop_latches_whatever_an_older_journal_is_full_of():
     """Once 32 faults of clients filled the table, and an open e-stop latched nothing."""
-    full = Memory({f"fault{number}": "why" for number in range(32)})
-    keeper = Keeper(Lines(), SENSING, 0, full)
+    full = ArbiterState({f"fault{number}": "why" for number in range(32)})
+    keeper = LineArbiter(Lines(), SENSING, 0, full)
     keeper.sensed.tell({"closed": False}, 0, 0)
     assert keeper.memory.faults["closed"] == "IL-13: the e-stop was opened."
-    keeper = Keeper(Lines(unlock=True), POLICY, 0, full)
+    keeper = LineArbiter(Lines(unlock=True), POLICY, 0, full)
     keeper.advance(3 * S)
     assert "IL-03 unlock" in keeper.memory.faults
 
 
 def test_a_will_locks_its_lines_no_longer_than_the_tool_needs():
     owner = Owner(replace(POLICY, longest_will_us=6 * S))
-    owner.set(owner.grip, (WillStep(BOTTOM), WillStep(TOP, after_us=6 * S)), bottom=True)
-    late = (WillStep(BOTTOM), WillStep(TOP, after_us=6 * S + 1))
+    owner.set(owner.grip, (LastWillStep(BOTTOM), LastWillStep(TOP, after_us=6 * S)), bottom=True)
+    late = (LastWillStep(BOTTOM), LastWillStep(TOP, after_us=6 * S + 1))
     for leave in (lambda: owner.set(owner.grip, late), lambda: owner.keeper.bye(owner.grip, late, owner.now)):
         with pytest.raises(UsageError, match="deactivates top 6000001 µs after the death; the longest will"):
             leave()
     owner.keeper.bye(owner.changer, (), owner.now)
     with pytest.raises(UsageError, match="the longest will"):
-        owner.hello("other", (UNLOCK,), (WillStep(UNLOCK, after_us=9 * S),))
+        owner.hello("other", (UNLOCK,), (LastWillStep(UNLOCK, after_us=9 * S),))
     assert owner.grip.will[-1].after_us == 6 * S
     assert owner.hello("changer", (UNLOCK,)), "who was refused has not come"
 
@@ -615,7 +619,7 @@ def test_what_was_said_earlier_and_comes_later_counts_for_nothing():
 @pytest.mark.parametrize("change", ["expired", "locked", "free", "closed"])
 def test_nothing_is_deactivated_and_no_deactivation_refused_for_want_of_a_predicate(change):
     owner = sensing()
-    owner.set(owner.grip, (WillStep(BOTTOM),), bottom=True, top=True)
+    owner.set(owner.grip, (LastWillStep(BOTTOM),), bottom=True, top=True)
     if change != "expired":
         owner.keeper.sensed.tell({change: False}, owner.now, owner.now)
     owner.to(owner.now + 10 * S)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter._connections import IDLE_US, MOST_STRANGERS
+from end_effector_hal.arbiter.server._connections import IDLE_US, MOST_STRANGERS
 from tests.support.keeping import BOTTOM, CYLINDER, TOP, UNLOCK
 from tests.unit.arbiter.stepping import MS, S, Stepped
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.arbiter import Keeper, Policy
+from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import owner_policy
+from end_effector_hal.runtime import arbiter_policy
 from tests.support.declared import declared
 from tests.unit.arbiter.owner_runs import random_run
 
@@ -28,7 +28,7 @@ def text(description: Description) -> str:
 @pytest.fixture(scope="module")
 def policy(description: Description) -> Policy:
     """The owner's, without what no line shows: sensors, and the time that a line takes to settle (IL-10)."""
-    return replace(owner_policy(description), needs={}, min_switch_us=0)
+    return replace(arbiter_policy(description), needs={}, min_switch_us=0)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -63,7 +63,7 @@ def test_other_endings_than_the_declared_ones_are_found_out(
     assert not all(replace(run, description=description).is_one_of(text) for run in runs)
 
 
-class Backwards(Keeper):
+class Backwards(LineArbiter):
     """Does wills from their end."""
 
     def dead(self, session, why, at):  # type: ignore[no-untyped-def]
@@ -73,7 +73,7 @@ class Backwards(Keeper):
         super().dead(session, why, at)
 
 
-class Hasty(Keeper):
+class Hasty(LineArbiter):
     """Does wills without waiting."""
 
     def dead(self, session, why, at):  # type: ignore[no-untyped-def]
@@ -81,7 +81,7 @@ class Hasty(Keeper):
         super().dead(session, why, at)
 
 
-class Careless(Keeper):
+class Careless(LineArbiter):
     """Forgets wills."""
 
     def dead(self, session, why, at):  # type: ignore[no-untyped-def]
@@ -91,7 +91,7 @@ class Careless(Keeper):
 
 @pytest.mark.parametrize("wrong", [Backwards, Hasty, Careless])
 def test_another_line_owner_is_found_out(
-    description: Description, text: str, policy: Policy, wrong: type[Keeper]
+    description: Description, text: str, policy: Policy, wrong: type[LineArbiter]
 ) -> None:
     assert not all(random_run(description, policy, seed, wrong).is_one_of(text) for seed in SEEDS)
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import _storage as module
-from end_effector_hal.arbiter._record_file import SLOT, Found, RecordFile, Standing
-from end_effector_hal.arbiter._storage import FileStorage
+from end_effector_hal.arbiter.records import _storage as module
+from end_effector_hal.arbiter.records._record_file import SLOT, Found, RecordFile, Standing
+from end_effector_hal.arbiter.records._storage import FileStorage
 
 WORDS = [b"one", b"a longer second one", b"", b"four", b"five " * 100]
 

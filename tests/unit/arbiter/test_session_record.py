@@ -8,16 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import _storage as module
-from end_effector_hal.arbiter._memory import Bequest, Memory
-from end_effector_hal.arbiter._record_file import SLOT, RecordFile
-from end_effector_hal.arbiter._session_record import RETRY_US, SessionRecord, this_boot
-from end_effector_hal.arbiter._storage import FileStorage
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.arbiter.records import _storage as module
+from end_effector_hal.arbiter.records._record_file import SLOT, RecordFile
+from end_effector_hal.arbiter.records._session_store import RETRY_US, SessionStore, this_boot
+from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.arbiter.rules._state import ArbiterState, SessionRecord
+from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import BOTTOM, GRIP, LINES, TOKEN, TOP
 
-GRIPPING = Bequest("grip", TOKEN, GRIP, (WillStep(TOP), WillStep(BOTTOM, after_us=5)), ended=False, pid=7)
-MEMORY = Memory(
+GRIPPING = SessionRecord(
+    "grip", TOKEN, GRIP, (LastWillStep(TOP), LastWillStep(BOTTOM, after_us=5)), ended=False, pid=7
+)
+MEMORY = ArbiterState(
     {"closed": "IL-13: the e-stop was opened."},
     (GRIPPING,),
     clean=False,
@@ -26,10 +28,10 @@ MEMORY = Memory(
 )
 
 
-def record(folder: Path, boot: str = "boot", at: list[int] | None = None) -> SessionRecord:
+def record(folder: Path, boot: str = "boot", at: list[int] | None = None) -> SessionStore:
     clock = [0] if at is None else at
     storage, mark = (FileStorage(folder / name, durable=False) for name in ("sessions", "generation"))
-    return SessionRecord(storage, mark, boot, lambda: clock[0])
+    return SessionStore(storage, mark, boot, lambda: clock[0])
 
 
 def test_what_is_kept_is_read(tmp_path: Path) -> None:
@@ -84,7 +86,7 @@ def test_a_record_that_cannot_be_kept_does_not_stay(tmp_path: Path, monkeypatch:
     first.begin()
     assert first.trouble == "Input/output error"
     assert record(tmp_path).read() is None
-    first.keep(Memory())
+    first.keep(ArbiterState())
     monkeypatch.setattr(module.os, "pwrite", whole)
     first.keep(MEMORY)
     assert (first.trouble, record(tmp_path).read()) == ("", MEMORY)
@@ -104,11 +106,11 @@ def test_it_is_tried_again_at_each_change_and_every_second(
     for _ in range(3):
         first.keep(MEMORY)
     assert (len(tried), first.trouble) == (1, "No space left on device")
-    first.keep(Memory())
+    first.keep(ArbiterState())
     assert len(tried) == 2
     at[0] = RETRY_US
-    first.keep(Memory())
-    first.keep(Memory())
+    first.keep(ArbiterState())
+    first.keep(ArbiterState())
     assert len(tried) == 3
     assert list(tmp_path.iterdir()) == []
 
@@ -118,7 +120,7 @@ def test_an_older_record_that_is_whole_is_a_doubt(tmp_path: Path) -> None:
     first = record(tmp_path)
     first.keep(MEMORY)
     copy = (tmp_path / "sessions").read_bytes()
-    first.keep(Memory(clean=False))
+    first.keep(ArbiterState(clean=False))
     (tmp_path / "sessions").write_bytes(copy)
     left = record(tmp_path).read()
     assert left
@@ -135,7 +137,7 @@ def test_an_older_record_that_is_whole_is_a_doubt(tmp_path: Path) -> None:
 def test_a_part_that_has_gone_is_a_doubt(tmp_path: Path, count: int, lost: tuple[int, int]) -> None:
     first = record(tmp_path)
     for number in range(count):
-        first.keep(Memory(clean=False, faults={str(number): "it is latched"}))
+        first.keep(ArbiterState(clean=False, faults={str(number): "it is latched"}))
     whole = (tmp_path / "sessions").read_bytes()
     for content in (
         whole[: lost[0]] + bytes(SLOT) + whole[lost[1] :],

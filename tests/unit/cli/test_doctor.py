@@ -21,13 +21,13 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from click.testing import CliRunner, Result
 
-from end_effector_hal.arbiter import LineOwner
+from end_effector_hal.arbiter import ArbiterServer
 from end_effector_hal.cli.doctor import _doctor, _lines, _link, _machine, _owner, _ros
 from end_effector_hal.cli.doctor._finding import Finding, Level
 from end_effector_hal.cli.doctor._holders import holders_of
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import output_lines, owner_policy
+from end_effector_hal.runtime import arbiter_policy, output_lines
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines, read_chip
 from end_effector_hal.wires.link import PtyPair
@@ -81,17 +81,17 @@ def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Machine:
 
 
 @pytest.fixture
-def owner(machine: Machine) -> Iterator[LineOwner]:
+def owner(machine: Machine) -> Iterator[ArbiterServer]:
     with serving(machine) as running:
         yield running
 
 
 @contextmanager
-def serving(machine: Machine) -> Iterator[LineOwner]:
+def serving(machine: Machine) -> Iterator[ArbiterServer]:
     """A line owner in a thread, with the policy of the tool."""
     machine.make_chip()
-    policy = replace(owner_policy(load(machine.path)), min_switch_us=0)
-    with LineOwner(VirtualLines(machine.chip), machine.socket, policy) as running:
+    policy = replace(arbiter_policy(load(machine.path)), min_switch_us=0)
+    with ArbiterServer(VirtualLines(machine.chip), machine.socket, policy) as running:
         thread = threading.Thread(target=running.run)
         thread.start()
         try:
@@ -328,12 +328,12 @@ def test_no_chip_and_the_wrong_library(tmp_path: Path, monkeypatch: pytest.Monke
 # Owner
 
 
-def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
-    from end_effector_hal.arbiter import OwnerClient
+def test_an_owner_and_its_clients(machine: Machine, owner: ArbiterServer) -> None:
+    from end_effector_hal.arbiter import ArbiterClient
 
     proven = proving(machine.socket, locked=True, nothing_gripped=False, parked=True)
     machine.findings("owner")  # the first look takes longer than what is said counts
-    with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client, proven:
+    with ArbiterClient(machine.socket, "grip", ["SODIMM_208"]) as client, proven:
         client.set({"SODIMM_208": True}, will=[("SODIMM_208", False, 0)])
         assert machine.findings("owner") == [
             (
@@ -347,10 +347,12 @@ def test_an_owner_and_its_clients(machine: Machine, owner: LineOwner) -> None:
         assert client.levels()["SODIMM_208"], "a look is not a death"
 
 
-def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(machine: Machine, owner: LineOwner) -> None:
-    from end_effector_hal.arbiter import OwnerClient
+def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(
+    machine: Machine, owner: ArbiterServer
+) -> None:
+    from end_effector_hal.arbiter import ArbiterClient
 
-    with OwnerClient(machine.socket, "grip", ["SODIMM_208"]) as client:
+    with ArbiterClient(machine.socket, "grip", ["SODIMM_208"]) as client:
         client.latch("sensor_fault", "IL-04: both bits are set.")
         told = machine.findings("owner")[2:]
     assert [level for level, _, _ in told] == ["warning", "warning"]
@@ -361,7 +363,7 @@ def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(machine: Machi
     assert told[1][1] == "latched: IL-04: both bits are set."
 
 
-def test_the_owner_of_another_tool(machine: Machine, owner: LineOwner) -> None:
+def test_the_owner_of_another_tool(machine: Machine, owner: ArbiterServer) -> None:
     text = machine.path.read_text().replace("SODIMM_212", "SODIMM_216")
     machine.describe(text=text)
     level, what, todo = machine.finding("owner")
@@ -392,7 +394,7 @@ def test_an_owner_that_hangs_is_named(machine: Machine) -> None:
 
 
 def test_an_owner_where_somebody_else_put_it(
-    machine: Machine, owner: LineOwner, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    machine: Machine, owner: ArbiterServer, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
 
     monkeypatch.setattr(_owner, "_FOLDERS", (tmp_path,))

@@ -17,7 +17,7 @@ from click.testing import CliRunner
 from rich.console import Console
 
 from end_effector_hal.description import Description, profile_path
-from end_effector_hal.errors import OwnerError, ReportedError, RosError, UsageError
+from end_effector_hal.errors import ArbiterError, ReportedError, RosError, UsageError
 from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
 from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.commands._demo import command
@@ -117,7 +117,7 @@ def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
     real = world_module.EEHAL
     program = "import sys; args = sys.argv[1:]; sys.exit('no chip today') if args[0] == 'owner' else None; "
     monkeypatch.setattr(world_module, "EEHAL", (*real[:2], program + real[2]))
-    with pytest.raises(OwnerError) as raised:
+    with pytest.raises(ArbiterError) as raised:
         list(run_demo(verdin, scenarios(verdin)[:1], tmp_path, ros=False, progress=Console(quiet=True)))
     assert str(raised.value).startswith("The line owner ended (exit code 1) before its socket.")
     assert str(raised.value).endswith("no chip today")

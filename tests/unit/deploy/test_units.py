@@ -12,7 +12,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import owner_policy
+from end_effector_hal.runtime import arbiter_policy
 from tests.support.places import DEPLOY
 
 UNITS = sorted((DEPLOY / "systemd").glob("*.service"))
@@ -73,7 +73,7 @@ def test_the_groups_have_the_numbers_of_torizon(tmp_path: Path) -> None:
 
 def longest_will_s(description: Description) -> float:
     """Every actuator in turn, each until its feedback must be gone; and the lease of a client that died silently."""
-    return sum(each.release_s for _, each in description.ordered) + owner_policy(description).lease_us / 1e6
+    return sum(each.release_s for _, each in description.ordered) + arbiter_policy(description).lease_us / 1e6
 
 
 def test_a_stop_leaves_the_time_that_a_will_takes() -> None:

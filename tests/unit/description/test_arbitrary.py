@@ -38,7 +38,7 @@ def check(text: str) -> None:
     lines = examination.lines()
     assert (examination.description is None) == bool(lines)
     assert all(FORM.fullmatch(line) for line in lines), lines
-    assert lines == [str(fault.told("tool.yaml")) for fault in sorted(examination.faults)]
+    assert lines == [str(fault.diagnostic("tool.yaml")) for fault in sorted(examination.faults)]
     "\n".join(lines).encode()
     rows = text.split("\n")
     for fault in examination.faults:
@@ -110,4 +110,4 @@ def test_arbitrary_bytes(data: bytes) -> None:
     if isinstance(text, str):
         check(text)
     else:
-        assert FORM.fullmatch(str(text.told("tool.yaml")))
+        assert FORM.fullmatch(str(text.diagnostic("tool.yaml")))

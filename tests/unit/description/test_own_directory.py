@@ -12,7 +12,7 @@ import pytest
 
 from end_effector_hal.description import _paths, load, profile_path, run_directory
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import run_owner
+from end_effector_hal.runtime import run_arbiter
 
 VICTIM, OTHER = 65_534, 65_533
 
@@ -89,7 +89,7 @@ def test_what_another_user_has_prepared_is_refused(
     before = sorted(shared.rglob("*"))
     tool = load(profile_path()).with_virtual(shared / "chip", "none", shared / "unused")
     tool = tool.model_copy(update={"lines": tool.lines.model_copy(update={"socket": None})})
-    for attempt in (run_directory, lambda: run_owner(tool)):
+    for attempt in (run_directory, lambda: run_arbiter(tool)):
         said = as_user(VICTIM, attempt)
         assert said.startswith(
             f"{shared}/eehal-{VICTIM}: the run directory is not for this user alone: {why}."

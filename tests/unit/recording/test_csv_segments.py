@@ -15,11 +15,11 @@ from end_effector_hal.recording import (
     PressuresWriter,
     RecordingLimits,
     StatesWriter,
-    _rows,
     read_alarms,
     read_pressures,
     read_states,
 )
+from end_effector_hal.recording.tables import _rows
 
 LIMITS = RecordingLimits(400, 1_000_000)
 

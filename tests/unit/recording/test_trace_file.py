@@ -15,7 +15,7 @@ import pytest
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import TraceWriter, read_trace
-from end_effector_hal.recording._trace_file import MAGIC
+from end_effector_hal.recording.trace._trace_file import MAGIC
 from tests.support.places import ROOT
 
 

@@ -20,11 +20,10 @@ from end_effector_hal.recording import (
     Opening,
     RecordingLimits,
     TraceWriter,
-    _segment,
-    _trace_writer,
     read_trace,
 )
 from end_effector_hal.recording._limits import lock, make_room
+from end_effector_hal.recording.trace import _segment, _trace_writer
 from tests.support.patience import PATIENCE_S, wait_until
 
 

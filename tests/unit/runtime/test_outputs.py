@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.control import Status
-from end_effector_hal.errors import LineRefusedError, OwnerError, ReportedError
+from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
 from end_effector_hal.runtime._outputs import Outputs
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 
 A, B = "SODIMM_208", "SODIMM_210"
-UNWIND_A, UNWIND = (WillStep(A),), (WillStep(B), WillStep(A))
+UNWIND_A, UNWIND = (LastWillStep(A),), (LastWillStep(B), LastWillStep(A))
 
 
 class Lines:
     """Remembers what was asked of it, and what was waited for."""
 
     def __init__(self) -> None:
-        self.asked: list[tuple[dict[str, bool], tuple[WillStep, ...]]] = []
+        self.asked: list[tuple[dict[str, bool], tuple[LastWillStep, ...]]] = []
         self.waited = 0
         self.error: ReportedError | None = None
         self.active: dict[str, bool] = {}
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
         self.asked.append((dict(levels), tuple(will)))
         return self._wait
 
@@ -35,10 +35,10 @@ class Lines:
     def levels(self) -> Mapping[str, bool]:
         return self.active
 
-    def overtaken(self) -> bool:
+    def declared_dead(self) -> bool:
         return False
 
-    def close(self, will: Sequence[WillStep]) -> None:
+    def close(self, will: Sequence[LastWillStep]) -> None:
         del will
 
 
@@ -49,13 +49,13 @@ def status(at: int, a: bool, b: bool, *, held: bool = False, attempt: int = 0) -
 
 
 def outputs_of(lines: Lines) -> Outputs:
-    def will(of: Status) -> tuple[WillStep, ...]:
+    def will(of: Status) -> tuple[LastWillStep, ...]:
         return () if of.held else UNWIND if of.outputs[1] else UNWIND_A if of.outputs[0] else ()
 
     return Outputs(lines, lambda of: dict(zip((A, B), of.outputs, strict=True)), will)
 
 
-def written(lines: Lines, *statuses: Status) -> list[tuple[dict[str, bool], tuple[WillStep, ...]]]:
+def written(lines: Lines, *statuses: Status) -> list[tuple[dict[str, bool], tuple[LastWillStep, ...]]]:
     outputs, rest = outputs_of(lines), list[Status](statuses)
     while rest:
         rest = list(outputs.begin(rest))
@@ -105,7 +105,7 @@ def test_a_refusal_is_known_once_it_was_waited_for() -> None:
 def activation_that_found_no_owner(lines: Lines) -> Outputs:
     outputs = outputs_of(lines)
     for each in (status(1, True, False, attempt=1), status(2, True, True, attempt=1)):
-        lines.error = OwnerError("the line owner was lost.") if each.outputs[1] else None
+        lines.error = ArbiterError("the line owner was lost.") if each.outputs[1] else None
         outputs.begin([each])
         outputs.finish()
     assert outputs.lost

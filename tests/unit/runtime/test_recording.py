@@ -11,7 +11,8 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.recording import Recording, RunInfo, _rows, read_alarms, read_run, read_states
+from end_effector_hal.recording import Recording, RunInfo, read_alarms, read_run, read_states
+from end_effector_hal.recording.tables import _rows
 
 DESCRIPTION = load(profile_path())
 SECOND = 1_000_000

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import LineOwner, OwnerClient, Policy
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import LineBusyError, OwnerError
+from end_effector_hal.errors import ArbiterError, LineBusyError
 from end_effector_hal.runtime import output_lines
 from end_effector_hal.runtime._owner import _Question
 from end_effector_hal.runtime._service_manager import ServiceManager
@@ -122,7 +122,7 @@ def test_signs_of_life_stop_when_it_does_not_answer(manager: Manager, tmp_path: 
     def alive() -> None:
         asked.append(1)
         if len(asked) > 2:
-            raise OwnerError("it does not answer.")
+            raise ArbiterError("it does not answer.")
 
     pid = str(os.getpid()) if own else ""
     environ = {"NOTIFY_SOCKET": str(tmp_path / "notify"), "WATCHDOG_USEC": "30000", "WATCHDOG_PID": pid}
@@ -165,7 +165,7 @@ def test_lines_are_handed_on_without_a_gap(manager: Manager, tmp_path: Path) -> 
     with manager.start(command, environ) as first:
         assert manager.told().startswith("READY=1")
         assert list(manager.store) == ["virtual-chip"]
-        client = OwnerClient(tmp_path / "owner.sock", "grip", ["SODIMM_208"])
+        client = ArbiterClient(tmp_path / "owner.sock", "grip", ["SODIMM_208"])
         with proving(tmp_path / "owner.sock", locked=True):
             client.set({"SODIMM_208": True}, [])
         while not client.levels()["SODIMM_208"]:
@@ -179,7 +179,7 @@ def test_lines_are_handed_on_without_a_gap(manager: Manager, tmp_path: Path) -> 
         with manager.start(command, environ) as second:
             assert manager.told().startswith("READY=1")
             assert list(manager.store) == ["virtual-chip"]
-            with OwnerClient(tmp_path / "owner.sock", "look") as look:
+            with ArbiterClient(tmp_path / "owner.sock", "look") as look:
                 assert look.levels()["SODIMM_208"]
             second.send_signal(signal_number)
     assert chip.read_bytes() == records, "no line was written"
@@ -229,8 +229,8 @@ def test_a_stopped_owner_gives_no_sign_of_life(manager: Manager, tmp_path: Path)
 def test_an_owner_whose_loop_hangs_does_not_live(tmp_path: Path) -> None:
     VirtualChip.create(tmp_path / "chip", ["A"])
     question = _Question(tmp_path / "owner.sock")
-    with LineOwner(VirtualLines(tmp_path / "chip"), tmp_path / "owner.sock", Policy(["A"])) as owner:
-        with pytest.raises(OwnerError, match="does not answer"):
+    with ArbiterServer(VirtualLines(tmp_path / "chip"), tmp_path / "owner.sock", Policy(["A"])) as owner:
+        with pytest.raises(ArbiterError, match="does not answer"):
             question()
         thread = threading.Thread(target=owner.run)
         thread.start()

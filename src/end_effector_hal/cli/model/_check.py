@@ -61,7 +61,7 @@ def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
 
 
 def _tell_faults(path: Path, faults: list[ReportedError], as_json: bool) -> None:
-    told = [each for fault in faults for each in fault.told]
+    told = [each for fault in faults for each in fault.diagnostics]
     if as_json:
         found = [each.as_json() for each in told]
         document = {"file": str(path), "ok": False, "exit_code": 2, "faults": found}

@@ -10,12 +10,13 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 
 PROGRAM = """
 import sys
 from pathlib import Path
-from end_effector_hal.wires import GpiodLines, Policy, serve
+from end_effector_hal.arbiter import Policy, serve
+from end_effector_hal.wires.lines import GpiodLines
 socket, *lines = sys.argv[1:]
 serve(GpiodLines(), Path(socket), Policy(lines), on_ready=lambda owner: print("ready", flush=True))
 """
@@ -35,7 +36,7 @@ class Owner:
         )
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == "ready\n"
-        self._client = OwnerClient(socket, "test", self._lines, timeout_s=20, patience_s=PATIENCE_S)
+        self._client = ArbiterClient(socket, "test", self._lines, timeout_s=20, patience_s=PATIENCE_S)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from end_effector_hal.arbiter._answers import Answers
-from end_effector_hal.arbiter._connection import Connection
-from end_effector_hal.arbiter._journal import Entry, Journal
-from end_effector_hal.arbiter._keeper import Keeper
-from end_effector_hal.arbiter._policy import Policy
-from end_effector_hal.arbiter._records import Records
-from end_effector_hal.arbiter._session_record import SessionRecord
+from end_effector_hal.arbiter.records._journal import Journal, JournalEntry
+from end_effector_hal.arbiter.records._records import Records
+from end_effector_hal.arbiter.records._session_store import SessionStore
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
+from end_effector_hal.arbiter.rules._policy import Policy
+from end_effector_hal.arbiter.server._answers import Answers
+from end_effector_hal.arbiter.server._connection import Connection
 from tests.unit.arbiter.simulation.wire import FarEnd
 
 
@@ -49,7 +49,7 @@ class JournalThread:
     def trouble(self) -> str:
         return self._journal.trouble
 
-    def read(self) -> Entry:
+    def read(self) -> JournalEntry:
         return self._journal.read()
 
     def late(self) -> None:
@@ -73,16 +73,14 @@ class JournalThread:
 
 
 class OwnerProcess:
-    """As `LineOwner`, without a selector."""
+    """As `ArbiterServer`, without a selector."""
 
     def __init__(self, world: Any, policy: Policy) -> None:
         self._world = world
         self._connections: dict[FarEnd, Connection] = {}
         self.journal = JournalThread(world)
-        self._records = Records(
-            SessionRecord(world.memory, world.mark, world.boot, world.clock), self.journal
-        )
-        self.keeper = Keeper(
+        self._records = Records(SessionStore(world.memory, world.mark, world.boot, world.clock), self.journal)
+        self.keeper = LineArbiter(
             Lines(world), policy, world.now, self._records.before, self._records.before_change
         )
         self._records.keep(self.keeper)

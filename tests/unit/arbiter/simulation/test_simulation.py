@@ -10,8 +10,10 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.arbiter import _client, _sensed, _session_record
-from end_effector_hal.arbiter._keeper import Keeper
+from end_effector_hal.arbiter.client import _client
+from end_effector_hal.arbiter.records import _session_store
+from end_effector_hal.arbiter.rules import _predicates
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from tests.unit.arbiter.simulation.simulation import Met, play, table
 from tests.unit.arbiter.simulation.world import FAULTS
 
@@ -46,7 +48,7 @@ Patch = Callable[[Any, str, Any], None]
 
 def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     """It stays as it is and looks valid: what the journal once did."""
-    whole = _session_record.SessionRecord.keep
+    whole = _session_store.SessionStore.keep
 
     def keep(self: Any, memory: Any) -> None:
         if not self.trouble:
@@ -55,10 +57,10 @@ def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     def fail(self: Any, error: OSError) -> None:
         self.trouble = str(error)
 
-    patch(_session_record.SessionRecord, "keep", keep)
-    patch(_session_record.SessionRecord, "_fail", fail)
-    patch(_session_record.SessionRecord, "begin", lambda _: None)
-    patch(Keeper, "_differing", lambda *_: "")
+    patch(_session_store.SessionStore, "keep", keep)
+    patch(_session_store.SessionStore, "_fail", fail)
+    patch(_session_store.SessionStore, "begin", lambda _: None)
+    patch(LineArbiter, "_differing", lambda *_: "")
 
 
 def a_token_that_two_programs_share(patch: Patch) -> None:
@@ -73,12 +75,12 @@ def a_table_of_faults_that_clients_can_fill(patch: Patch) -> None:
         if not self.faults:
             self.faults[name] = why
 
-    patch(_sensed.Sensed, "latch", latch)
+    patch(_predicates.SensorPredicates, "latch", latch)
 
 
 def a_last_will_that_is_executed_in_doubt(patch: Patch) -> None:
-    whole = Keeper._resume
-    patch(Keeper, "_resume", lambda self, memory, at: whole(self, _certain(memory), at))
+    whole = LineArbiter._resume
+    patch(LineArbiter, "_resume", lambda self, memory, at: whole(self, _certain(memory), at))
 
 
 def _certain(memory: Any) -> Any:

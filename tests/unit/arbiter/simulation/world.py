@@ -10,12 +10,14 @@ from contextlib import contextmanager, suppress
 from types import SimpleNamespace
 from typing import Any
 
-from end_effector_hal.arbiter import OwnerClient, _answers, _client, _conversation
-from end_effector_hal.arbiter._message import write_message
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.arbiter.client import _client, _conversation
+from end_effector_hal.arbiter.protocol._message import write_message
+from end_effector_hal.arbiter.server import _answers
 from end_effector_hal.control import Status, model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError
-from end_effector_hal.runtime import Unit, _newest, _unit, owner_policy, program_lines
+from end_effector_hal.runtime import Unit, _newest, _unit, arbiter_policy, program_lines
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
@@ -27,7 +29,7 @@ from timed_automata import load_network
 TICK_US, RENEW_US = 50_000, 250_000
 TOOL = load(profile_path())
 GRIP_LINES = program_lines(TOOL, "grip")
-POLICY = owner_policy(TOOL)
+POLICY = arbiter_policy(TOOL)
 KEYS = {"bottom": -80_000, "cylinder": 600_000, "top": -80_000}
 FAULTS = (
     "owner dies", "program dies", "both die", "sensors die", "disk full", "disk fails", "disk hangs", "memory full",
@@ -417,7 +419,7 @@ class Program:
         self._world, self._renew_at = world, world.now + RENEW_US
         self.told: Status | None = None
         self._known = set(world.ends)
-        self._client = OwnerClient("simulated", "grip", GRIP_LINES, patience_s=0)
+        self._client = ArbiterClient("simulated", "grip", GRIP_LINES, patience_s=0)
         self._unit = Unit(TOOL, "grip", self._client, self._tell)
         self._client.attend(on_lost=self._unit_loses, on_faults=self._unit_knows)
 
