@@ -10,8 +10,9 @@ from pathlib import Path
 
 from end_effector_hal.arbiter import LineOwner, OwnerClient
 from end_effector_hal.control import Answer, Status
-from end_effector_hal.description import BlowOff, Description, EStop, VacuumActuator, load, profile_path
+from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.kinds.vacuum import BlowOff, VacuumActuator
 from end_effector_hal.runtime import Unit, Witness, open_unit, output_lines, owner_policy
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState, Command

@@ -9,7 +9,9 @@ from typing import Any
 import pytest
 from patience import PATIENCE_S
 
-from end_effector_hal.vocabulary import Command, CylinderState, EndEffectorState, VacuumState
+from end_effector_hal.kinds.cylinder import CylinderState
+from end_effector_hal.kinds.vacuum import VacuumState
+from end_effector_hal.vocabulary import Command, EndEffectorState
 
 pytestmark = pytest.mark.ros
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from end_effector_hal.description import CylinderActuator, Description, camel_case
+from end_effector_hal.description import Description, camel_case
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import Command
 
 HAL_MAIN, GRIP, TOOL_CHANGE = "HALMain", "Grip", "ToolChange"
@@ -189,14 +190,14 @@ def pressure_topics(description: Description) -> tuple[tuple[str, Topic], ...]:
 
 
 def position_topics(description: Description) -> dict[str, Topic]:
-    """Cylinder to the topic of its position."""
+    """What moves between two end positions, to the topic of its position."""
     return {
         name: Topic(
             "Position" + camel_case(name), "end_effector_msgs/CylinderPosition", (POSITION,), (HAL_MAIN,),
             rate_hz=STATE_HZ, latched=True,
         )
         for name, part in description.ordered
-        if isinstance(part, CylinderActuator)
+        if kind_of(part).moves
     }  # fmt: skip
 
 
