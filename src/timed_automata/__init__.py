@@ -1,23 +1,22 @@
 """Networks of timed automata from UPPAAL files: read, checked, executed, written back. Knows nothing of grippers."""
 
-from ._constraints import Bound, ClockConstraint, Condition, Relation, Values
-from ._document import Document, DrawnEdge, DrawnLocation, Label, Query, Template
+from ._boundary import ExecutionBoundary
+from ._clocks import NEVER, ClockInstants
+from ._conditions import Bound, ClockConstraint, Condition, Relation, Values
+from ._document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
 from ._execution import Execution
-from ._expressions import Expressions, Term
+from ._expressions import Expressions
 from ._faults import did_you_mean, fault, refused
-from ._initialisers import Given
-from ._loader import load_network, make_network
+from ._generated_code import GeneratedCode
+from ._given import Given
+from ._loader import export, load_network, make_network
 from ._network import Channel, Edge, Location, Network, Process, State, Variable, effects_of
 from ._parser import parse_expression
-from ._quantifiers import quantified, unrolled
-from ._schedule import NEVER, Clocks
-from ._scope import Clock, Effects, Function, Scope, Storage
+from ._scope import ClockSymbol, Effects, Function, Scope, Storage
 from ._semantics import Fired, Semantics, Transition
-from ._sides import Sides
 from ._snapshots import Resumed, resume, snapshot_of
 from ._steps import (
     Begun,
-    Change,
     Event,
     ExecutionSnapshot,
     Observation,
@@ -27,11 +26,12 @@ from ._steps import (
     TakenEdge,
     Written,
 )
+from ._terms import IndexedTerm, Term
 from ._text import Span, Text
-from ._unit import Unit
-from ._values import Indexed, Value
+from ._trace import Change
+from ._values import Value
 from ._xml_reader import load_document, read_document
-from ._xml_writer import export, write_document
+from ._xml_writer import write_document
 
 __all__ = [
     "NEVER",
@@ -39,9 +39,9 @@ __all__ = [
     "Bound",
     "Change",
     "Channel",
-    "Clock",
     "ClockConstraint",
-    "Clocks",
+    "ClockInstants",
+    "ClockSymbol",
     "Condition",
     "Document",
     "DrawnEdge",
@@ -50,35 +50,35 @@ __all__ = [
     "Effects",
     "Event",
     "Execution",
+    "ExecutionBoundary",
     "ExecutionSnapshot",
     "Expressions",
     "Fired",
     "Function",
+    "GeneratedCode",
     "Given",
-    "Indexed",
+    "IndexedTerm",
     "Label",
     "Location",
     "Network",
     "Observation",
     "Process",
-    "Query",
     "Reaction",
     "Received",
     "Relation",
     "Resumed",
     "Scope",
     "Semantics",
-    "Sides",
     "Span",
     "State",
     "Step",
     "Storage",
+    "StoredQuery",
     "TakenEdge",
     "Template",
     "Term",
     "Text",
     "Transition",
-    "Unit",
     "Value",
     "Values",
     "Variable",
@@ -91,11 +91,9 @@ __all__ = [
     "load_network",
     "make_network",
     "parse_expression",
-    "quantified",
     "read_document",
     "refused",
     "resume",
     "snapshot_of",
-    "unrolled",
     "write_document",
 ]

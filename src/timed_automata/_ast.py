@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from timed_automata._text import Span
@@ -102,7 +103,7 @@ class Assignment(Node):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step(Node):
+class Increment(Node):
     """``++`` or ``--``, before or after its target."""
 
     op: str
@@ -127,7 +128,7 @@ Expression = (
     | Conditional
     | Quantified
     | Assignment
-    | Step
+    | Increment
     | Braces
 )
 
@@ -287,3 +288,15 @@ class Return(Node):
 
 
 Statement = Block | Evaluate | If | For | DoWhile | Iterate | Return
+
+
+def walk(node: object, *, into_members: bool = True) -> Iterator[Node]:
+    """A node and all nodes inside it; without ``into_members`` not what stands before a dot."""
+    if isinstance(node, tuple):
+        for item in node:
+            yield from walk(item, into_members=into_members)
+    elif isinstance(node, Node):
+        yield node
+        if into_members or not isinstance(node, Member):
+            for name in node.__dataclass_fields__:
+                yield from walk(getattr(node, name), into_members=into_members)

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from timed_automata import _ast as ast
 from timed_automata._declared_types import resolve_dimensions, resolve_type
-from timed_automata._expressions import Expressions, Term
+from timed_automata._expressions import Expressions
 from timed_automata._faults import fault
-from timed_automata._scope import Channel, Clock, Constant, Scope, Storage, Symbol
+from timed_automata._generated_code import GeneratedCode
+from timed_automata._scope import ChannelSymbol, ClockSymbol, Constant, Scope, Storage, Symbol
+from timed_automata._terms import IndexedTerm, StorageTerm, Term
 from timed_automata._types import Type
-from timed_automata._unit import Unit
-from timed_automata._values import Indexed, Place
 
 
-def bind(unit: Unit, parameter: ast.Parameter, argument: ast.Expression, caller: Scope, scope: Scope) -> None:
+def bind(
+    code: GeneratedCode, parameter: ast.Parameter, argument: ast.Expression, caller: Scope, scope: Scope
+) -> None:
     """Declare a parameter in ``scope``: a constant by value, another name for what is passed by reference.
 
     Raises:
         ModelError: the argument is of another type, not constant, or out of range.
     """
-    inner, outer = Expressions(unit, scope), Expressions(unit, caller)
+    inner, outer = Expressions(code, scope), Expressions(code, caller)
     name = parameter.declarator.name
     type_ = resolve_dimensions(inner, resolve_type(inner, parameter.type), parameter.declarator)
     if parameter.reference:
@@ -35,8 +37,8 @@ def _constant(outer: Expressions, argument: ast.Expression, name: str, type_: Ty
     values: tuple[int, ...]
     if type_.dimensions:
         term = outer.term(argument)
-        constant = isinstance(term, Place) and term.values is not None and not term.computed
-        if not isinstance(term, Place) or not constant or term.type.shape != type_.shape:
+        constant = isinstance(term, StorageTerm) and term.values is not None and not term.computed
+        if not isinstance(term, StorageTerm) or not constant or term.type.shape != type_.shape:
             raise fault(argument.span, f"'{argument.span.snippet}' is no constant {type_}.")
         values = _elements(term)
     else:
@@ -44,20 +46,20 @@ def _constant(outer: Expressions, argument: ast.Expression, name: str, type_: Ty
         values = (int(number != 0) if type_.kind == "bool" else number,)
     if not all(type_.low <= value <= type_.high for value in values):
         raise fault(argument.span, f"{name} = {argument.span.snippet} is out of its range {type_}.")
-    return Constant(name, type_, values, outer.unit.constant(values) if type_.dimensions else "")
+    return Constant(name, type_, values, outer.code.constant(values) if type_.dimensions else "")
 
 
-def _elements(term: Place) -> tuple[int, ...]:
+def _elements(term: StorageTerm) -> tuple[int, ...]:
     return (term.values or ())[term.offset : term.offset + term.type.size]
 
 
 def _reference(outer: Expressions, argument: ast.Expression, name: str, expected: Type) -> Symbol:
     term = outer.term(argument)
-    if not isinstance(term, Place | Indexed) or term.computed or not _fits(term, expected):
-        found = term.type if isinstance(term, Place | Indexed) else "a number"
+    if not isinstance(term, StorageTerm | IndexedTerm) or term.computed or not _fits(term, expected):
+        found = term.type if isinstance(term, StorageTerm | IndexedTerm) else "a number"
         raise fault(argument.span, f"'{argument.span.snippet}' is {found}.", f"'{name}' is {expected}.")
-    if isinstance(term, Indexed):
-        kind = Clock if expected.kind == "clock" else Channel
+    if isinstance(term, IndexedTerm):
+        kind = ClockSymbol if expected.kind == "clock" else ChannelSymbol
         return kind(term.name, term.type, term.base + term.offset)
     if term.values is not None:
         if not expected.constant:
@@ -65,7 +67,7 @@ def _reference(outer: Expressions, argument: ast.Expression, name: str, expected
                 argument.span, f"'{argument.span.snippet}' is constant, but '{name}' may be assigned."
             )
         values = _elements(term)
-        return Constant(name, expected, values, outer.unit.constant(values))
+        return Constant(name, expected, values, outer.code.constant(values))
     storage = term.storage
     assert isinstance(storage.base, int)  # outside of functions
     written = storage.written and not expected.constant
@@ -73,7 +75,7 @@ def _reference(outer: Expressions, argument: ast.Expression, name: str, expected
 
 
 def _fits(term: Term, expected: Type) -> bool:
-    if not isinstance(term, Place | Indexed):
+    if not isinstance(term, StorageTerm | IndexedTerm):
         return False
     found = term.type
     if (found.kind, found.shape) != (expected.kind, expected.shape):

@@ -84,9 +84,9 @@ class Builder(Transformer[Token, Any]):
         target, op, value = children
         return ast.Assignment(self._span(meta), "=" if op == ":=" else str(op), target, value)
 
-    def step(self, meta: Any, children: list[Any]) -> ast.Step:
+    def step(self, meta: Any, children: list[Any]) -> ast.Increment:
         op, target = sorted(children, key=lambda child: not isinstance(child, Token))
-        return ast.Step(self._span(meta), str(op), target)
+        return ast.Increment(self._span(meta), str(op), target)
 
     def braces(self, meta: Any, children: list[Any]) -> ast.Braces:
         return ast.Braces(self._span(meta), tuple(children))

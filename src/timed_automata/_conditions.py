@@ -1,16 +1,88 @@
-"""Compiling guards and invariants: the conjunction is split into data and clock constraints."""
+"""Guards and invariants, split into data and clock constraints.
+
+Clock constraints are kept symbolic, so that one evaluation serves instants and zones.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NoReturn
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, NoReturn
 
 from timed_automata import _ast as ast
-from timed_automata._constraints import ClockConstraint, Condition, Quantity, Relation
 from timed_automata._expressions import Expressions
 from timed_automata._faults import fault, refused
-from timed_automata._scope import Clock
-from timed_automata._values import Indexed
+from timed_automata._scope import ClockSymbol
+from timed_automata._terms import IndexedTerm
+from timed_automata._text import Span
+
+Values = Sequence[int]
+Quantity = int | Callable[[Values], int]  # a number, or a function of the values
+Relation = Literal["<", "<=", "==", ">=", ">"]
+
+
+class Bound(NamedTuple):
+    """A clock constraint in one discrete state: ``clock op value``, in the model's unit of time."""
+
+    clock: int
+    op: Relation
+    value: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClockConstraint:
+    """``clock op bound``; both sides may depend on the discrete state.
+
+    Attributes:
+        clock: its number, or a function of the values.
+        bound: a number, or a function of the values.
+        clocks: all that it can be about.
+        low, high: between these the bound always lies.
+    """
+
+    clock: Quantity
+    op: Relation
+    bound: Quantity
+    clocks: range
+    low: int
+    high: int
+    span: Span
+
+    @property
+    def fixed(self) -> Bound | None:
+        """The constraint, where it is the same in all states."""
+        if isinstance(self.clock, int) and isinstance(self.bound, int):
+            return Bound(self.clock, self.op, self.bound)
+        return None
+
+    def at(self, values: Values) -> Bound:
+        """The constraint in a discrete state."""
+        clock, bound = self.clock, self.bound
+        return Bound(
+            clock if isinstance(clock, int) else clock(values),
+            self.op,
+            bound if isinstance(bound, int) else bound(values),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Condition:
+    """A guard or an invariant: a condition on data and a conjunction of clock constraints.
+
+    Attributes:
+        data: whether the part without clocks holds; None where it always does.
+        never: the part without clocks is constant and false.
+        clocks: to be evaluated only where ``data`` holds.
+    """
+
+    data: Callable[[Values], Any] | None = None
+    never: bool = False
+    clocks: tuple[ClockConstraint, ...] = ()
+
+    def holds(self, values: Values) -> bool:
+        """Whether the part without clocks holds."""
+        return not self.never and (self.data is None or bool(self.data(values)))
+
 
 _RELATIONS: dict[str, Relation] = {"<": "<", "<=": "<=", "==": "==", ">=": ">=", ">": ">"}
 _FLIPPED: dict[str, Relation] = {"<": ">", "<=": ">=", "==": "==", ">=": "<=", ">": "<"}
@@ -18,15 +90,10 @@ _FLIPPED: dict[str, Relation] = {"<": ">", "<=": ">=", "==": "==", ">=": "<=", "
 Part = tuple[Expressions, ast.Expression]
 
 
-def mentions_clock(expressions: Expressions, node: object) -> bool:
+def mentions_clock(expressions: Expressions, node: ast.Expression) -> bool:
     """Whether a clock occurs anywhere in an expression."""
-    if isinstance(node, ast.Name):
-        return isinstance(expressions.scope.find(node.name), Clock)
-    if isinstance(node, tuple):
-        return any(mentions_clock(expressions, item) for item in node)
-    if isinstance(node, ast.Node):
-        return any(mentions_clock(expressions, getattr(node, name)) for name in node.__dataclass_fields__)
-    return False
+    names = (each.name for each in ast.walk(node) if isinstance(each, ast.Name))
+    return any(isinstance(expressions.scope.find(name), ClockSymbol) for name in names)
 
 
 def _parts(expressions: Expressions, node: ast.Expression) -> Iterator[Part]:
@@ -66,16 +133,16 @@ def _refuse(expressions: Expressions, node: ast.Expression) -> NoReturn:
     raise refused(node.span, f"'{node.span.snippet}', {construct}", todo)
 
 
-def _clock(expressions: Expressions, node: ast.Expression) -> Indexed | None:
+def _clock(expressions: Expressions, node: ast.Expression) -> IndexedTerm | None:
     if not isinstance(node, ast.Name | ast.Index):
         return None
     base: ast.Expression = node
     while isinstance(base, ast.Index):
         base = base.base
-    if not isinstance(base, ast.Name) or not isinstance(expressions.scope.find(base.name), Clock):
+    if not isinstance(base, ast.Name) or not isinstance(expressions.scope.find(base.name), ClockSymbol):
         return None
     term = expressions.term(node)
-    if not isinstance(term, Indexed) or term.type.dimensions:
+    if not isinstance(term, IndexedTerm) or term.type.dimensions:
         raise fault(node.span, f"'{node.span.snippet}' is an array of clocks.", "Expected an index.")
     return term
 
@@ -101,13 +168,13 @@ def _constraint(expressions: Expressions, node: ast.Expression) -> ClockConstrai
     )
 
 
-def number_of(expressions: Expressions, term: Indexed) -> Quantity:
+def number_of(expressions: Expressions, term: IndexedTerm) -> Quantity:
     """The number of a clock or a channel."""
     return _function(expressions, term.source) if term.computed else term.possible.start
 
 
 def _function(expressions: Expressions, source: str) -> Quantity:
-    return expressions.unit.expression("v, r=None", source)
+    return expressions.code.expression("v, r=None", source)
 
 
 def compile_condition(expressions: Expressions, node: ast.Expression, what: str) -> Condition:
@@ -130,5 +197,5 @@ def compile_condition(expressions: Expressions, node: ast.Expression, what: str)
     if expressions.effects.writes:
         changed = ", ".join(sorted(expressions.effects.writes))
         raise fault(node.span, f"The {what} '{node.span.snippet}' changes {changed}.")
-    function = expressions.unit.expression("v, r=None", " and ".join(data)) if data else None
+    function = expressions.code.expression("v, r=None", " and ".join(data)) if data else None
     return Condition(function, never, tuple(clocks))

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from timed_automata import _ast as ast
-from timed_automata._declared_types import resolve_dimensions, resolve_type
+from timed_automata._declared_types import flatten, resolve_dimensions, resolve_type
 from timed_automata._expressions import Expressions
 from timed_automata._faults import fault, refused
-from timed_automata._initialisers import Given, flatten, flatten_given, written
+from timed_automata._generated_code import GeneratedCode
+from timed_automata._given import Given, as_source, flatten_given
 from timed_automata._places import Places
 from timed_automata._scope import (
     Alias,
-    Channel,
-    Clock,
+    ChannelSymbol,
+    ClockSymbol,
     Constant,
     FormalParameter,
     Function,
@@ -25,7 +26,6 @@ from timed_automata._scope import (
 from timed_automata._statements import Statements
 from timed_automata._text import Span
 from timed_automata._types import Type
-from timed_automata._unit import Unit
 
 
 class Declarations:
@@ -36,17 +36,17 @@ class Declarations:
 
     def __init__(
         self,
-        unit: Unit,
+        code: GeneratedCode,
         places: Places,
         scope: Scope,
         *,
         prefix: str = "",
         given: Mapping[str, Given] | None = None,
     ) -> None:
-        self.unit, self.places, self.scope, self.prefix = unit, places, scope, prefix
+        self.code, self.places, self.scope, self.prefix = code, places, scope, prefix
         self.given = given or {}
         self.replaced: list[tuple[Span, str]] = []
-        self.expressions = Expressions(unit, scope)
+        self.expressions = Expressions(code, scope)
 
     def take(self, node: ast.Declaration) -> None:
         """One declaration."""
@@ -71,8 +71,8 @@ class Declarations:
             raise fault(node.span, f"A {type_.kind} has no initialiser.")
         name = self.prefix + node.name
         if type_.kind == "clock":
-            return Clock(name, type_, self.places.clock(name, type_))
-        return Channel(name, type_, self.places.channel(name, type_))
+            return ClockSymbol(name, type_, self.places.clock(name, type_))
+        return ChannelSymbol(name, type_, self.places.channel(name, type_))
 
     def _constant(self, node: ast.Declarator, type_: Type) -> Constant:
         if node.initialiser is None:
@@ -80,14 +80,14 @@ class Declarations:
         if not self.prefix and node.name in self.given:
             given = self.given[node.name]
             values = flatten_given(given, type_, node.name)
-            self.replaced.append((node.initialiser.span, written(given, type_)))
+            self.replaced.append((node.initialiser.span, as_source(given, type_)))
         else:
             values = self._values(node.initialiser, type_, node.name)
         return self.constant(node.name, type_, values)
 
     def constant(self, name: str, type_: Type, values: list[int]) -> Constant:
         """A symbol for known values."""
-        container = self.unit.constant(tuple(values)) if type_.dimensions else ""
+        container = self.code.constant(tuple(values)) if type_.dimensions else ""
         return Constant(name, type_, tuple(values), container)
 
     def _values(self, node: ast.Expression, type_: Type, name: str) -> list[int]:
@@ -123,14 +123,14 @@ class Declarations:
         parameters = tuple(self._parameter(parameter, body, names) for parameter in node.parameters)
         statements = Statements(body, result)
         statements.body(node.body)
-        python = self.unit.name("f")
-        self.unit.function(python, ", ".join(names), statements.lines)
+        python = self.code.name("f")
+        self.code.function(python, ", ".join(names), statements.lines)
         function = Function(node.name, parameters, result, python, body.effects)
         self.scope.declare(node.name, function, node.span)
 
     def _parameter(self, node: ast.Parameter, body: Expressions, names: list[str]) -> FormalParameter:
         type_ = resolve_dimensions(body, resolve_type(body, node.type), node.declarator)
-        name, python = node.declarator.name, self.unit.name("p")
+        name, python = node.declarator.name, self.code.name("p")
         if not type_.integral:
             raise refused(node.span, f"'{name}', {type_} as parameter of a function", "Expected int or bool.")
         writable = not type_.constant

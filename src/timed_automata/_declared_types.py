@@ -1,4 +1,4 @@
-"""From a type as written to a type with its bounds and sizes computed."""
+"""What a declaration says: its type with bounds and sizes computed, the scalars of its initialiser."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ def resolve_dimensions(expressions: Expressions, base: Type, node: ast.Declarato
     type_ = replace(base, dimensions=(*dimensions, *base.dimensions))
     if type_.size > ELEMENTS:
         raise fault(node.span, f"'{node.name}' has {type_.size} elements, more than {ELEMENTS}.")
-    expressions.unit.elements += type_.size
-    if expressions.unit.elements > ELEMENTS:
+    expressions.code.elements += type_.size
+    if expressions.code.elements > ELEMENTS:
         raise fault(node.span, f"With '{node.name}' more than {ELEMENTS} elements are declared.")
     return type_
 
@@ -71,3 +71,22 @@ def _dimension(expressions: Expressions, node: ast.Expression | ast.TypeName) ->
     if size < 1:
         raise fault(node.span, f"The size of an array is {size}.", "Expected at least one element.")
     return Dimension(0, size - 1)
+
+
+def flatten(node: ast.Expression, type_: Type, name: str) -> list[ast.Expression]:
+    """The scalars of an initialiser in row-major order.
+
+    Raises:
+        ModelError: its shape is not that of the type.
+    """
+    if not type_.dimensions:
+        if isinstance(node, ast.Braces):
+            raise fault(node.span, f"Braces where '{name}' has a single value.", "Remove them.")
+        return [node]
+    size = type_.dimensions[0].size
+    if not isinstance(node, ast.Braces):
+        raise fault(node.span, f"'{name}' is an array of {size}.", "Expected {…}.")
+    if len(node.items) != size:
+        todo = "Is a size changed, but not what depends on it?"
+        raise fault(node.span, f"'{name}' has room for {size} values, here are {len(node.items)}.", todo)
+    return [scalar for item in node.items for scalar in flatten(item, type_.element, name)]

@@ -11,13 +11,13 @@ from timed_automata import _ast as ast
 from timed_automata._binding import bind
 from timed_automata._expressions import Expressions
 from timed_automata._faults import did_you_mean, fault
+from timed_automata._generated_code import GeneratedCode
 from timed_automata._instance import make_process
 from timed_automata._limits import PROCESSES
 from timed_automata._network import Process
 from timed_automata._places import Places
 from timed_automata._scope import Scope
 from timed_automata._templates import ParsedTemplate
-from timed_automata._unit import Unit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,8 +34,8 @@ class _Definition:
 class Definitions:
     """Templates and their instantiations, by name; collects the ``processes`` that are made of them."""
 
-    def __init__(self, unit: Unit, places: Places) -> None:
-        self.unit, self.places = unit, places
+    def __init__(self, code: GeneratedCode, places: Places) -> None:
+        self.code, self.places = code, places
         self.processes: list[Process] = []
         self._by_name: dict[str, _Definition] = {}
 
@@ -82,7 +82,7 @@ class Definitions:
         if parameter.reference or parameter.declarator.dimensions or not bounded:
             what = f"The parameter '{parameter.declarator.name}' of '{name.name}' has no value."
             raise fault(name.span, what, "Only a bounded integer may stay free on the system line.")
-        low, high = Expressions(self.unit, definition.scope).bounds(parameter.type)
+        low, high = Expressions(self.code, definition.scope).bounds(parameter.type)
         return range(low, high + 1)
 
     def _process(
@@ -96,9 +96,9 @@ class Definitions:
     ) -> Process:
         scope = Scope(definition.scope)
         for parameter, argument in zip(definition.parameters, arguments, strict=True):
-            bind(self.unit, parameter, argument, caller, scope)
+            bind(self.code, parameter, argument, caller, scope)
         if definition.template:
-            return make_process(self.unit, places, definition.template, scope, name, index)
+            return make_process(self.code, places, definition.template, scope, name, index)
         node = definition.instantiation
         assert node is not None
         return self._process(self._get(node.template), node.arguments, scope, name, index, places)

@@ -65,7 +65,7 @@ class Template:
 
 
 @dataclass(frozen=True, slots=True)
-class Query:
+class StoredQuery:
     """A query that is stored with the model, and its sentence."""
 
     formula: Text
@@ -82,4 +82,4 @@ class Document:
     templates: tuple[Template, ...]
     instantiations: Text | None
     system: Text
-    queries: tuple[Query, ...]
+    queries: tuple[StoredQuery, ...]

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
+from timed_automata._boundary import ExecutionBoundary
+from timed_automata._clocks import NEVER, ClockInstants
 from timed_automata._faults import fault
 from timed_automata._network import Network, State
-from timed_automata._outlook import Outlooks, Prospect
-from timed_automata._schedule import NEVER, Candidate, Clocks, Schedule
+from timed_automata._schedule import Schedule, ScheduledTransition
 from timed_automata._semantics import Semantics
-from timed_automata._sides import Sides
 from timed_automata._snapshots import resume, snapshot_of
 from timed_automata._steps import (
     Begun,
@@ -29,6 +29,7 @@ from timed_automata._steps import (
     Step,
     Written,
 )
+from timed_automata._successors import Successor, SuccessorCache
 from timed_automata.errors import ModelError, RangeError, UsageError
 
 _MOST_STEPS = 10_000  # at one instant: more is a livelock
@@ -60,13 +61,13 @@ class Execution:
     ) -> None:
         self.network = network
         self._observe = observe or _unobserved
-        self._sides = Sides(network, executed, interface)
-        self._outlooks = Outlooks(Semantics(network, self._sides.executed))
-        self._clocks = Clocks(len(network.clocks), unit_us)
-        self._schedule = Schedule(self._outlooks, self._clocks)
-        self.inputs = frozenset(self._sides.inputs)
+        self._boundary = ExecutionBoundary(network, executed, interface)
+        self._successors = SuccessorCache(Semantics(network, self._boundary.executed))
+        self._clocks = ClockInstants(len(network.clocks), unit_us)
+        self._schedule = Schedule(self._successors, self._clocks)
+        self.inputs = frozenset(self._boundary.inputs)
         """Channels that :meth:`receive` takes."""
-        self.outputs = frozenset(self._sides.outputs)
+        self.outputs = frozenset(self._boundary.outputs)
         """Channels on which steps may have ``sent``."""
         self._state = network.initial
         self._now: int | None = None
@@ -98,7 +99,7 @@ class Execution:
         """
         if self._now is not None:
             raise UsageError("The execution is started already.")
-        writes = self._sides.writes(inputs or {})
+        writes = self._boundary.writes(inputs or {})
         self._now = at
         self._clocks.start(at)
         self._observe(Begun(at, dict(inputs or {})))
@@ -120,9 +121,9 @@ class Execution:
             UsageError: no such input, or a variable that is not interface or out of range.
             ModelError: the network came to where it cannot go on.
         """
-        channel, writes = self._sides.input(event.channel), self._sides.writes(event.writes)
+        channel, writes = self._boundary.input(event.channel), self._boundary.writes(event.writes)
         steps = self._before(at, stamp)
-        self._observe(Received(self._told(None), event.channel, event.writes))
+        self._observe(Received(self._advance_clock(None), event.channel, event.writes))
         taken = self._receive(event.channel, channel, writes)
         return Reaction(taken is not None, (*steps, *([taken] if taken else []), *self._at_once()))
 
@@ -131,9 +132,9 @@ class Execution:
 
         With ``at`` as if an event came that nobody takes; without, nothing is taken until time is told again.
         """
-        offsets = self._sides.writes(writes)
+        offsets = self._boundary.writes(writes)
         if at is None:
-            self._told(None)
+            self._advance_clock(None)
             self._rewrite(offsets, writes)
             return ()
         steps = self._before(at)
@@ -142,7 +143,7 @@ class Execution:
 
     def advance(self, at: int) -> tuple[Step, ...]:
         """Take what is due at or before ``at``, one after the other as its lateness allows, all at ``at``."""
-        return tuple(self._take(self._told(at)))
+        return tuple(self._take(self._advance_clock(at)))
 
     def snapshot(self) -> ExecutionSnapshot | None:
         """Where it stands; None: it is not started."""
@@ -171,7 +172,7 @@ class Execution:
 
     # The machine
 
-    def _told(self, at: int | None) -> int:
+    def _advance_clock(self, at: int | None) -> int:
         """The latest time that was told, this included."""
         if self._now is None:
             raise UsageError("The execution is not started.", todo="Call start() first.")
@@ -179,45 +180,45 @@ class Execution:
         return self._now
 
     def _before(self, at: int, stamp: int | None = None) -> list[Step]:
-        now = self._told(at)
+        now = self._advance_clock(at)
         return self._take((now if stamp is None else min(stamp, now)) - 1)
 
     def _at_once(self) -> list[Step]:
         """Take what does not wait for a clock: all but what reaches a lower bound at this very instant."""
-        now = self._told(None)
+        now = self._advance_clock(None)
         return self._take(now, first_before=now)
 
     def _rewrite(self, offsets: Mapping[int, int], writes: Mapping[str, int]) -> None:
         before = self._state
         self._write(offsets)
         if self._state is not before:
-            self._observe(Written(self._told(None), writes))
+            self._observe(Written(self._advance_clock(None), writes))
 
     def _write(self, offsets: Mapping[int, int]) -> None:
         values = self._state.values
         if any(values[offset] != value for offset, value in offsets.items()):
             self._state = state = _with(self._state, offsets)
-            self._schedule.renew(state, self._told(None), None)
+            self._schedule.renew(state, self._advance_clock(None), None)
 
     def _receive(self, name: str, channel: int, writes: Mapping[int, int]) -> Step | None:
-        prospect = self._outlooks.received(self._state, channel, writes)
-        if prospect is None:
+        successor = self._successors.received(self._state, channel, writes)
+        if successor is None:
             self._write(writes)
             return None
-        return self._move(prospect, None, self._schedule.last, received=name)
+        return self._move(successor, None, self._schedule.last, received=name)
 
     def _take(self, until: int, first_before: int = NEVER) -> list[Step]:
         steps: list[Step] = []
         while candidate := self._schedule.next(until, first_before):
             if len(steps) == _MOST_STEPS:
                 raise self._livelock(steps, candidate)
-            steps.append(self._move(candidate.prospect, candidate.due, candidate.last))
+            steps.append(self._move(candidate.successor, candidate.due, candidate.last))
         if self._schedule.committed and not self._schedule.candidates:
             raise self._stuck()
         return steps
 
-    def _move(self, prospect: Prospect, due: int | None, last: int, received: str | None = None) -> Step:
-        now, transition, fired = self._told(None), prospect.transition, prospect.fired
+    def _move(self, successor: Successor, due: int | None, last: int, received: str | None = None) -> Step:
+        now, transition, fired = self._advance_clock(None), successor.transition, successor.fired
         if isinstance(fired, RangeError):
             raise fired
         self._state = fired.state
@@ -231,23 +232,23 @@ class Execution:
             missed=now > last,
             received=received,
             sent=self.network.channels[sent].name if sent is not None else None,
-            edges=prospect.edges,
-            changes=prospect.changes,
+            edges=successor.edges,
+            changes=successor.changes,
         )
         self._observe(step)
         return step
 
-    def _livelock(self, steps: list[Step], candidate: Candidate) -> ModelError:
+    def _livelock(self, steps: list[Step], candidate: ScheduledTransition) -> ModelError:
         names = sorted({edge.process for step in steps[-100:] for edge in step.edges})
         what = f"No end after {_MOST_STEPS} steps at one instant: {', '.join(names)} never rest."
         return fault(
-            candidate.prospect.transition.edges[0].span, what, "Add a guard, or let time pass on the way."
+            candidate.successor.transition.edges[0].span, what, "Add a guard, or let time pass on the way."
         )
 
     def _stuck(self) -> ModelError:
         for process in self.network.processes:
             location = process.locations[self._state.locations[process.index]]
-            if process.index in self._sides.executed and location.committed:
+            if process.index in self._boundary.executed and location.committed:
                 what = f"No edge leads on from the committed location '{location.name}' of {process.name}."
                 return fault(location.drawn.place.whole, what, "Its guards leave out a case.")
         raise AssertionError("no committed location")  # pragma: no cover

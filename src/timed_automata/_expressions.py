@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from timed_automata import _ast as ast
-from timed_automata._calls import call_source
 from timed_automata._faults import fault, refused
-from timed_automata._limits import LONGEST_BITS, REPEATS
-from timed_automata._operators import (
+from timed_automata._limits import LONGEST_BITS
+from timed_automata._scope import FormalParameter, Function, Local, Scope
+from timed_automata._term_compiler import TermCompiler
+from timed_automata._terms import StorageTerm
+from timed_automata._types import Type
+from timed_automata._values import (
     COMPARISONS,
+    Value,
     arithmetic,
     comparison,
     conditional,
@@ -15,184 +19,13 @@ from timed_automata._operators import (
     negation,
     signed,
 )
-from timed_automata._quantifiers import quantified
-from timed_automata._scope import (
-    Alias,
-    Channel,
-    Clock,
-    Constant,
-    Effects,
-    Function,
-    Local,
-    Scope,
-    Storage,
-    Symbol,
-)
-from timed_automata._text import Span
-from timed_automata._types import Type
-from timed_automata._unit import Unit
-from timed_automata._values import Indexed, Place, Value
 from timed_automata.errors import RangeError
 
-Term = Value | Place | Indexed
+_UNROLL = 8  # quantifiers over at most so many values become plain code, which is faster
 
 
-class Expressions:
-    """Compiles expressions of one scope; what they touch is collected in ``effects``."""
-
-    def __init__(self, unit: Unit, scope: Scope, effects: Effects | None = None) -> None:
-        self.unit, self.scope = unit, scope
-        self.effects = effects if effects is not None else Effects()
-        self.repeats = 1
-
-    def inside(self, scope: Scope, *, repeats: int | None = None) -> Expressions:
-        """The same in an inner scope, which is evaluated so often."""
-        inner = type(self)(self.unit, scope, self.effects)
-        inner.repeats = self.repeats if repeats is None else repeats
-        return inner
-
-    def repeated(self, count: int, span: Span) -> int:
-        """How often what is repeated ``count`` times here is evaluated; raises ModelError where that is too much."""
-        total = self.repeats * max(count, 1)
-        if total > REPEATS:
-            what = f"'{span.snippet}' runs through {total} values, more than {REPEATS}."
-            raise fault(span, what, "Take a smaller range.")
-        self.effects.repeats = max(self.effects.repeats, total)
-        return total
-
-    def binding(self, name: str, value: int, *, repeats: int | None = None) -> Expressions:
-        """The same in an inner scope where a name stands for a number."""
-        scope = Scope(self.scope)
-        scope.symbols[name] = Constant(name, Type("int", value, value), (value,), "")
-        return self.inside(scope, repeats=repeats)
-
-    # What callers ask for
-
-    def value(self, node: ast.Expression) -> Value:
-        """An integer or boolean expression.
-
-        Raises:
-            ModelError: it is something else, or not well-formed.
-        """
-        term = self.term(node)
-        if isinstance(term, Value):
-            return term
-        if isinstance(term, Indexed):
-            if term.type.kind == "clock":
-                raise refused(node.span, f"the clock '{term.name}' as a number", "Compare it with a number.")
-            raise fault(node.span, f"'{node.span.snippet}' is a channel.", "Expected a number.")
-        if term.type.dimensions:
-            raise fault(node.span, f"'{node.span.snippet}' is an array.", "Expected a number.")
-        if term.values is not None and not term.computed:
-            return Value.of(term.values[term.offset])
-        self.read(term.storage)
-        if term.values is not None:
-            return Value(term.source, min(term.values), max(term.values))
-        return Value(term.source, term.type.low, term.type.high)
-
-    def integer(self, node: ast.Expression) -> Value:
-        """The same as a number: 0 or 1 for a truth."""
-        return self.value(node).integer
-
-    def constant(self, node: ast.Expression, what: str) -> int:
-        """A number that is known before anything runs.
-
-        Raises:
-            ModelError: it depends on a variable.
-        """
-        inner = type(self)(self.unit, self.scope, Effects())
-        value = inner.integer(node)
-        if value.known is not None:
-            return value.known
-        touched = inner.effects.reads | inner.effects.writes
-        if touched:
-            names = ", ".join(sorted(touched))
-            raise fault(node.span, f"{what} must be constant; '{node.span.snippet}' depends on {names}.")
-        try:
-            number: int = self.unit.expression("v, r", value.source)((), None)
-        except NameError:  # a local variable of a function
-            raise fault(node.span, f"{what} must be constant; '{node.span.snippet}' is not.") from None
-        return number
-
-    def bounds(self, type_: ast.TypeName) -> tuple[int, int]:
-        """Both ends of a bounded integer type, for a dimension, a quantifier, a select or a loop."""
-        if type_.low is not None and type_.high is not None:
-            return self.constant(type_.low, "A bound"), self.constant(type_.high, "A bound")
-        if type_.base == "bool":
-            return 0, 1
-        symbol = None
-        if type_.base not in ("int", "clock", "chan", "void"):
-            symbol = self.scope.get(type_.base, type_.span)
-        if isinstance(symbol, Alias) and symbol.type.integral and not symbol.type.dimensions:
-            return symbol.type.low, symbol.type.high
-        todo = "Expected int[low,high] or a name for it."
-        raise fault(type_.span, f"'{type_.span.snippet}' is no bounded type.", todo)
-
-    # Terms
-
-    def term(self, node: ast.Expression) -> Term:
-        """Whatever the expression stands for."""
-        term: Term = getattr(self, f"_{type(node).__name__.lower()}")(node)
-        return term
-
-    def symbol(self, symbol: Symbol, span: Span) -> Term:
-        """What a declared name stands for."""
-        if isinstance(symbol, Constant):
-            if not symbol.type.dimensions:
-                return Value.of(symbol.values[0])
-            storage = Storage(symbol.name, symbol.type, symbol.container, 0, written=False)
-            return Place(storage, symbol.type, values=symbol.values)
-        if isinstance(symbol, Storage):
-            return Place(symbol, symbol.type)
-        if isinstance(symbol, Local):
-            return Value(symbol.python, symbol.type.low, symbol.type.high)
-        if isinstance(symbol, Clock | Channel):
-            return Indexed(symbol.name, symbol.type, symbol.base, size=symbol.type.size)
-        kind = "type" if isinstance(symbol, Alias) else "function"
-        raise fault(span, f"'{symbol.name}' is a {kind}.", "Expected a value.")
-
-    def _number(self, node: ast.Number) -> Value:
-        return Value.of(node.value)
-
-    def _name(self, node: ast.Name) -> Term:
-        return self.symbol(self.scope.get(node.name, node.span), node.span)
-
-    def _index(self, node: ast.Index) -> Term:
-        base = self.term(node.base)
-        if isinstance(base, Value) or not base.type.dimensions:
-            raise fault(node.span, f"'{node.base.span.snippet}' is no array.", "Remove the index.")
-        index = self.integer(node.index)
-        low, high = base.type.dimensions[0]
-        element, what = base.type.element, f"'{node.base.span.snippet}'"
-        offset, computed = base.offset, base.computed
-        if index.known is not None and low <= index.known <= high:
-            offset += (index.known - low) * element.size
-        elif isinstance(node.index, ast.Number):
-            raise fault(node.index.span, f"Index {index.known} of {what} is outside of {low} to {high}.")
-        else:  # a constant one out of range is told when it is used: a guard may see to it that it never is
-            source = index.source
-            if not index.within(low, high):
-                source = f"_index({source}, {low}, {high}, {self.unit.site(node.index.span, what)})"
-            source = f"({source} - {low})" if low else source
-            source = f"{source} * {element.size}" if element.size != 1 else source
-            computed = f"{computed} + {source}" if computed else source
-        if isinstance(base, Place):
-            return Place(base.storage, element, offset, computed, base.values)
-        return Indexed(base.name, element, base.base, offset, computed, base.size)
-
-    def _member(self, node: ast.Member) -> Term:
-        raise refused(node.span, f"'{node.span.snippet}', a member", "The text of a model has no '.'.")
-
-    def _braces(self, node: ast.Braces) -> Term:
-        raise fault(node.span, "Braces stand only in the initialiser of an array.")
-
-    def _assignment(self, node: ast.Assignment) -> Term:
-        raise refused(
-            node.span, f"'{node.span.snippet}', an assignment inside an expression", "Did you mean '=='?"
-        )
-
-    def _step(self, node: ast.Step) -> Term:
-        raise refused(node.span, f"'{node.span.snippet}', an assignment inside an expression")
+class Expressions(TermCompiler):
+    """Compiles expressions of one scope."""
 
     def _unary(self, node: ast.Unary) -> Value:
         operand = self.value(node.operand)
@@ -204,11 +37,11 @@ class Expressions:
         if node.op in COMPARISONS:
             return self._comparison(node)
         left, right = self.integer(node.left), self.integer(node.right)
-        value = arithmetic(node.op, left, right, lambda: self.unit.site(node.span, f"'{node.span.snippet}'"))
+        value = arithmetic(node.op, left, right, lambda: self.code.site(node.span, f"'{node.span.snippet}'"))
         if left.known is None or right.known is None:
             return value
         try:
-            known: int = self.unit.expression("", value.source)()
+            known: int = self.code.expression("", value.source)()
         except RangeError as error:
             if isinstance(node.right, ast.Number):
                 raise fault(node.span, error.what) from None
@@ -220,7 +53,7 @@ class Expressions:
 
     def _comparison(self, node: ast.Binary) -> Value:
         left, right = self.term(node.left), self.term(node.right)
-        if not (isinstance(left, Place) and isinstance(right, Place) and left.type.dimensions):
+        if not (isinstance(left, StorageTerm) and isinstance(right, StorageTerm) and left.type.dimensions):
             return comparison(node.op, self.value(node.left), self.value(node.right))
         if left.type.shape != right.type.shape or node.op not in ("==", "!="):
             raise fault(node.span, f"'{left.type}' and '{right.type}' cannot be compared by '{node.op}'.")
@@ -232,7 +65,42 @@ class Expressions:
         return conditional(self.value(node.test), self.value(node.yes), self.value(node.no))
 
     def _quantified(self, node: ast.Quantified) -> Value:
-        return quantified(self, node)
+        """A quantifier or a sum."""
+        low, high = self.bounds(node.type)
+        count = high - low + 1
+        if count <= _UNROLL:
+            return self._unrolled(node)
+        repeats = self.repeated(count, node.span)
+        scope, python = Scope(self.scope), self.code.name("q")
+        scope.symbols[node.variable] = Local(node.variable, Type("int", low, high), python, written=False)
+        body = self.inside(scope, repeats=repeats).value(node.body)
+        loop = f"for {python} in range({low}, {high + 1})"
+        if node.kind == "sum":
+            body = body.integer
+            return Value(f"sum({body.source} {loop})", count * body.low, count * body.high)
+        word = "all" if node.kind == "forall" else "any"
+        return Value(f"{word}({body.source} {loop})", 0, 1, truth=True)
+
+    def _unrolled(self, node: ast.Quantified) -> Value:
+        """The same, written out for each value."""
+        low, high = self.bounds(node.type)
+        repeats = self.repeated(high - low + 1, node.span)
+        bodies = [
+            self.binding(node.variable, value, repeats=repeats).value(node.body)
+            for value in range(low, high + 1)
+        ]
+        if node.kind == "sum":
+            return _sum([body.integer for body in bodies])
+        decisive = node.kind == "exists"
+        parts = []
+        for body in bodies:
+            if body.known is None:
+                parts.append(body.source)
+            elif bool(body.known) == decisive:
+                return Value.of(int(decisive))
+        if not parts:
+            return Value.of(int(not decisive))
+        return Value("(" + (" or " if decisive else " and ").join(parts) + ")", 0, 1, truth=True)
 
     def _call(self, node: ast.Call) -> Value:
         function = self.function(node)
@@ -248,30 +116,53 @@ class Expressions:
         return symbol
 
     def call(self, node: ast.Call, function: Function) -> str:
-        """Source of a call."""
-        return call_source(self, node, function)
+        """Source of a call.
 
-    # What is touched, and whether it fits
+        Raises:
+            ModelError: the arguments are not those that the function takes.
+        """
+        expected, found = len(function.parameters), len(node.arguments)
+        if expected != found:
+            raise fault(node.span, f"'{function.name}' takes {expected} arguments, not {found}.")
+        arguments = ["v", "r"]
+        for parameter, argument in zip(function.parameters, node.arguments, strict=True):
+            what = f"parameter '{parameter.name}' of '{function.name}'"
+            if parameter.reference or parameter.type.dimensions:
+                arguments.append(self._argument(parameter, argument, what))
+            else:
+                value = self.value(argument)
+                arguments.append(self.checked(value, parameter.type, argument.span, what))
+        self.repeated(function.effects.repeats, node.span)
+        self.effects.add(function.effects)
+        return f"{function.python}({', '.join(arguments)})"
 
-    def read(self, storage: Storage) -> None:
-        """Note that something is read."""
-        if storage.shared:
-            self.effects.reads.add(storage.name)
+    def _argument(self, parameter: FormalParameter, node: ast.Expression, what: str) -> str:
+        term = self.term(node)
+        if (
+            isinstance(term, Value)
+            and parameter.reference
+            and term.known is None
+            and isinstance(node, ast.Name)
+        ):
+            construct = f"'{node.name}', a scalar of a function passed by reference"
+            raise refused(node.span, construct, "Return a value instead.")
+        expected = parameter.type
+        if not isinstance(term, StorageTerm) or term.type.shape != expected.shape:
+            found = term.type if not isinstance(term, Value) else "a number"
+            raise fault(node.span, f"'{node.span.snippet}' is {found}.", f"The {what} is {expected}.")
+        same = (term.type.kind, term.type.low, term.type.high) == (expected.kind, expected.low, expected.high)
+        if not same and not expected.constant:
+            raise fault(node.span, f"'{node.span.snippet}' is {term.type}.", f"The {what} is {expected}.")
+        self.read(term.storage)
+        if not parameter.reference:
+            return term.slice
+        if not expected.constant:
+            self.write(term.storage, node.span)
+        return f"{term.storage.container}, {term.start}"
 
-    def write(self, storage: Storage, span: Span) -> None:
-        """Note that something is assigned."""
-        if not storage.written:
-            raise fault(span, f"'{storage.name}' is constant and cannot be assigned.")
-        if storage.shared:
-            self.effects.writes.add(storage.name)
 
-    def checked(self, value: Value, type_: Type, span: Span, what: str, *, literal: bool = False) -> str:
-        """Source of a value made to fit a type: booleans become 0 or 1, integers are held in range."""
-        if type_.kind == "bool":
-            return value.boolean.source
-        value = value.integer
-        if value.within(type_.low, type_.high):
-            return value.source
-        if literal:
-            raise fault(span, f"{what} = {value.known} is out of its range [{type_.low},{type_.high}].")
-        return f"_range({value.source}, {type_.low}, {type_.high}, {self.unit.site(span, what)})"
+def _sum(bodies: list[Value]) -> Value:
+    low, high = sum(body.low for body in bodies), sum(body.high for body in bodies)
+    if all(body.known is not None for body in bodies):
+        return Value.of(low)
+    return Value("(" + " + ".join(body.source for body in bodies) + ")", low, high)

@@ -6,40 +6,39 @@ from collections.abc import Iterator
 from typing import Literal
 
 from timed_automata import _ast as ast
-from timed_automata._conditions import compile_condition, number_of
-from timed_automata._constraints import Condition, Quantity
+from timed_automata._conditions import Condition, Quantity, compile_condition, number_of
 from timed_automata._declarations import Declarations
 from timed_automata._expressions import Expressions
 from timed_automata._faults import fault, refused
+from timed_automata._generated_code import GeneratedCode
 from timed_automata._limits import PARTS, SELECTED
 from timed_automata._network import Edge, Location, Process, Update
 from timed_automata._places import Places
 from timed_automata._scope import Effects, Scope
 from timed_automata._templates import ParsedEdge, ParsedTemplate
+from timed_automata._terms import IndexedTerm
 from timed_automata._text import Span
-from timed_automata._unit import Unit
 from timed_automata._updates import Updates
-from timed_automata._values import Indexed
 
 Synchronised = tuple[Quantity | None, range, Literal["", "!", "?"]]
 
 
 def make_process(
-    unit: Unit, places: Places, parsed: ParsedTemplate, scope: Scope, name: str, index: int
+    code: GeneratedCode, places: Places, parsed: ParsedTemplate, scope: Scope, name: str, index: int
 ) -> Process:
     """A process of a template whose parameters are declared in ``scope``.
 
     Raises:
         ModelError: a text does not type-check, or is outside of the supported subset.
     """
-    declarations = Declarations(unit, places, scope, prefix=f"{name}.")
+    declarations = Declarations(code, places, scope, prefix=f"{name}.")
     for declaration in parsed.declarations:
         declarations.take(declaration)
-    _add_parts(unit, len(parsed.location_names), parsed.template.name.whole)
+    _add_parts(code, len(parsed.location_names), parsed.template.name.whole)
     edges: list[Edge] = []
     for edge in parsed.edges:
-        for expressions, selected in _selections(Expressions(unit, Scope(scope)), edge):
-            _add_parts(unit, 1, edge.drawn.place.whole)
+        for expressions, selected in _selections(Expressions(code, Scope(scope)), edge):
+            _add_parts(code, 1, edge.drawn.place.whole)
             edges.append(_edge(expressions, edge, selected, index, len(edges)))
     return Process(
         name=name,
@@ -47,16 +46,16 @@ def make_process(
         index=index,
         initial=parsed.initial,
         locations=tuple(
-            _location(Expressions(unit, scope), parsed, n) for n in range(len(parsed.location_names))
+            _location(Expressions(code, scope), parsed, n) for n in range(len(parsed.location_names))
         ),
         edges=tuple(edges),
         scope=scope,
     )
 
 
-def _add_parts(unit: Unit, count: int, span: Span) -> None:
-    unit.parts += count
-    if unit.parts > PARTS:
+def _add_parts(code: GeneratedCode, count: int, span: Span) -> None:
+    code.parts += count
+    if code.parts > PARTS:
         what = f"More than {PARTS} locations and edges in all processes together."
         raise fault(span, what, "Take fewer processes, or select fewer values.")
 
@@ -96,7 +95,7 @@ def _selections(expressions: Expressions, edge: ParsedEdge) -> Iterator[tuple[Ex
             ]
         choices = widened
     for inner, selected in choices:
-        yield Expressions(inner.unit, inner.scope, Effects()), selected
+        yield Expressions(inner.code, inner.scope, Effects()), selected
 
 
 def _edge(
@@ -132,7 +131,7 @@ def _synchronisation(
         return None, range(0), ""
     channel = node.channel
     term = expressions.term(channel)
-    if not isinstance(term, Indexed) or term.type.kind != "chan":
+    if not isinstance(term, IndexedTerm) or term.type.kind != "chan":
         raise fault(channel.span, f"'{channel.span.snippet}' is no channel.")
     if term.type.dimensions:
         raise fault(channel.span, f"'{channel.span.snippet}' is an array of channels.", "Expected an index.")
@@ -155,7 +154,7 @@ def _update(
     for node in nodes:
         updates.effect(node)
         if isinstance(node, ast.Assignment) and isinstance(node.target, ast.Name | ast.Index):
-            term = Expressions(expressions.unit, expressions.scope).term(node.target)
-            if isinstance(term, Indexed) and not term.computed:
+            term = Expressions(expressions.code, expressions.scope).term(node.target)
+            if isinstance(term, IndexedTerm) and not term.computed:
                 resets.add(term.possible.start)
-    return expressions.unit.procedure("v, r", updates.lines), frozenset(resets)
+    return expressions.code.procedure("v, r", updates.lines), frozenset(resets)

@@ -1,4 +1,4 @@
-"""From a file to a network: declarations with the given constants put in, templates, processes."""
+"""From a file to a network, with the given constants put in, and back."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from timed_automata._declarations import Declarations
 from timed_automata._definitions import Definitions
 from timed_automata._document import Document
 from timed_automata._faults import did_you_mean, fault
-from timed_automata._initialisers import Given
+from timed_automata._generated_code import GeneratedCode
+from timed_automata._given import Given
 from timed_automata._network import Network, State
 from timed_automata._parser import parse_declarations, parse_instantiations, parse_system
 from timed_automata._places import Places
 from timed_automata._scope import Constant, Scope
 from timed_automata._templates import ParsedTemplate
 from timed_automata._types import Type
-from timed_automata._unit import Unit
 from timed_automata._xml_reader import load_document
+from timed_automata._xml_writer import write_document
 from timed_automata.errors import ModelError, UsageError
 
 
@@ -46,13 +47,18 @@ def make_network(document: Document, constants: Mapping[str, Given] | None = Non
         raise ModelError(what, where=document.path, todo="Break it into parts.") from None
 
 
+def export(network: Network) -> bytes:
+    """The concrete network for UPPAAL: the file with the given constants put in, the same each time."""
+    return write_document(network.document, network.replaced)
+
+
 def _make(document: Document, given: Mapping[str, Given]) -> Network:
-    unit, places, globals_ = Unit(), Places(), Scope()
-    declarations = Declarations(unit, places, globals_, given=given)
+    code, places, globals_ = GeneratedCode(), Places(), Scope()
+    declarations = Declarations(code, places, globals_, given=given)
     for declaration in parse_declarations(document.declarations) if document.declarations else ():
         declarations.take(declaration)
     _check_given(given, globals_, document.path)
-    definitions = Definitions(unit, places)
+    definitions = Definitions(code, places)
     for template in document.templates:
         definitions.add_template(ParsedTemplate(template), globals_)
     _instantiate(document, definitions, Scope(globals_))
@@ -72,7 +78,7 @@ def _make(document: Document, given: Mapping[str, Given]) -> Network:
         },
         replaced=tuple(declarations.replaced),
         scope=globals_,
-        unit=unit,
+        code=code,
     )
 
 
@@ -90,7 +96,7 @@ def _instantiate(document: Document, definitions: Definitions, scope: Scope) -> 
     """The instantiations and the ``system`` line; the section's own declarations are seen by it alone."""
     system = parse_system(document.system)
     older = parse_instantiations(document.instantiations) if document.instantiations else ()
-    declarations = Declarations(definitions.unit, definitions.places, scope)
+    declarations = Declarations(definitions.code, definitions.places, scope)
     for item in (*older, *system.items):
         if isinstance(item, ast.Instantiation):
             definitions.add_instantiation(item, scope)

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable, Mapping, MutableSequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from timed_automata._constraints import Condition, Quantity
+from timed_automata._conditions import Condition, Quantity
 from timed_automata._document import Document, DrawnEdge, DrawnLocation
 from timed_automata._faults import did_you_mean
-from timed_automata._initialisers import Given
+from timed_automata._generated_code import GeneratedCode
+from timed_automata._given import Given
 from timed_automata._scope import Effects, Scope
 from timed_automata._text import Span
 from timed_automata._types import Type
-from timed_automata._unit import Unit
 from timed_automata.errors import UsageError
 
 Update = Callable[[MutableSequence[int], list[tuple[int, int]]], None]
@@ -125,7 +125,7 @@ class Network:
         offsets: of the values by name, in order: ``ee``, ``evidence[0]``, ``Gripper.i``.
         constants: the global ones with their values.
         replaced: initialisers in the file for which constants were given, and what was put in.
-        scope, unit: global names and the generated code, for compiling more (queries).
+        scope, code: global names and the generated code, for compiling more (queries).
     """
 
     document: Document = field(repr=False)
@@ -138,7 +138,7 @@ class Network:
     constants: Mapping[str, Given] = field(repr=False)
     replaced: tuple[tuple[Span, str], ...] = field(repr=False)
     scope: Scope = field(repr=False)
-    unit: Unit = field(repr=False)
+    code: GeneratedCode = field(repr=False)
 
     def offset(self, name: str) -> int:
         """Where ``evidence[1]`` or ``Gripper.i`` stands among the values.

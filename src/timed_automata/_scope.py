@@ -51,7 +51,7 @@ class Local:
 
 
 @dataclass(frozen=True, slots=True)
-class Clock:
+class ClockSymbol:
     """A clock or an array of clocks, by the index of the first."""
 
     name: str
@@ -60,7 +60,7 @@ class Clock:
 
 
 @dataclass(frozen=True, slots=True)
-class Channel:
+class ChannelSymbol:
     """A channel or an array of channels, by the index of the first."""
 
     name: str
@@ -111,7 +111,7 @@ class Function:
     effects: Effects
 
 
-Symbol = Constant | Storage | Local | Clock | Channel | Alias | Function
+Symbol = Constant | Storage | Local | ClockSymbol | ChannelSymbol | Alias | Function
 
 
 class Scope:

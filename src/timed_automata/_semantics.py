@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
-from timed_automata._constraints import Bound, Condition, Values
+from timed_automata._conditions import Bound, Condition, Values
 from timed_automata._network import Edge, Network, State
 
 
@@ -38,7 +38,7 @@ class Fired(NamedTuple):
     resets: tuple[tuple[int, int], ...]
 
 
-class _Clocks:
+class _ClockGuards:
     """The clock constraints of a condition in a discrete state; evaluated once where no state matters."""
 
     def __init__(self, condition: Condition) -> None:
@@ -53,20 +53,22 @@ class _Clocks:
         return tuple(constraint.at(values) for constraint in self._constraints)
 
 
-_Receiver = tuple[Edge, Callable[[Values], Any] | None, _Clocks, Callable[[Values], int] | None]
+_Answer = tuple[tuple[Edge, ...], tuple[Bound, ...]]  # the edges that receive, and their guards
+_NOBODY: tuple[_Answer, ...] = (((), ()),)
+_Receiver = tuple[Edge, Callable[[Values], Any] | None, _ClockGuards, Callable[[Values], int] | None]
 
 
-class _Leaving:
+class _Outgoing:
     """The edges that leave a location, by what they need; those that can never be taken are left out."""
 
     def __init__(self, edges: Sequence[Edge]) -> None:
         possible = [edge for edge in edges if not edge.guard.never]
         self.active = [
-            (edge, edge.guard.data, _Clocks(edge.guard)) for edge in possible if edge.direction != "?"
+            (edge, edge.guard.data, _ClockGuards(edge.guard)) for edge in possible if edge.direction != "?"
         ]
         self._receiving: dict[int, list[_Receiver]] = {}
         for edge in possible:
-            receiver = (edge, edge.guard.data, _Clocks(edge.guard), _computed(edge))
+            receiver = (edge, edge.guard.data, _ClockGuards(edge.guard), _computed(edge))
             for channel in edge.channels if edge.direction == "?" else ():
                 self._receiving.setdefault(channel, []).append(receiver)
         self._always = {
@@ -75,7 +77,7 @@ class _Leaving:
             if not any(data or edge.guard.clocks or computed for edge, data, _, computed in found)
         }
 
-    def hears(self, edge: Edge) -> bool:
+    def receives(self, edge: Edge) -> bool:
         """Whether one of the edges can receive what another one sends."""
         return edge.channel is not None and any(channel in self._receiving for channel in edge.channels)
 
@@ -90,29 +92,25 @@ class _Leaving:
         ]
 
 
-class _Candidate(NamedTuple):
+class _Initiator(NamedTuple):
     """An edge that may start a transition; ``free``: no matter who takes part."""
 
     process: int
     free: bool
     edge: Edge
     data: Callable[[Values], Any] | None
-    clocks: _Clocks
+    clocks: _ClockGuards
 
 
-class _Candidates(NamedTuple):
+class _Initiators(NamedTuple):
     """Of the locations of all processes: those that are committed, and what may start a transition."""
 
     committed: list[int]
-    edges: list[_Candidate]
+    edges: list[_Initiator]
 
 
 def _computed(edge: Edge) -> Callable[[Values], int] | None:
     return edge.channel if callable(edge.channel) else None
-
-
-def _channel(edge: Edge, values: Values) -> int | None:
-    return edge.channel(values) if callable(edge.channel) else edge.channel
 
 
 class Semantics:
@@ -128,24 +126,30 @@ class Semantics:
         self.initial = network.initial
         self._processes = tuple(range(len(network.processes)) if processes is None else sorted(processes))
         self._locations = [process.locations for process in network.processes]
-        self._leaving = [
+        self._outgoing = [
             [
-                _Leaving([e for e in process.edges if e.source == location.index])
+                _Outgoing([e for e in process.edges if e.source == location.index])
                 for location in process.locations
             ]
             for process in network.processes
         ]
-        heard = [
+        received_in = [
             {channel for edge in process.edges if edge.direction == "?" for channel in edge.channels}
             for process in network.processes
         ]
         self._listeners = [
-            [process for process in self._processes if channel in heard[process]]
+            [
+                (process, self._outgoing[process])
+                for process in self._processes
+                if channel in received_in[process]
+            ]
             for channel in range(len(network.channels))
         ]
-        self._known: dict[tuple[int, ...], _Candidates] = {}
+        self._broadcast = [channel.broadcast for channel in network.channels]
+        self._known: dict[tuple[int, ...], _Initiators] = {}
         self._invariants = [
-            [_Clocks(location.invariant) for location in process.locations] for process in network.processes
+            [_ClockGuards(location.invariant) for location in process.locations]
+            for process in network.processes
         ]
         self._urgent = {number for number, channel in enumerate(network.channels) if channel.urgent}
 
@@ -159,33 +163,34 @@ class Semantics:
             RangeError: a guard divides by zero, or leaves an array.
         """
         values = state.values
-        committed, candidates = self._candidates(state.locations)
-        for process, free, edge, data, clocks in candidates:
+        committed, initiators = self._initiators(state.locations)
+        for process, free, edge, data, clocks in initiators:
             if data is not None and not data(values):
                 continue
-            channel = _channel(edge, values)
+            channel = edge.channel
             if channel is None:
                 yield Transition((edge,), clocks.at(values), None)
                 continue
+            if not isinstance(channel, int):
+                channel = channel(values)
             for receivers, bounds in self._receivers(state, channel, process):
-                edges = (edge, *receivers)
-                if free or any(e.process in committed for e in edges):
-                    yield Transition(edges, (*clocks.at(values), *bounds), channel)
+                if free or any(other.process in committed for other in receivers):
+                    yield Transition((edge, *receivers), clocks.at(values) + bounds, channel)
 
-    def _candidates(self, locations: tuple[int, ...]) -> _Candidates:
+    def _initiators(self, locations: tuple[int, ...]) -> _Initiators:
         """The committed processes, and the edges that can start a transition there; found once."""
         found = self._known.get(locations)
         if found is None:
             committed = [p for p in self._processes if self._locations[p][locations[p]].committed]
-            found = self._known[locations] = _Candidates(
+            found = self._known[locations] = _Initiators(
                 committed,
                 [
-                    _Candidate(process, not committed or process in committed, *active)
+                    _Initiator(process, not committed or process in committed, *active)
                     for process in self._processes
-                    for active in self._leaving[process][locations[process]].active
+                    for active in self._outgoing[process][locations[process]].active
                     if not committed
                     or process in committed
-                    or any(self._leaving[p][locations[p]].hears(active[0]) for p in committed)
+                    or any(self._outgoing[p][locations[p]].receives(active[0]) for p in committed)
                 ],
             )
         return found
@@ -195,23 +200,24 @@ class Semantics:
         for receivers, bounds in self._receivers(state, channel, None):
             yield Transition(receivers, bounds, channel)
 
-    def _receivers(
-        self, state: State, channel: int, sender: int | None
-    ) -> Iterator[tuple[tuple[Edge, ...], tuple[Bound, ...]]]:
+    def _receivers(self, state: State, channel: int, sender: int | None) -> Sequence[_Answer]:
+        """Who takes part besides the sender: every choice."""
         locations, values = state
         choices = [
             enabled
-            for process in self._listeners[channel]
-            if process != sender
-            and (enabled := self._leaving[process][locations[process]].receivers(channel, values))
+            for process, outgoing in self._listeners[channel]
+            if process != sender and (enabled := outgoing[locations[process]].receivers(channel, values))
         ]
-        if self.network.channels[channel].broadcast:
-            for choice in product(*choices):
-                yield tuple(edge for edge, _ in choice), tuple(b for _, bounds in choice for b in bounds)
-        else:
-            for enabled in choices:
-                for edge, bounds in enabled:
-                    yield (edge,), bounds
+        if not self._broadcast[channel]:
+            return [((edge,), bounds) for enabled in choices for edge, bounds in enabled]
+        if not choices:
+            return _NOBODY
+        if len(choices) == 1:
+            return [((edge,), bounds) for edge, bounds in choices[0]]
+        return [
+            (tuple([edge for edge, _ in choice]), tuple([b for _, bounds in choice for b in bounds]))
+            for choice in product(*choices)
+        ]
 
     def fire(self, state: State, edges: Sequence[Edge], writes: Mapping[int, int] | None = None) -> Fired:
         """Take a transition; ``writes`` (by offset) stand for the update of a sender in the environment.
@@ -252,4 +258,4 @@ class Semantics:
 
     def committed(self, state: State) -> bool:
         """Whether any process is in a committed location."""
-        return bool(self._candidates(state.locations).committed)
+        return bool(self._initiators(state.locations).committed)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from timed_automata import _ast as ast
-from timed_automata._declared_types import resolve_dimensions, resolve_type
+from timed_automata._declared_types import flatten, resolve_dimensions, resolve_type
 from timed_automata._expressions import Expressions
 from timed_automata._faults import fault, refused
-from timed_automata._initialisers import flatten
+from timed_automata._generated_code import LOOP_LIMIT
 from timed_automata._scope import Alias, Local, Scope, Storage
 from timed_automata._types import Type
-from timed_automata._unit import LOOP_LIMIT
 from timed_automata._updates import Updates
 
 
@@ -24,7 +23,7 @@ class Statements(Updates):
         """All of a function; its own declarations share the scope of the parameters."""
         self._contents(node)
         if self.result.kind != "void":
-            self.emit(f"_missing({self.unit.site(node.span, 'The function')})")
+            self.emit(f"_missing({self.code.site(node.span, 'The function')})")
 
     def _contents(self, node: ast.Block) -> None:
         for declaration in node.declarations:
@@ -71,7 +70,7 @@ class Statements(Updates):
         if node.initialiser is not None:
             value = self.expressions.value(node.initialiser)
             source = self.expressions.checked(value, type_, node.span, node.name)
-        python = self.unit.name("l")
+        python = self.code.name("l")
         self.emit(f"{python} = {source}")
         return Local(node.name, type_, python, written=not type_.constant)
 
@@ -83,7 +82,7 @@ class Statements(Updates):
                 checked(self.expressions.value(item), scalar, item.span, node.name)
                 for item in flatten(node.initialiser, type_, node.name)
             ]
-        python = self.unit.name("a")
+        python = self.code.name("a")
         self.emit(f"{python} = [{', '.join(items)}]")
         return Storage(node.name, type_, python, 0, written=not type_.constant)
 
@@ -120,17 +119,17 @@ class Statements(Updates):
         self._end(node)
 
     def _head(self) -> None:
-        self.emit(f"for {self.unit.name('n')} in range({LOOP_LIMIT}):")
+        self.emit(f"for {self.code.name('n')} in range({LOOP_LIMIT}):")
 
     def _leave_unless(self, test: ast.Expression) -> None:
         self.emit(f" if not {self.expressions.value(test).source}: break")
 
     def _end(self, node: ast.Node) -> None:
-        self.emit(f"else: _endless({self.unit.site(node.span, node.span.snippet)})")
+        self.emit(f"else: _endless({self.code.site(node.span, node.span.snippet)})")
 
     def _iterate(self, node: ast.Iterate) -> None:
         low, high = self.expressions.bounds(node.type)
-        outer, python = self.expressions, self.unit.name("i")
+        outer, python = self.expressions, self.code.name("i")
         scope = Scope(outer.scope)
         scope.symbols[node.variable] = Local(node.variable, Type("int", low, high), python, written=False)
         self.expressions = outer.inside(scope, repeats=outer.repeated(high - low + 1, node.span))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from timed_automata._trace import Change
+
 
 @dataclass(frozen=True, slots=True)
 class Event:
@@ -12,15 +14,6 @@ class Event:
 
     channel: str
     writes: Mapping[str, int] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """A variable that got another value."""
-
-    name: str
-    old: int
-    new: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import prod
 from typing import Literal, NamedTuple
 
-Kind = Literal["int", "bool", "clock", "chan", "void"]
+TypeKind = Literal["int", "bool", "clock", "chan", "void"]
 INT_LOW, INT_HIGH = -32768, 32767  # UPPAAL's int
 
 
@@ -26,7 +26,7 @@ class Dimension(NamedTuple):
 class Type:
     """A type with everything computed. ``low`` and ``high`` bound integers (0 and 1 for booleans)."""
 
-    kind: Kind
+    kind: TypeKind
     low: int = INT_LOW
     high: int = INT_HIGH
     dimensions: tuple[Dimension, ...] = ()

@@ -9,17 +9,17 @@ from __future__ import annotations
 from timed_automata import _ast as ast
 from timed_automata._expressions import Expressions
 from timed_automata._faults import fault, refused
-from timed_automata._operators import arithmetic
 from timed_automata._scope import Local
+from timed_automata._terms import IndexedTerm, StorageTerm
 from timed_automata._types import Type
-from timed_automata._values import Indexed, Place, Value
+from timed_automata._values import Value, arithmetic
 
 
 class Updates:
     """Collects the lines of one update."""
 
     def __init__(self, expressions: Expressions) -> None:
-        self.expressions, self.unit = expressions, expressions.unit
+        self.expressions, self.code = expressions, expressions.code
         self.lines: list[str] = []
         self.depth = 0
 
@@ -35,7 +35,7 @@ class Updates:
         """
         if isinstance(node, ast.Assignment):
             self._assign(node.target, node.op, node.value, node)
-        elif isinstance(node, ast.Step):
+        elif isinstance(node, ast.Increment):
             self._assign(node.target, f"{node.op[0]}=", ast.Number(node.span, 1), node)
         elif isinstance(node, ast.Call):
             self.emit(self.expressions.call(node, self.expressions.function(node)))
@@ -53,7 +53,7 @@ class Updates:
         if not isinstance(target, ast.Name | ast.Index | ast.Member):
             raise fault(target.span, f"'{target.span.snippet}' cannot be assigned.", "Expected a variable.")
         term = self.expressions.term(target)
-        if isinstance(term, Indexed):
+        if isinstance(term, IndexedTerm):
             self._set_clock(term, op, value, node)
         elif isinstance(term, Value):
             raise fault(target.span, f"'{target.span.snippet}' is constant and cannot be assigned.")
@@ -68,14 +68,16 @@ class Updates:
         new = self._combined(Value(local.python, local.type.low, local.type.high), op, value, node)
         self.emit(f"{local.python} = {self._checked(new, local.type, node, local.name)}")
 
-    def _assign_scalar(self, place: Place, op: str, value: ast.Expression, node: ast.Node, name: str) -> None:
+    def _assign_scalar(
+        self, place: StorageTerm, op: str, value: ast.Expression, node: ast.Node, name: str
+    ) -> None:
         self.expressions.write(place.storage, node.span)
         if op != "=":
             self.expressions.read(place.storage)
             if place.computed:  # the index is evaluated once
-                index = self.unit.name("t")
+                index = self.code.name("t")
                 self.emit(f"{index} = {place.computed}")
-                place = Place(place.storage, place.type, place.offset, index)
+                place = StorageTerm(place.storage, place.type, place.offset, index)
         new = self._combined(Value(place.source, place.type.low, place.type.high), op, value, node)
         self.emit(f"{place.source} = {self._checked(new, place.type, node, name)}")
 
@@ -87,11 +89,11 @@ class Updates:
         new = self.expressions.value(value)
         if op == "=":
             return new
-        return arithmetic(op[:-1], old, new, lambda: self.unit.site(node.span, f"'{node.span.snippet}'"))
+        return arithmetic(op[:-1], old, new, lambda: self.code.site(node.span, f"'{node.span.snippet}'"))
 
-    def _assign_array(self, place: Place, op: str, value: ast.Expression, node: ast.Node) -> None:
+    def _assign_array(self, place: StorageTerm, op: str, value: ast.Expression, node: ast.Node) -> None:
         source = self.expressions.term(value)
-        if op != "=" or not isinstance(source, Place) or source.type.shape != place.type.shape:
+        if op != "=" or not isinstance(source, StorageTerm) or source.type.shape != place.type.shape:
             raise fault(
                 node.span, f"'{place.storage.name}' is {place.type}.", "Expected '=' and such an array."
             )
@@ -103,11 +105,11 @@ class Updates:
             raise fault(node.span, f"'{value.span.snippet}' is {source.type}, not {place.type}.")
         self.expressions.write(place.storage, node.span)
         self.expressions.read(source.storage)
-        at, scalar = self.unit.name("t"), self.unit.name("t")
+        at, scalar = self.code.name("t"), self.code.name("t")
         self.emit(f"for {at}, {scalar} in enumerate({source.slice}, {place.start}):")
         self.emit(f" {place.storage.container}[{at}] = {scalar}")
 
-    def _set_clock(self, term: Indexed, op: str, value: ast.Expression, node: ast.Node) -> None:
+    def _set_clock(self, term: IndexedTerm, op: str, value: ast.Expression, node: ast.Node) -> None:
         if term.type.kind != "clock":
             raise fault(node.span, f"'{term.name}' is a channel and cannot be assigned.")
         if term.type.dimensions or op != "=":
@@ -118,6 +120,6 @@ class Updates:
         self.expressions.effects.writes.add(term.name)
         source = number.source
         if number.low < 0:
-            site = self.unit.site(node.span, f"The clock {term.name}")
+            site = self.code.site(node.span, f"The clock {term.name}")
             source = f"_range({source}, 0, {max(number.high, 0)}, {site})"
         self.emit(f"r.append(({term.source}, {source}))")

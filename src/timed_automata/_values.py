@@ -1,11 +1,12 @@
-"""What an expression compiles to, with the interval that it lies in: checks that cannot fail are left out."""
+"""Compiled values and the operators on them: source, interval, and the result itself where it is known.
+
+The interval shows which checks cannot fail; they are left out.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-
-from timed_automata._scope import Storage
-from timed_automata._types import Type
 
 WIDE = 2**31  # what UPPAAL computes with
 
@@ -46,59 +47,99 @@ class Value:
         return low <= self.low and self.high <= high
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A scalar or an array in a container: a fixed offset plus a computed one (source, may be empty)."""
-
-    storage: Storage
-    type: Type
-    offset: int = 0
-    computed: str = ""
-    values: tuple[int, ...] | None = None  # of a constant
-
-    @property
-    def start(self) -> str:
-        """Source of the index of its first scalar."""
-        base = self.storage.base
-        parts = [base] if isinstance(base, str) else []
-        fixed = self.offset + (base if isinstance(base, int) else 0)
-        if fixed or not (parts or self.computed):
-            parts.append(str(fixed))
-        return " + ".join([*parts, self.computed] if self.computed else parts)
-
-    @property
-    def source(self) -> str:
-        """Source of a scalar."""
-        return f"{self.storage.container}[{self.start}]"
-
-    @property
-    def slice(self) -> str:
-        """Source of all scalars of an array, as a list."""
-        start = self.start
-        end = f"{start} + {self.type.size}" if not start.isdigit() else str(int(start) + self.type.size)
-        return f"[*{self.storage.container}[{start}:{end}]]"
+COMPARISONS = {
+    "==": lambda a, b: a == b,
+    "!=": lambda a, b: a != b,
+    "<": lambda a, b: a < b,
+    "<=": lambda a, b: a <= b,
+    ">": lambda a, b: a > b,
+    ">=": lambda a, b: a >= b,
+}
 
 
-@dataclass(frozen=True, slots=True)
-class Indexed:
-    """A clock or a channel: the number of the first of its array of ``size``, plus a computed offset."""
+def negation(operand: Value) -> Value:
+    """``!a``."""
+    if operand.known is not None:
+        return Value.of(int(not operand.known))
+    return Value(f"(not {operand.source})", 0, 1, truth=True)
 
-    name: str
-    type: Type
-    base: int
-    offset: int = 0
-    computed: str = ""
-    size: int = 1
 
-    @property
-    def possible(self) -> range:
-        """All numbers that it can be."""
-        first = self.base + self.offset
-        return range(self.base, self.base + self.size) if self.computed else range(first, first + 1)
+def signed(op: str, operand: Value) -> Value:
+    """``-a``, ``+a``."""
+    number = operand.integer
+    if op == "+":
+        return number
+    if number.known is not None:
+        return Value.of(-number.known)
+    return Value(f"(-{number.source})", -number.high, -number.low)
 
-    @property
-    def source(self) -> str:
-        """Source of its number."""
-        return (
-            f"{self.base + self.offset} + {self.computed}" if self.computed else str(self.base + self.offset)
-        )
+
+def logical(op: str, left: Value, right: Value) -> Value:
+    """``&&``, ``||``, ``imply``; the right operand is not evaluated where the left decides."""
+    if op == "imply":
+        left = negation(left)
+    decisive = op != "&&"  # the truth of an operand that decides the whole
+    if left.known is not None:
+        return Value.of(int(decisive)) if bool(left.known) == decisive else right.boolean
+    if right.known is not None and bool(right.known) != decisive:
+        return left.boolean
+    word = "or" if decisive else "and"
+    return Value(f"({left.source} {word} {right.source})", 0, 1, truth=True)
+
+
+def comparison(op: str, left: Value, right: Value) -> Value:
+    """``==`` and its like."""
+    a, b = left.integer, right.integer
+    if a.known is not None and b.known is not None:
+        return Value.of(int(COMPARISONS[op](a.known, b.known)))
+    return Value(f"({a.source} {op} {b.source})", 0, 1, truth=True)
+
+
+def conditional(test: Value, yes: Value, no: Value) -> Value:
+    """``test ? yes : no``."""
+    yes, no = yes.integer, no.integer
+    if test.known is not None:
+        return yes if test.known else no
+    source = f"({yes.source} if {test.source} else {no.source})"
+    return Value(source, min(yes.low, no.low), max(yes.high, no.high))
+
+
+def interval(op: str, left: Value, right: Value) -> tuple[int, int]:
+    """Where the result of an arithmetic operation lies."""
+    if op == "+":
+        return left.low + right.low, left.high + right.high
+    if op == "-":
+        return left.low - right.high, left.high - right.low
+    if op == "*":
+        corners = [a * b for a in (left.low, left.high) for b in (right.low, right.high)]
+        return min(corners), max(corners)
+    if op == "<?":
+        return min(left.low, right.low), min(left.high, right.high)
+    if op == ">?":
+        return max(left.low, right.low), max(left.high, right.high)
+    if op == "/":
+        most = max(abs(left.low), abs(left.high))
+        return (0 if left.low >= 0 and right.low >= 0 else -most), most
+    if op == "%":
+        most = max(abs(right.low), abs(right.high)) - 1
+        return (0 if left.low >= 0 else -most), most
+    if op in ("&", "|", "^") and left.low >= 0 and right.low >= 0:
+        return 0, (1 << max(left.high, right.high).bit_length()) - 1
+    return -WIDE, WIDE - 1
+
+
+def arithmetic(op: str, left: Value, right: Value, site: Callable[[], int]) -> Value:
+    """An arithmetic operation; ``site`` is asked for a place only where the operation can fail."""
+    left, right = left.integer, right.integer
+    low, high = interval(op, left, right)
+    a, b = left.source, right.source
+    if op in ("+", "-", "*", "&", "|", "^"):
+        source = f"({a} {op} {b})"
+    elif op in ("<?", ">?"):
+        source = f"{'min' if op == '<?' else 'max'}({a}, {b})"
+    elif op in ("/", "%") and left.low >= 0 and right.low > 0:
+        source = f"({a} {'//' if op == '/' else '%'} {b})"
+    else:
+        name = {"/": "_div", "%": "_mod", "<<": "_shl", ">>": "_shr"}[op]
+        source = f"{name}({a}, {b}, {site()})"
+    return Value(source, low, high)

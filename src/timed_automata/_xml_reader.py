@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from timed_automata._document import Document, DrawnEdge, DrawnLocation, Label, Point, Query, Template
+from timed_automata._document import Document, DrawnEdge, DrawnLocation, Label, Point, StoredQuery, Template
 from timed_automata._faults import did_you_mean, fault, refused
 from timed_automata._limits import FILE_BYTES
 from timed_automata._text import Text
@@ -136,7 +136,7 @@ def _text(element: Element, tag: str) -> Text | None:
     return child.text if child else None
 
 
-def _queries(element: Element | None) -> tuple[Query, ...]:
+def _queries(element: Element | None) -> tuple[StoredQuery, ...]:
     if element is None:
         return ()
     _check(element, "query option")
@@ -144,7 +144,7 @@ def _queries(element: Element | None) -> tuple[Query, ...]:
     for query in element.all("query"):
         formula, comment = _text(query, "formula"), _text(query, "comment")
         if formula and formula.content.strip():
-            queries.append(Query(formula, comment.content.strip() if comment else ""))
+            queries.append(StoredQuery(formula, comment.content.strip() if comment else ""))
     return tuple(queries)
 
 

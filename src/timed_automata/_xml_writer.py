@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from xml.sax.saxutils import escape
 
 from timed_automata._document import Document
-from timed_automata._network import Network
 from timed_automata._text import Span
 
 
@@ -27,8 +26,3 @@ def write_document(document: Document, replaced: Iterable[tuple[Span, str]] = ()
         position = end
     result.append(document.source[position:])
     return b"".join(result)
-
-
-def export(network: Network) -> bytes:
-    """The concrete network for UPPAAL: the file with the given constants put in, the same each time."""
-    return write_document(network.document, network.replaced)

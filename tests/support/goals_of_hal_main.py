@@ -7,8 +7,9 @@ import threading
 from typing import Any
 
 import pytest
-from goal_server import Wire
-from patience import wait_until
+
+from tests.support.goal_server import Wire
+from tests.support.patience import wait_until
 
 STATUSES = ("PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED", "RECALLED", "LOST")
 STAND_BY, GRIPPED, GRIPPING = 6, 3, 1
@@ -25,7 +26,7 @@ class Node:
         self.goes_on.set()
 
     def ask(self, command: int) -> Any:
-        from end_effector_hal.ros1._commander import Reply
+        from end_effector_hal.ros1.connections._commander import Reply
 
         self.asked.append(command)
         assert self.goes_on.wait(60.0)
@@ -39,8 +40,8 @@ class Hal:
         import rospy
         from end_effector_msgs.msg import EndEffectorState, StepReport
 
-        from end_effector_hal.ros1 import _served_goals
-        from end_effector_hal.ros1._action_server import GoalServer
+        from end_effector_hal.ros1.actions import _served_goals
+        from end_effector_hal.ros1.actions._action_server import GoalServer
 
         def start(server: Any) -> None:
             server.result_pub, server.status_pub, server.feedback_pub = Wire(), Wire(), Wire()

@@ -98,6 +98,6 @@ def _wants_json() -> bool:
 
 def _tell(error: ReportedError) -> None:
     # in one line: what prints JSON lines may end with it
-    faults = [fault.as_json() for fault in error.told]
+    faults = [fault.as_json() for fault in error.diagnostics]
     document = {"ok": False, "exit_code": error.exit_code, "faults": faults}
     click.echo(json.dumps(document, ensure_ascii=False))

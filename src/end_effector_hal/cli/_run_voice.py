@@ -71,7 +71,7 @@ class JsonLines:
 
     def error(self, error: ReportedError) -> None:
         """Its faults as everywhere."""
-        self._tell(event="error", faults=[fault.as_json() for fault in error.told])
+        self._tell(event="error", faults=[fault.as_json() for fault in error.diagnostics])
 
     def _tell(self, **content: object) -> None:
         click.echo(json.dumps(content, ensure_ascii=False))

@@ -43,9 +43,9 @@ def load_tool(path: str | Path) -> Description:
     """
     examination = examine(path)
     if examination.description is None:
-        raise DescriptionError(examination.told)
+        raise DescriptionError(examination.diagnostics)
     if faults := match_codec(examination.description).faults:
-        raise DescriptionError([fault.told(examination.name) for fault in faults])
+        raise DescriptionError([fault.diagnostic(examination.name) for fault in faults])
     return examination.description
 
 

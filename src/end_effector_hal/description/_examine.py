@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from end_effector_hal.errors import Told
+from end_effector_hal.errors import Diagnostic
 
 from ._explain import explain, likely_kind, no_kind, why_not
 from ._facts import Facts
@@ -32,13 +32,13 @@ class Examination:
     faults: tuple[Fault, ...]
 
     @property
-    def told(self) -> tuple[Told, ...]:
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
         """The faults with their file."""
-        return tuple(fault.told(self.name) for fault in self.faults)
+        return tuple(fault.diagnostic(self.name) for fault in self.faults)
 
     def lines(self) -> list[str]:
         """The faults, ready to print."""
-        return [str(each) for each in self.told]
+        return [str(each) for each in self.diagnostics]
 
 
 def examine(path: str | Path) -> Examination:

@@ -19,11 +19,9 @@ from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Actuator, Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.recording._alarms import AlarmsWriter
 from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording._pressures import PressuresWriter
 from end_effector_hal.recording._run import RunInfo, read_run
-from end_effector_hal.recording._states import StatesWriter
+from end_effector_hal.recording.tables import AlarmsWriter, PressuresWriter, StatesWriter
 from end_effector_hal.signals import Kind, Value
 from end_effector_hal.wires import now_us
 

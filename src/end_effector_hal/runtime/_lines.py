@@ -23,7 +23,7 @@ IL_13 = Need(
 )  # fmt: skip
 
 
-def owner_policy(description: Description) -> Policy:
+def arbiter_policy(description: Description) -> Policy:
     """The output interlocks of a tool."""
     changer = description.tool_changer
     labels = {actuator.line: name for name, actuator in description.ordered}

@@ -1,6 +1,6 @@
 """The words that every room shares: Table II, evidence, causes, last wills, units; no logic."""
 
-from ._last_will import LEASE_US, Will, WillStep, read_will
+from ._last_will import LEASE_US, LastWill, LastWillStep, read_last_will
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._tables import (
     ACTIVE,
@@ -28,14 +28,14 @@ __all__ = [
     "Command",
     "EndEffectorState",
     "Evidence",
+    "LastWill",
+    "LastWillStep",
     "TableState",
     "ToolEvidence",
-    "Will",
-    "WillStep",
     "display_name",
     "is_name",
     "printable",
-    "read_will",
+    "read_last_will",
     "to_s",
     "to_us",
 ]

@@ -16,7 +16,7 @@ from timed_automata import (
     Given,
     Label,
     Network,
-    Query,
+    StoredQuery,
     Template,
     Text,
     make_network,
@@ -49,7 +49,7 @@ def faults_of(document: Document, constants: Mapping[str, Given] | None = None) 
     return sorted(faults, key=lambda fault: _place(fault.where))
 
 
-def _query_faults(network: Network, query: Query) -> Iterator[ModelError]:
+def _query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
     try:
         parsed = parse_query(query.formula)
         for condition in (parsed.condition, parsed.then):

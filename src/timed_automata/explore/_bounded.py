@@ -7,23 +7,22 @@ from dataclasses import replace
 from timed_automata import Network
 from timed_automata import _ast as ast
 from timed_automata.explore._bound import INFINITY, at_most, below
-from timed_automata.explore._cases import Cases
 from timed_automata.explore._formula import (
     Formula,
     compile_clock,
     compile_formula,
     compile_integer,
-    limits_of,
     mentions_deadlock,
 )
-from timed_automata.explore._limits import NEVER, Limit, merged
+from timed_automata.explore._limits import NEVER, Limit, limits_of, merged
 from timed_automata.explore._query import Query
-from timed_automata.explore._reach import Node
+from timed_automata.explore._reach import SearchNode
 from timed_automata.explore._verdict import Extreme
 from timed_automata.explore._zone import constrained
+from timed_automata.explore._zone_condition import ZoneCondition
 
 
-class Bounded:
+class BoundedResponse:
     """A bounded response, and the largest value that its clock was seen to have.
 
     Attributes:
@@ -38,22 +37,22 @@ class Bounded:
         self.limits = {clock: Limit(max(most, 0), NEVER)}
         merged(self.limits, limits_of(premise))
         self.premise = premise
-        self._cases = Cases(premise)
+        self._cases = ZoneCondition(premise)
         self._bound = below(most) if strict else at_most(most)
         self._largest = -INFINITY
 
-    def see(self, node: Node) -> None:
+    def see(self, node: SearchNode) -> None:
         """Take a symbolic state into account."""
-        place, n = node.place, node.place.n
-        at = place.index[self.clock] * n
-        for constraints, _ in self._cases.of(place):
+        record, n = node.record, node.record.n
+        at = record.index[self.clock] * n
+        for constraints, _ in self._cases.of(record):
             part = constrained(node.zone, n, constraints)
             if part is not None and part[at] > self._largest:
                 self._largest = part[at]
 
     def forget(self) -> None:
         """Let go of the states that were seen; what was found out stays."""
-        self._cases = Cases(self.premise)
+        self._cases = ZoneCondition(self.premise)
 
     @property
     def holds(self) -> bool:
@@ -78,7 +77,7 @@ class Bounded:
         return min(self._largest >> 1, self.most) if self.met else -1
 
 
-def bounded(network: Network, query: Query) -> Bounded | None:
+def bounded(network: Network, query: Query) -> BoundedResponse | None:
     """A query as a bounded response; None if it is something else.
 
     Raises:
@@ -97,7 +96,7 @@ def bounded(network: Network, query: Query) -> Bounded | None:
             if clock is None or mentions_deadlock(formula):
                 return None
             most = compile_integer(network, right)(network.initial.values, network.initial.locations)
-            return Bounded(formula, clock, most, strict=op == "<")
+            return BoundedResponse(formula, clock, most, strict=op == "<")
     return None
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from timed_automata._trace import Trace, TraceStep, changes_between
 from timed_automata.explore._delay import Grow, freely
 from timed_automata.explore._discrete import Move
-from timed_automata.explore._symbolic import Place, SymbolicSpace
+from timed_automata.explore._symbolic import StateRecord, SymbolicSpace
 from timed_automata.explore._timing import Timing
-from timed_automata.explore._trace import Trace, TraceStep, changes_between
 from timed_automata.explore._zone import Zone, constraints_of
 
-Ending = Callable[[Place, Zone], Zone | None]
+Ending = Callable[[StateRecord, Zone], Zone | None]
 
 
 class NoRunError(Exception):
@@ -27,9 +27,9 @@ class Leg(NamedTuple):
 
 
 class _Visit(NamedTuple):
-    """A leg among exact zones: the place, where it is entered, what a delay makes of that."""
+    """A leg among exact zones: the record, where it is entered, what a delay makes of that."""
 
-    place: Place
+    record: StateRecord
     entry: Zone | None  # None: anywhere
     later: Zone | None
 
@@ -53,8 +53,8 @@ def concrete(
     it), so the zones along it are computed once more, without widening.
     """
     exact = SymbolicSpace(space.discrete, space.limits, delays=False, widens=False)
-    place, zone = exact.initial()
-    visits = _follow(exact, place, zone, list(legs), ending)
+    record, zone = exact.initial()
+    visits = _follow(exact, record, zone, list(legs), ending)
     if visits is None:
         raise NoRunError
     timing, instants = Timing(), []
@@ -64,12 +64,12 @@ def concrete(
             for clock, value in leg.move.resets.items():
                 timing.set(clock, value)
             instants.append(timing.now)
-        _require(timing, visit.place, visit.entry)
-        timing.advance(delays=visit.place.discrete.delays)
-        timing.require(visit.place.discrete.invariant)
-        _require(timing, visit.place, visit.later)
+        _require(timing, visit.record, visit.entry)
+        timing.advance(delays=visit.record.discrete.delays)
+        timing.require(visit.record.discrete.invariant)
+        _require(timing, visit.record, visit.later)
     times = timing.solve()
-    network, state, steps = space.discrete.network, place.discrete.state, []
+    network, state, steps = space.discrete.network, record.discrete.state, []
     for move, instant in zip((leg.move for leg in legs if leg.move is not None), instants, strict=True):
         if move.target is None:
             break
@@ -82,34 +82,34 @@ def concrete(
     return Trace(network, tuple(steps), times[-1], remark, loop)
 
 
-def _require(timing: Timing, place: Place, zone: Zone | None) -> None:
+def _require(timing: Timing, record: StateRecord, zone: Zone | None) -> None:
     if zone is not None:
-        numbers = (0, *place.clocks)
-        for i, j, bound in constraints_of(zone, place.n):
+        numbers = (0, *record.clocks)
+        for i, j, bound in constraints_of(zone, record.n):
             timing.require_difference(numbers[i], numbers[j], bound)
 
 
 def _follow(
-    space: SymbolicSpace, place: Place, zone: Zone, legs: list[Leg], ending: Ending
+    space: SymbolicSpace, record: StateRecord, zone: Zone, legs: list[Leg], ending: Ending
 ) -> list[_Visit] | None:
     """The exact zones of a run; where a condition leaves several ways to stay, the first that leads to the end."""
-    pending: list[tuple[list[_Visit], Place, Zone]] = [([], place, zone)]
+    pending: list[tuple[list[_Visit], StateRecord, Zone]] = [([], record, zone)]
     while pending:
-        visits, place, zone = pending.pop()
+        visits, record, zone = pending.pop()
         leg = legs[len(visits)]
         arrived: Zone | None = zone
         if leg.move is not None:
-            plan, place, _ = space.step(place, leg.move)
+            plan, record, _ = space.step(record, leg.move)
             arrived = plan(zone)
         if arrived is None:
             continue
         free = leg.grow is freely
-        more: list[tuple[list[_Visit], Place, Zone]] = []
-        for entry, later in leg.grow(place, arrived):
+        more: list[tuple[list[_Visit], StateRecord, Zone]] = []
+        for entry, later in leg.grow(record, arrived):
             if len(visits) + 1 < len(legs):
-                visit = _Visit(place, None if free else entry, None if free else later)
-                more.append(([*visits, visit], place, later))
-            elif (part := ending(place, later)) is not None:
-                return [*visits, _Visit(place, None if free else entry, part)]
+                visit = _Visit(record, None if free else entry, None if free else later)
+                more.append(([*visits, visit], record, later))
+            elif (part := ending(record, later)) is not None:
+                return [*visits, _Visit(record, None if free else entry, part)]
         pending += reversed(more)
     return None

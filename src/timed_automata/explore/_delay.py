@@ -1,4 +1,4 @@
-"""Letting time pass in a place: freely, or only as long as a condition holds."""
+"""Letting time pass in a record: freely, or only as long as a condition holds."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from collections.abc import Callable
 from itertools import product
 from typing import NamedTuple
 
-from timed_automata.explore._cases import Cases
-from timed_automata.explore._symbolic import Place
+from timed_automata.explore._symbolic import StateRecord
 from timed_automata.explore._zone import (
     Zone,
     constrained,
@@ -17,36 +16,37 @@ from timed_automata.explore._zone import (
     subtract,
     up,
 )
+from timed_automata.explore._zone_condition import ZoneCondition
 
 
-class Stay(NamedTuple):
+class DelayedZone(NamedTuple):
     """Where a run enters and where time takes it from there; any point of ``entry`` leads to any later of ``zone``."""
 
     entry: Zone
     zone: Zone
 
 
-Grow = Callable[[Place, Zone], list[Stay]]
+Grow = Callable[[StateRecord, Zone], list[DelayedZone]]
 
 
-def freely(place: Place, zone: Zone) -> list[Stay]:
+def freely(record: StateRecord, zone: Zone) -> list[DelayedZone]:
     """As far as the invariant allows."""
-    if not place.discrete.delays:
-        return [Stay(zone, zone)]
-    later = constrained(up(zone, place.n), place.n, place.invariant)
-    return [] if later is None else [Stay(zone, later)]
+    if not record.discrete.delays:
+        return [DelayedZone(zone, zone)]
+    later = constrained(up(zone, record.n), record.n, record.invariant)
+    return [] if later is None else [DelayedZone(zone, later)]
 
 
 class Only:
     """No delay, and only where a condition holds."""
 
-    def __init__(self, inside: Cases) -> None:
+    def __init__(self, inside: ZoneCondition) -> None:
         self.inside = inside
 
-    def __call__(self, place: Place, zone: Zone) -> list[Stay]:
+    def __call__(self, record: StateRecord, zone: Zone) -> list[DelayedZone]:
         """The parts of a zone in which the condition holds."""
-        cases = (constrained(zone, place.n, constraints) for constraints, _ in self.inside.of(place))
-        return [Stay(part, part) for part in cases if part is not None]
+        cases = (constrained(zone, record.n, constraints) for constraints, _ in self.inside.of(record))
+        return [DelayedZone(part, part) for part in cases if part is not None]
 
 
 class Within:
@@ -57,37 +57,37 @@ class Within:
     (the mirror image of Predt in Behrmann, Cougnard, David, Fleury, Larsen, Lime, *UPPAAL-Tiga*, 2007).
     """
 
-    def __init__(self, inside: Cases, outside: Cases) -> None:
+    def __init__(self, inside: ZoneCondition, outside: ZoneCondition) -> None:
         self.inside, self.outside = inside, outside
 
-    def __call__(self, place: Place, zone: Zone) -> list[Stay]:
+    def __call__(self, record: StateRecord, zone: Zone) -> list[DelayedZone]:
         """The ways to stay, from a zone inside the invariant."""
-        n, found = place.n, []
-        for constraints, _ in self.inside.of(place):
+        n, found = record.n, []
+        for constraints, _ in self.inside.of(record):
             entry = constrained(zone, n, constraints)
             if entry is None:
                 continue
-            if not place.discrete.delays:
-                found.append(Stay(entry, entry))
+            if not record.discrete.delays:
+                found.append(DelayedZone(entry, entry))
                 continue
-            for stay in self._avoiding(place, entry):
-                later = constrained(stay.zone, n, place.invariant)
+            for stay in self._avoiding(record, entry):
+                later = constrained(stay.zone, n, record.invariant)
                 if later is not None:
-                    found.append(Stay(stay.entry, later))
+                    found.append(DelayedZone(stay.entry, later))
         return found
 
-    def _avoiding(self, place: Place, zone: Zone) -> list[Stay]:
-        n = place.n
+    def _avoiding(self, record: StateRecord, zone: Zone) -> list[DelayedZone]:
+        n = record.n
         ways = [
             _past(zone, outside, n)
-            for constraints, _ in self.outside.of(place)
+            for constraints, _ in self.outside.of(record)
             if (outside := constrained(everything(n), n, constraints)) is not None
         ]
         if not ways:
-            return [Stay(zone, up(zone, n))]
+            return [DelayedZone(zone, up(zone, n))]
         found = []
         for choice in product(*ways):
-            stay: Stay | None = choice[0]
+            stay: DelayedZone | None = choice[0]
             for other in choice[1:]:
                 stay = _common(stay, other, n) if stay else None
             if stay:
@@ -95,16 +95,18 @@ class Within:
         return found
 
 
-def _past(zone: Zone, outside: Zone, n: int) -> list[Stay]:
+def _past(zone: Zone, outside: Zone, n: int) -> list[DelayedZone]:
     """The ways to stay clear of one convex set."""
     after = constraints_of(up(outside, n), n)
-    found = [Stay(zone, piece) for piece in subtract(up(zone, n), after, n)]
+    found = [DelayedZone(zone, piece) for piece in subtract(up(zone, n), after, n)]
     behind = constrained(zone, n, after)
     if behind is not None:
-        found += [Stay(piece, up(piece, n)) for piece in subtract(behind, constraints_of(outside, n), n)]
+        found += [
+            DelayedZone(piece, up(piece, n)) for piece in subtract(behind, constraints_of(outside, n), n)
+        ]
     return found
 
 
-def _common(left: Stay, right: Stay, n: int) -> Stay | None:
+def _common(left: DelayedZone, right: DelayedZone, n: int) -> DelayedZone | None:
     entry, zone = intersection(left.entry, right.entry, n), intersection(left.zone, right.zone, n)
-    return None if entry is None or zone is None else Stay(entry, zone)
+    return None if entry is None or zone is None else DelayedZone(entry, zone)

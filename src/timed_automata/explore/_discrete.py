@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from timed_automata import Bound, Edge, Network, State, Transition
 from timed_automata.errors import RangeError
-from timed_automata.explore._firing import Firing, Label
-from timed_automata.explore._listening import ListeningSemantics
+from timed_automata.explore._cached_semantics import CachedSemantics
+from timed_automata.explore._firing import Action, Firing
+from timed_automata.explore._location_vector import LocationVector, LocationVectors
 from timed_automata.explore._packing import Packing
-from timed_automata.explore._stand import Stand, Stands
 
 
 class Move(NamedTuple):
@@ -19,46 +19,46 @@ class Move(NamedTuple):
     ``target`` is None where an update leaves the range of a variable; then ``error`` says which.
     """
 
-    label: Label
-    target: Discrete | None
+    action: Action
+    target: DiscreteState | None
     error: RangeError | None = None
 
     @property
     def edges(self) -> tuple[Edge, ...]:
         """Participants, the sender first."""
-        return self.label.edges
+        return self.action.edges
 
     @property
     def channel(self) -> int | None:
         """Number of the channel; None without synchronisation."""
-        return self.label.channel
+        return self.action.channel
 
     @property
     def guard(self) -> tuple[Bound, ...]:
         """What the clocks must satisfy."""
-        return self.label.guard
+        return self.action.guard
 
     @property
     def resets(self) -> Mapping[int, int]:
         """What clocks are set to."""
-        return self.label.resets
+        return self.action.resets
 
 
-Arc = tuple[Label, "Discrete | None", RangeError | None]
+Arc = tuple[Action, "DiscreteState | None", RangeError | None]
 
 
-class Discrete:
+class DiscreteState:
     """A discrete state with its moves, and whether time may pass in it."""
 
-    __slots__ = ("_moves", "_packed", "_space", "_transitions", "delays", "invariant", "stand")
+    __slots__ = ("_moves", "_packed", "_space", "_transitions", "delays", "invariant", "vector")
 
-    def __init__(self, space: DiscreteSpace, stand: Stand, packed: bytes) -> None:
-        self._space, self.stand, self._packed = space, stand, packed
+    def __init__(self, space: DiscreteSpace, vector: LocationVector, packed: bytes) -> None:
+        self._space, self.vector, self._packed = space, vector, packed
         self._moves: tuple[Move, ...] | None = None
         self.invariant = (
-            stand.invariant if stand.invariant is not None else space.invariant(self.state, stand)
+            vector.invariant if vector.invariant is not None else space.invariant(self.state, vector)
         )
-        self.delays = stand.delays
+        self.delays = vector.delays
         self._transitions: list[Transition] | None = None  # found already
         if self.delays and space.urgent:
             self._transitions = list(space.semantics.transitions(self.state))
@@ -67,7 +67,7 @@ class Discrete:
     @property
     def state(self) -> State:
         """Locations and values."""
-        return State(self.stand.locations, self._space.packing.unpack(self._packed))
+        return State(self.vector.locations, self._space.packing.unpack(self._packed))
 
     @property
     def moves(self) -> tuple[Move, ...]:
@@ -77,23 +77,23 @@ class Discrete:
         return self._moves
 
     def arcs(self) -> Iterator[Arc]:
-        """The same, as plain tuples that are not kept: label, target and error of a move."""
-        space, stand, packed = self._space, self.stand, self._packed
+        """The same, as plain tuples that are not kept: action, target and error of a move."""
+        space, vector, packed = self._space, self.vector, self._packed
         firings, transitions = space.firings, self._transitions
         self._transitions = None
         for edges, bounds, channel in transitions or space.semantics.transitions(self.state):
             firing = firings.get(edges) or space.firing(edges)
             try:
-                after, values, resets = firing(stand, packed)
+                after, values, resets = firing(vector, packed)
             except RangeError as error:
-                yield firing.label(bounds, channel, ()), None, error
+                yield firing.action(bounds, channel, ()), None, error
                 continue
             try:
                 target = after.states[values]
             except KeyError:
                 target = space.met(after, values)
             if target is not None:
-                yield firing.label(bounds, channel, resets), target, None
+                yield firing.action(bounds, channel, resets), target, None
 
     def forget(self) -> None:
         """Let go of the moves; they are computed again when they are asked for."""
@@ -103,11 +103,11 @@ class Discrete:
 class DiscreteSpace:
     """All discrete states met so far. One of these serves any number of queries about a network."""
 
-    def __init__(self, network: Network, semantics: ListeningSemantics | None = None) -> None:
+    def __init__(self, network: Network, semantics: CachedSemantics | None = None) -> None:
         self.network = network
-        self.semantics = semantics or ListeningSemantics(network)
+        self.semantics = semantics or CachedSemantics(network)
         self.urgent = {number for number, channel in enumerate(network.channels) if channel.urgent}
-        self.packing, self.stands = Packing(network), Stands(network)
+        self.packing, self.vectors = Packing(network), LocationVectors(network)
         self.firings: dict[tuple[Edge, ...], Firing] = {}
         self._invariants: dict[tuple[Bound, ...], tuple[Bound, ...]] = {}
         self._checked = any(
@@ -117,36 +117,36 @@ class DiscreteSpace:
         )
 
     def __len__(self) -> int:
-        return sum(len(stand.states) for stand in self.stands)
+        return sum(len(vector.states) for vector in self.vectors)
 
     def forget(self) -> None:
         """Let go of all states."""
-        for stand in self.stands:
-            for discrete in stand.states.values():
+        for vector in self.vectors:
+            for discrete in vector.states.values():
                 if discrete is not None:
                     discrete.forget()
-            stand.states.clear()
+            vector.states.clear()
 
-    def at(self, state: State) -> Discrete | None:
+    def at(self, state: State) -> DiscreteState | None:
         """A discrete state, None if the data part of an invariant does not hold in it."""
-        stand, packed = self.stands.at(state.locations), self.packing.pack(state.values)
-        return stand.states[packed] if packed in stand.states else self.met(stand, packed)
+        vector, packed = self.vectors.at(state.locations), self.packing.pack(state.values)
+        return vector.states[packed] if packed in vector.states else self.met(vector, packed)
 
-    def met(self, stand: Stand, packed: bytes) -> Discrete | None:
+    def met(self, vector: LocationVector, packed: bytes) -> DiscreteState | None:
         """The same for one that was not met before."""
-        discrete: Discrete | None = None
-        if not self._checked or self.semantics.allowed(State(stand.locations, self.packing.unpack(packed))):
-            discrete = Discrete(self, stand, packed)
-        stand.states[packed] = discrete
+        discrete: DiscreteState | None = None
+        if not self._checked or self.semantics.allowed(State(vector.locations, self.packing.unpack(packed))):
+            discrete = DiscreteState(self, vector, packed)
+        vector.states[packed] = discrete
         return discrete
 
     def firing(self, edges: tuple[Edge, ...]) -> Firing:
         """Of edges that were not taken together before."""
-        firing = Firing(edges, self.stands, self.packing, self.semantics.fixed)
+        firing = Firing(edges, self.vectors, self.packing, self.semantics.fixed)
         self.firings[edges] = firing
         return firing
 
-    def invariant(self, state: State, stand: Stand) -> tuple[Bound, ...]:
+    def invariant(self, state: State, vector: LocationVector) -> tuple[Bound, ...]:
         """Upper bounds of clocks in a discrete state; equal ones are one object."""
-        bounds = stand.invariant_at(state.values)
+        bounds = vector.invariant_at(state.values)
         return self._invariants.setdefault(bounds, bounds)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
+from timed_automata._trace import Trace
 from timed_automata.explore._concrete import Ending, Leg, NoRunError, concrete
-from timed_automata.explore._deadlock import Deadlocks
-from timed_automata.explore._goes_on import GoesOn
-from timed_automata.explore._reach import Node, Search
-from timed_automata.explore._symbolic import Place
-from timed_automata.explore._trace import Trace
+from timed_automata.explore._deadlock import MOST_DOUBTS, Deadlocks
+from timed_automata.explore._deadlock_free import DeadlockFree
+from timed_automata.explore._reach import Search, SearchNode
+from timed_automata.explore._symbolic import StateRecord
 from timed_automata.explore._zeno import Taken, zeno_cycle
-from timed_automata.explore._zone import Zone
 
-MOST_DOUBTS = 20  # deadlocks that turn out not to be: then a finer search is cheaper
+NO_TIME = "no transition is possible, and time cannot go on"
 
 
 class Timelocks:
@@ -26,21 +25,20 @@ class Timelocks:
 
     def __init__(self, search: Search, *, trusted: bool) -> None:
         self.search, self.trusted, self.doubts = search, trusted, 0
-        self._goes_on, self._deadlocks = GoesOn(), Deadlocks()
-        self._fine: dict[Place, bool] = {}
+        self._deadlock_free, self._deadlocks = DeadlockFree(), Deadlocks()
+        self._fine: dict[StateRecord, bool] = {}
 
-    def run(self, nodes: Iterator[Node]) -> Trace | None:
+    def run(self, nodes: Iterator[SearchNode]) -> Trace | None:
         """The shortest run to one; None: there is none, if no doubts are left.
 
         Raises:
             OutOfRangeError: a value leaves its range on the way.
         """
-        remark = "no transition is possible, and time cannot go on"
         for node in nodes:
-            if self._is_fine(node.place) or not self._deadlocks.of(node.place, node.zone):
+            if self._is_fine(node.record) or not self._deadlocks.of(node.record, node.zone):
                 continue
             try:
-                return concrete(self.search.space, node.legs, self._ending, remark)
+                return concrete(self.search.space, node.legs, self._deadlocks.part, NO_TIME)
             except NoRunError:
                 if self.trusted:
                     raise
@@ -49,25 +47,22 @@ class Timelocks:
                     return None
         return None
 
-    def _is_fine(self, place: Place) -> bool:
-        fine = self._fine.get(place)
+    def _is_fine(self, record: StateRecord) -> bool:
+        fine = self._fine.get(record)
         if fine is None:
-            endless = place.discrete.delays and not place.discrete.invariant
-            fine = self._fine[place] = endless or self._goes_on(place)
+            endless = record.discrete.delays and not record.discrete.invariant
+            fine = self._fine[record] = endless or self._deadlock_free(record)
         return fine
 
-    def _ending(self, place: Place, zone: Zone) -> Zone | None:
-        return next(iter(self._deadlocks.of(place, zone)), None)
 
-
-def taken(places: Iterator[Place]) -> Iterator[Taken]:
+def taken(records: Iterable[StateRecord]) -> Iterator[Taken]:
     """The transitions that a search has taken."""
-    for place in places:
-        zones = [node.zone for node in place.passed]
-        for plan, target, move in place.steps if zones else ():
+    for record in records:
+        zones = [node.zone for node in record.passed]
+        for plan, target, move in record.steps if zones else ():
             for zone in zones:
                 if plan(zone) is not None:
-                    yield place, target, move
+                    yield record, target, move
                     break
 
 

@@ -6,27 +6,27 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from timed_automata.explore._bound import INFINITY, at_most, below
-from timed_automata.explore._cases import Cases
 from timed_automata.explore._concrete import Ending
 from timed_automata.explore._discrete import DiscreteSpace
-from timed_automata.explore._formula import Formula, limits_of
+from timed_automata.explore._formula import Formula
 from timed_automata.explore._growth import grows
-from timed_automata.explore._limits import NEVER, Limit, Limits, largest, merged
-from timed_automata.explore._reach import Node, Search, Told
-from timed_automata.explore._symbolic import Place, SymbolicSpace
+from timed_automata.explore._limits import NEVER, Limit, Limits, largest, limits_of, merged
+from timed_automata.explore._reach import Progress, Search, SearchNode
+from timed_automata.explore._symbolic import StateRecord, SymbolicSpace
 from timed_automata.explore._verdict import Extreme
 from timed_automata.explore._zone import Zone, constrained
+from timed_automata.explore._zone_condition import ZoneCondition
 
 MOST = 1 << 24  # a supremum beyond is called unbounded (4.6 hours in milliseconds)
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundExtreme:
     """An extreme, where it is (None: nowhere), and the part of a zone there that shows it."""
 
     extreme: Extreme
     search: Search
-    node: Node | None
+    node: SearchNode | None
     ending: Ending
 
 
@@ -34,31 +34,31 @@ Read = Callable[[tuple[int, ...], tuple[int, ...]], int]
 
 
 def extreme_integer(
-    discrete: DiscreteSpace, condition: Formula, read: Read, *, upper: bool, told: Told | None = None
-) -> Found:
+    discrete: DiscreteSpace, condition: Formula, read: Read, *, upper: bool, progress: Progress | None = None
+) -> FoundExtreme:
     """Of an integer expression.
 
     Raises:
         OutOfRangeError: a value leaves its range on the way.
     """
     search, cases = (
-        Search(SymbolicSpace(discrete, Limits(discrete.network, limits_of(condition))), told),
-        Cases(condition),
+        Search(SymbolicSpace(discrete, Limits(discrete.network, limits_of(condition))), progress),
+        ZoneCondition(condition),
     )
     best, where = None, None
     for node in search.nodes():
-        state = node.place.discrete.state
+        state = node.record.discrete.state
         value = read(state.values, state.locations)
         if best is not None and (value <= best if upper else value >= best):
             continue
-        if cases.part(node.place, node.zone) is not None:
+        if cases.part(node.record, node.zone) is not None:
             best, where = value, node
-    return Found(Extreme(best, attained=True), search, where, cases.part)
+    return FoundExtreme(Extreme(best, attained=True), search, where, cases.part)
 
 
 def extreme_clock(
-    discrete: DiscreteSpace, condition: Formula, clock: int, *, upper: bool, told: Told | None = None
-) -> Found:
+    discrete: DiscreteSpace, condition: Formula, clock: int, *, upper: bool, progress: Progress | None = None
+) -> FoundExtreme:
     """Of a clock. Zones are exact up to its limits, which are doubled until the extreme lies below.
 
     Raises:
@@ -68,8 +68,8 @@ def extreme_clock(
     while True:
         extra = {clock: Limit(limit, NEVER) if upper else Limit(NEVER, limit)}
         merged(extra, limits_of(condition))
-        search = Search(SymbolicSpace(discrete, Limits(discrete.network, extra)), told)
-        attempt = _Attempt(search, Cases(condition), clock, upper, limit)
+        search = Search(SymbolicSpace(discrete, Limits(discrete.network, extra)), progress)
+        attempt = _Attempt(search, ZoneCondition(condition), clock, upper, limit)
         found = attempt.run()
         if found is not None:
             return found
@@ -81,12 +81,12 @@ def extreme_clock(
 @dataclass(frozen=True, slots=True)
 class _Attempt:
     search: Search
-    cases: Cases
+    cases: ZoneCondition
     clock: int
     upper: bool
     limit: int
 
-    def run(self) -> Found | None:
+    def run(self) -> FoundExtreme | None:
         """The extreme; None if it lies beyond the limit."""
         best, where = -INFINITY, None
         for node in self.search.nodes():
@@ -99,28 +99,28 @@ class _Attempt:
             if bound > best:
                 best, where = bound, node
         if where is None:
-            return Found(Extreme(None, attained=True), self.search, None, self.cases.part)
+            return FoundExtreme(Extreme(None, attained=True), self.search, None, self.cases.part)
         if not self.upper and best <= below(-self.limit):
             return None
         value, attained = (best >> 1 if self.upper else -(best >> 1)), bool(best & 1)
-        return Found(Extreme(value, attained), self.search, where, self._ending(value, attained))
+        return FoundExtreme(Extreme(value, attained), self.search, where, self._ending(value, attained))
 
-    def _bound(self, node: Node) -> int:
+    def _bound(self, node: SearchNode) -> int:
         """The bound of the clock, upper or negated lower; the larger the more extreme."""
-        place, n = node.place, node.place.n
-        index, best = place.index[self.clock], -INFINITY
-        for constraints, _ in self.cases.of(place):
+        record, n = node.record, node.record.n
+        index, best = record.index[self.clock], -INFINITY
+        for constraints, _ in self.cases.of(record):
             part = constrained(node.zone, n, constraints)
             if part is not None:
                 best = max(best, part[index * n] if self.upper else part[index])
         return best
 
-    def _endless(self, node: Node) -> bool:
+    def _endless(self, node: SearchNode) -> bool:
         """Whether time can pass without end where the condition holds."""
-        discrete = node.place.discrete
+        discrete = node.record.discrete
         if not discrete.delays or discrete.invariant:
             return False
-        return any(all(j for _, j, _ in constraints) for constraints, _ in self.cases.of(node.place))
+        return any(all(j for _, j, _ in constraints) for constraints, _ in self.cases.of(node.record))
 
     def _ending(self, value: int, attained: bool) -> Ending:
         """The extreme itself, or close to it."""
@@ -129,17 +129,17 @@ class _Attempt:
         else:
             bound = at_most(value) if attained else below(value + 1)
 
-        def ending(place: Place, zone: Zone) -> Zone | None:
-            index = place.index[self.clock]
+        def ending(record: StateRecord, zone: Zone) -> Zone | None:
+            index = record.index[self.clock]
             wanted = (0, index, bound) if self.upper else (index, 0, bound)
-            for constraints, _ in self.cases.of(place):
-                part = constrained(zone, place.n, (*constraints, wanted))
+            for constraints, _ in self.cases.of(record):
+                part = constrained(zone, record.n, (*constraints, wanted))
                 if part is not None:
                     return part
             return None
 
         return ending
 
-    def unbounded(self, node: Node | None) -> Found:
+    def unbounded(self, node: SearchNode | None) -> FoundExtreme:
         """No supremum."""
-        return Found(Extreme(None, attained=False), self.search, node, self.cases.part)
+        return FoundExtreme(Extreme(None, attained=False), self.search, node, self.cases.part)

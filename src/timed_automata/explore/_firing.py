@@ -6,15 +6,15 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from timed_automata import Bound, Edge
+from timed_automata.explore._location_vector import LocationVector, LocationVectors
 from timed_automata.explore._packing import Packing
-from timed_automata.explore._stand import Stand, Stands
 
 Fixed = Sequence[tuple[str, int, int]]
 Resets = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Label:
+class Action:
     """What a transition does to clocks, and who takes part; one object for all transitions that are alike.
 
     Attributes:
@@ -35,31 +35,33 @@ class Firing:
 
     Args:
         edges: them, the sender first.
-        stands: of the network.
+        vectors: of the network.
         packing: of its values.
         fixed: variable, offset and value of what nobody reads: it stays as it is.
     """
 
-    __slots__ = ("_after", "_edges", "_fixed", "_labels", "_packing", "_stands", "_targets", "_updates")
+    __slots__ = ("_actions", "_after", "_edges", "_fixed", "_packing", "_targets", "_updates", "_vectors")
 
-    def __init__(self, edges: tuple[Edge, ...], stands: Stands, packing: Packing, fixed: Fixed) -> None:
+    def __init__(
+        self, edges: tuple[Edge, ...], vectors: LocationVectors, packing: Packing, fixed: Fixed
+    ) -> None:
         written: Collection[str] = {name for edge in edges for name in edge.effects.writes}
-        self._edges, self._stands, self._packing = edges, stands, packing
+        self._edges, self._vectors, self._packing = edges, vectors, packing
         self._targets = [(edge.process, edge.target) for edge in edges]
         self._updates = [edge.update for edge in edges if edge.update is not None]
         self._fixed = [(offset, value) for name, offset, value in fixed if name in written]
-        self._after: dict[Stand, Stand] = {}
-        self._labels: dict[object, Label] = {}
+        self._after: dict[LocationVector, LocationVector] = {}
+        self._actions: dict[object, Action] = {}
 
-    def __call__(self, stand: Stand, packed: bytes) -> tuple[Stand, bytes, Resets]:
+    def __call__(self, vector: LocationVector, packed: bytes) -> tuple[LocationVector, bytes, Resets]:
         """The next discrete state, and the clocks that are set, in order, with their values.
 
         Raises:
             RangeError: an assignment is out of range.
         """
-        after = self._after.get(stand)
+        after = self._after.get(vector)
         if after is None:
-            after = self._after[stand] = self._stands.moved(stand, self._targets)
+            after = self._after[vector] = self._vectors.moved(vector, self._targets)
         if not self._updates:
             return after, packed, ()
         resets: list[tuple[int, int]] = []
@@ -70,10 +72,10 @@ class Firing:
             values[offset] = value
         return after, values.tobytes(), tuple(resets)
 
-    def label(self, guard: tuple[Bound, ...], channel: int | None, resets: Resets) -> Label:
+    def action(self, guard: tuple[Bound, ...], channel: int | None, resets: Resets) -> Action:
         """Of a transition with these edges."""
         key = (guard, channel, resets)
-        found = self._labels.get(key)
+        found = self._actions.get(key)
         if found is None:
-            found = self._labels[key] = Label(self._edges, channel, guard, dict(resets))
+            found = self._actions[key] = Action(self._edges, channel, guard, dict(resets))
         return found

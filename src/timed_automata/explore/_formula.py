@@ -10,10 +10,19 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from timed_automata import Bound, Clock, ClockConstraint, Indexed, Network, Relation, State, fault, refused
+from timed_automata import (
+    Bound,
+    ClockConstraint,
+    ClockSymbol,
+    IndexedTerm,
+    Network,
+    Relation,
+    State,
+    fault,
+    refused,
+)
 from timed_automata import _ast as ast
 from timed_automata.errors import ModelError
-from timed_automata.explore._limits import Limit, merged, of_bounds
 from timed_automata.explore._query_terms import ARGUMENTS, QueryExpressions, QueryScope
 
 _OPPOSITE: dict[str, Relation] = {"<": ">=", "<=": ">", ">=": "<", ">": "<="}
@@ -114,18 +123,6 @@ def _joined(left: Case, right: Case) -> Case | None:
     return Case(left.bounds + right.bounds, deadlock)
 
 
-def limits_of(formula: Formula) -> dict[int, Limit]:
-    """The clock limits that a formula asks for."""
-    limits: dict[int, Limit] = {}
-    if isinstance(formula, Comparison):
-        constraint = formula.constraint
-        merged(limits, of_bounds(Bound(clock, constraint.op, constraint.high) for clock in constraint.clocks))
-    elif isinstance(formula, All | Some):
-        for part in formula.parts:
-            merged(limits, limits_of(part))
-    return limits
-
-
 def mentions_deadlock(formula: Formula) -> bool:
     """Whether the word occurs."""
     if isinstance(formula, All | Some):
@@ -139,12 +136,24 @@ def compile_formula(network: Network, node: ast.Expression, *, negated: bool = F
     Raises:
         ModelError: not well-formed, or with clocks in a way that is outside of the subset.
     """
-    return _Compiler(QueryExpressions(network.unit, QueryScope(network))).formula(node, not negated)
+    return _Compiler(QueryExpressions(network.code, QueryScope(network))).formula(node, not negated)
+
+
+def compile_without_deadlock(network: Network, node: ast.Expression, *, negated: bool = False) -> Formula:
+    """The same where the word ``deadlock`` is refused.
+
+    Raises:
+        ModelError: as :func:`compile_formula`, or it mentions deadlocks.
+    """
+    formula = compile_formula(network, node, negated=negated)
+    if mentions_deadlock(formula):
+        raise refused(node.span, f"'{node.span.snippet}', 'deadlock' outside of A[] and E<>")
+    return formula
 
 
 def compile_clock(network: Network, node: ast.Expression) -> int | None:
     """The number of the clock that an expression is; None if it is something else."""
-    expressions = QueryExpressions(network.unit, QueryScope(network))
+    expressions = QueryExpressions(network.code, QueryScope(network))
     if not mentions_clock(expressions, node):
         return None
     term = _Compiler(expressions).clock(node)
@@ -159,35 +168,30 @@ def compile_integer(
     network: Network, node: ast.Expression
 ) -> Callable[[tuple[int, ...], tuple[int, ...]], int]:
     """An integer expression over values and locations."""
-    expressions = QueryExpressions(network.unit, QueryScope(network))
-    function: Callable[..., int] = network.unit.expression(ARGUMENTS, expressions.integer(node).source)
+    expressions = QueryExpressions(network.code, QueryScope(network))
+    function: Callable[..., int] = network.code.expression(ARGUMENTS, expressions.integer(node).source)
     return function
 
 
-def mentions_clock(expressions: QueryExpressions, node: object) -> bool:
+def mentions_clock(expressions: QueryExpressions, node: ast.Expression) -> bool:
     """Whether a clock occurs anywhere in an expression."""
-    if isinstance(node, ast.Name):
-        return isinstance(expressions.scope.find(node.name), Clock)
-    if isinstance(node, ast.Member):
-        if isinstance(node.base, ast.Call):
-            named = [p for p in expressions.network.processes if p.name.startswith(f"{node.base.name}(")]
-            return any(isinstance(p.scope.symbols.get(node.name), Clock) for p in named)
-        return isinstance(expressions.process(node.base).scope.symbols.get(node.name), Clock)
-    if isinstance(node, tuple):
-        return any(mentions_clock(expressions, item) for item in node)
-    if isinstance(node, ast.Node):
-        return any(mentions_clock(expressions, getattr(node, name)) for name in node.__dataclass_fields__)
-    return False
+    return any(_is_clock(expressions, each) for each in ast.walk(node, into_members=False))
 
 
-def _mentions_deadlock(node: object) -> bool:
+def _is_clock(expressions: QueryExpressions, node: ast.Node) -> bool:
     if isinstance(node, ast.Name):
-        return node.name == "deadlock"
-    if isinstance(node, tuple):
-        return any(map(_mentions_deadlock, node))
-    if isinstance(node, ast.Node):
-        return any(_mentions_deadlock(getattr(node, name)) for name in node.__dataclass_fields__)
-    return False
+        return isinstance(expressions.scope.find(node.name), ClockSymbol)
+    if not isinstance(node, ast.Member):
+        return False
+    if isinstance(node.base, ast.Call):
+        processes = [p for p in expressions.network.processes if p.name.startswith(f"{node.base.name}(")]
+    else:
+        processes = [expressions.process(node.base)]
+    return any(isinstance(p.scope.symbols.get(node.name), ClockSymbol) for p in processes)
+
+
+def _names_deadlock(node: ast.Expression) -> bool:
+    return any(isinstance(each, ast.Name) and each.name == "deadlock" for each in ast.walk(node))
 
 
 class _Compiler:
@@ -195,7 +199,7 @@ class _Compiler:
         self.expressions = expressions
 
     def formula(self, node: ast.Expression, wanted: bool) -> Formula:
-        if not mentions_clock(self.expressions, node) and not _mentions_deadlock(node):
+        if not mentions_clock(self.expressions, node) and not _names_deadlock(node):
             return self._data(node, wanted)
         match node:
             case ast.Name(name="deadlock"):
@@ -219,14 +223,13 @@ class _Compiler:
         if self.expressions.effects.writes:
             changed = ", ".join(sorted(self.expressions.effects.writes))
             raise fault(node.span, f"The query '{node.span.snippet}' changes {changed}.")
-        return Data(self.expressions.unit.expression(ARGUMENTS, value.source), value.source, wanted)
+        return Data(self.expressions.code.expression(ARGUMENTS, value.source), value.source, wanted)
 
     def _quantified(self, node: ast.Quantified, kind: str, wanted: bool) -> Formula:
         low, high = self.expressions.bounds(node.type)
         parts = []
         for number in range(low, high + 1):
             inner = self.expressions.binding(node.variable, number)
-            assert isinstance(inner, QueryExpressions)
             parts.append(_Compiler(inner).formula(node.body, wanted))
         return (All if (kind == "forall") == wanted else Some)(tuple(parts))
 
@@ -234,7 +237,7 @@ class _Compiler:
         clock, op, other = self.clock(node.left), node.op, node.right
         if clock is None:
             clock, op, other = self.clock(node.right), _MIRRORED.get(node.op, node.op), node.left
-        if clock is None or mentions_clock(self.expressions, other) or _mentions_deadlock(other):
+        if clock is None or mentions_clock(self.expressions, other) or _names_deadlock(other):
             raise self._refusal(node)
         relation: list[Relation] = []
         if op in ("==", "!="):
@@ -244,19 +247,19 @@ class _Compiler:
         parts = tuple(Comparison(replace(self._constraint(node, clock, other), op=op)) for op in relation)
         return parts[0] if len(parts) == 1 else Some(parts)
 
-    def _constraint(self, node: ast.Binary, clock: Indexed, other: ast.Expression) -> ClockConstraint:
-        value, unit = self.expressions.integer(other), self.expressions.unit
+    def _constraint(self, node: ast.Binary, clock: IndexedTerm, other: ast.Expression) -> ClockConstraint:
+        value, code = self.expressions.integer(other), self.expressions.code
         return ClockConstraint(
-            clock=unit.expression(ARGUMENTS, clock.source) if clock.computed else clock.possible.start,
+            clock=code.expression(ARGUMENTS, clock.source) if clock.computed else clock.possible.start,
             op="==",
-            bound=value.known if value.known is not None else unit.expression(ARGUMENTS, value.source),
+            bound=value.known if value.known is not None else code.expression(ARGUMENTS, value.source),
             clocks=clock.possible,
             low=value.low,
             high=value.high,
             span=node.span,
         )
 
-    def clock(self, node: ast.Expression) -> Indexed | None:
+    def clock(self, node: ast.Expression) -> IndexedTerm | None:
         """A clock, None if the expression is anything else."""
         base = node
         while isinstance(base, ast.Index):
@@ -264,23 +267,23 @@ class _Compiler:
         if not isinstance(base, ast.Name | ast.Member) or not mentions_clock(self.expressions, base):
             return None
         term = self.expressions.term(node)
-        if not isinstance(term, Indexed) or term.type.dimensions:
+        if not isinstance(term, IndexedTerm) or term.type.dimensions:
             raise fault(node.span, f"'{node.span.snippet}' is an array of clocks.", "Expected an index.")
         return term
 
     def _refusal(self, node: ast.Expression) -> ModelError:
-        both = [mentions_clock(self.expressions, side) for side in _sides(node)]
-        difference = any(isinstance(side, ast.Binary) and side.op == "-" for side in _sides(node))
+        both = [mentions_clock(self.expressions, side) for side in _boundary(node)]
+        difference = any(isinstance(side, ast.Binary) and side.op == "-" for side in _boundary(node))
         snippet = f"'{node.span.snippet}'"
         if len(both) == 2 and (all(both) or difference):
             return refused(
                 node.span, f"{snippet}, a diagonal constraint", "Compare each clock with a number."
             )
-        if _mentions_deadlock(node):
+        if _names_deadlock(node):
             return refused(node.span, f"{snippet}, 'deadlock' in an expression", "Expected a condition.")
         return refused(node.span, f"{snippet}, a clock in an expression", "Compare clocks with numbers.")
 
 
-def _sides(node: ast.Expression) -> Iterator[ast.Expression]:
+def _boundary(node: ast.Expression) -> Iterator[ast.Expression]:
     if isinstance(node, ast.Binary):
         yield from (node.left, node.right)

@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from itertools import islice
 
 from timed_automata.explore._bound import INFINITY, LARGEST, below
-from timed_automata.explore._cases import Cases
 from timed_automata.explore._limits import NEVER, Limit
-from timed_automata.explore._reach import Node, Search
+from timed_automata.explore._reach import Search, SearchNode
 from timed_automata.explore._symbolic import SymbolicSpace
 from timed_automata.explore._zone import Zone, constrained
+from timed_automata.explore._zone_condition import ZoneCondition
 
 _MOST_PARTS = 200  # of a run that are tried
 
 
-def grows(search: Search, node: Node, clock: int, cases: Cases) -> bool:
+def grows(search: Search, node: SearchNode, clock: int, cases: ZoneCondition) -> bool:
     """Whether the run to a state shows that the clock has no supremum where the condition holds.
 
     On the run, since the clock was last set, a discrete state comes again, and from the valuations in which the clock
@@ -23,44 +23,44 @@ def grows(search: Search, node: Node, clock: int, cases: Cases) -> bool:
     times, the rest of the run still follows, as nothing asks for an upper bound of the clock any more.
     """
     run = _since_set(node, clock)
-    upper = max(at.place.limits[clock].upper for at in run)
+    upper = max(at.record.limits[clock].upper for at in run)
     limits = search.space.limits.and_also({clock: Limit(LARGEST - 1, NEVER)})  # this clock is not widened
     exact = SymbolicSpace(search.space.discrete, limits)
     for first, again in islice(_parts(run), _MOST_PARTS):
-        place = first.place
-        index, n = place.index[clock], place.n
+        record = first.record
+        index, n = record.index[clock], record.n
         past = () if upper == NEVER else ((0, index, below(-upper)),)
         start = constrained(first.zone, n, past)
         after = start and _follow(exact, start, run[run.index(first) : run.index(again) + 1])
         if start and after and _larger(start, after, index, n):
             end = _follow(exact, after, run[run.index(again) :])
-            if end is not None and cases.part(node.place, end) is not None:
+            if end is not None and cases.part(node.record, end) is not None:
                 return True
     return False
 
 
-def _since_set(node: Node, clock: int) -> list[Node]:
+def _since_set(node: SearchNode, clock: int) -> list[SearchNode]:
     run = [node]
     while run[-1].move is not None and clock not in run[-1].move.resets and run[-1].parent is not None:
         run.append(run[-1].parent)
     return run[::-1]
 
 
-def _parts(run: list[Node]) -> Iterator[tuple[Node, Node]]:
+def _parts(run: list[SearchNode]) -> Iterator[tuple[SearchNode, SearchNode]]:
     """Pairs with the same discrete state, the shortest parts last in the run first."""
     for length in range(1, len(run)):
         for at in range(len(run) - 1, length - 1, -1):
-            if run[at].place is run[at - length].place:
+            if run[at].record is run[at - length].record:
                 yield run[at - length], run[at]
 
 
-def _follow(space: SymbolicSpace, zone: Zone, run: list[Node]) -> Zone | None:
+def _follow(space: SymbolicSpace, zone: Zone, run: list[SearchNode]) -> Zone | None:
     """What becomes of a zone of the first state along the moves of a run."""
     after: Zone | None = zone
-    place = space.place(run[0].place.discrete)
+    record = space.record(run[0].record.discrete)
     for node in run[1:]:
         assert node.move is not None
-        plan, place, _ = space.step(place, node.move)
+        plan, record, _ = space.step(record, node.move)
         after = None if after is None else plan(after)
     return after
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from timed_automata import Bound, ClockConstraint, Network, Process, fault
 from timed_automata.explore._bound import LARGEST
+from timed_automata.explore._formula import All, Comparison, Formula, Some
 
 NEVER = -1  # not compared in this direction
 
@@ -48,6 +49,18 @@ def of_bounds(bounds: Iterable[Bound]) -> dict[int, Limit]:
             merged(limits, {clock: Limit(lower, upper)})
         elif clock not in limits:
             limits[clock] = Limit(NEVER, 0)  # never true, but the clock must be there to be compared
+    return limits
+
+
+def limits_of(formula: Formula) -> dict[int, Limit]:
+    """The clock limits that a formula asks for."""
+    limits: dict[int, Limit] = {}
+    if isinstance(formula, Comparison):
+        constraint = formula.constraint
+        merged(limits, of_bounds(Bound(clock, constraint.op, constraint.high) for clock in constraint.clocks))
+    elif isinstance(formula, All | Some):
+        for part in formula.parts:
+            merged(limits, limits_of(part))
     return limits
 
 

@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 from timed_automata.errors import RangeError
 from timed_automata.explore._concrete import Ending, Leg
-from timed_automata.explore._deadlock import Deadlocks
+from timed_automata.explore._deadlock import MOST_DOUBTS, Deadlocks
 from timed_automata.explore._delay import Within
 from timed_automata.explore._discrete import Move
 from timed_automata.explore._reach import OutOfRangeError
-from timed_automata.explore._symbolic import Place, SymbolicSpace
+from timed_automata.explore._symbolic import StateRecord, SymbolicSpace
 from timed_automata.explore._zone import (
     Zone,
     constrained,
@@ -30,28 +30,26 @@ from timed_automata.explore._zone import (
     unbounded,
 )
 
-MOST_DOUBTS = 20  # ends that turn out to be none: then a finer search is cheaper
-
 
 class Start(NamedTuple):
     """Where runs begin: a zone that was entered (no time passed yet), and how it is reached."""
 
-    place: Place
+    record: StateRecord
     zone: Zone
     legs: tuple[Leg, ...]
 
 
-class Stayer:
+class LassoState:
     """A symbolic state inside the condition; ``parent`` None: a start."""
 
-    __slots__ = ("depth", "following", "move", "parent", "place", "start", "zone")
+    __slots__ = ("depth", "following", "move", "parent", "record", "start", "zone")
 
     def __init__(
-        self, place: Place, zone: Zone, parent: Stayer | None, move: Move | None, start: Start
+        self, record: StateRecord, zone: Zone, parent: LassoState | None, move: Move | None, start: Start
     ) -> None:
-        self.place, self.zone, self.parent, self.move, self.start = place, zone, parent, move, start
+        self.record, self.zone, self.parent, self.move, self.start = record, zone, parent, move, start
         self.depth: int = parent.depth + 1 if parent else 0
-        self.following: list[tuple[Move, Stayer]] = []
+        self.following: list[tuple[Move, LassoState]] = []
 
 
 class Lasso(NamedTuple):
@@ -63,7 +61,7 @@ class Lasso(NamedTuple):
     loop: int | None
 
 
-class Staying:
+class LassoSearch:
     """The search. ``space`` must not let zones grow by itself.
 
     Args:
@@ -79,8 +77,8 @@ class Staying:
         self.states = self.doubts = 0
         self._confirmed = confirmed
         self._deadlocks = Deadlocks()
-        self._known: dict[tuple[Place, Zone], Stayer] = {}  # of the start at hand
-        self._safe: dict[Place, list[Zone]] = {}  # from which no run stays: of the starts before
+        self._known: dict[tuple[StateRecord, Zone], LassoState] = {}  # of the start at hand
+        self._safe: dict[StateRecord, list[Zone]] = {}  # from which no run stays: of the starts before
 
     def lasso(self, starts: Iterable[Start]) -> Lasso | None:
         """A run that stays inside the condition for ever, from any of the starts; None if there is none.
@@ -92,8 +90,8 @@ class Staying:
             found = self._from(start)
             if found is not None or self.doubts > MOST_DOUBTS:
                 return found
-            for place, zone in self._known:
-                zones = self._safe.setdefault(place, [])
+            for record, zone in self._known:
+                zones = self._safe.setdefault(record, [])
                 if not any(included(zone, other) for other in zones):
                     zones[:] = [other for other in zones if not included(other, zone)]
                     zones.append(zone)
@@ -101,9 +99,9 @@ class Staying:
         return None
 
     def _from(self, start: Start) -> Lasso | None:
-        waiting: deque[Stayer] = deque()
-        for _, zone in self.within(start.place, start.zone):
-            self._reach(start.place, zone, None, None, start, waiting)
+        waiting: deque[LassoState] = deque()
+        for _, zone in self.within(start.record, start.zone):
+            self._reach(start.record, zone, None, None, start, waiting)
         while waiting:
             state = waiting.popleft()
             end = self._end(state)
@@ -114,7 +112,7 @@ class Staying:
                 if self.doubts > MOST_DOUBTS:
                     return None
             try:
-                steps = state.place.steps
+                steps = state.record.steps
             except RangeError as error:
                 raise OutOfRangeError(error, self._legs(state)) from None
             for plan, target, move in steps:
@@ -131,44 +129,44 @@ class Staying:
 
     def _reach(
         self,
-        place: Place,
+        record: StateRecord,
         zone: Zone,
-        parent: Stayer | None,
+        parent: LassoState | None,
         move: Move | None,
         start: Start,
-        waiting: deque[Stayer],
-    ) -> Stayer | None:
-        known = self._known.get((place, zone))
+        waiting: deque[LassoState],
+    ) -> LassoState | None:
+        known = self._known.get((record, zone))
         if known is None:
-            if any(included(zone, safe) for safe in self._safe.get(place, ())):
+            if any(included(zone, safe) for safe in self._safe.get(record, ())):
                 return None
-            known = self._known[place, zone] = Stayer(place, zone, parent, move, start)
+            known = self._known[record, zone] = LassoState(record, zone, parent, move, start)
             self.states += 1
             waiting.append(known)
         return known
 
-    def _legs(self, state: Stayer) -> list[Leg]:
+    def _legs(self, state: LassoState) -> list[Leg]:
         moves: list[Leg] = []
-        at: Stayer | None = state
+        at: LassoState | None = state
         while at is not None and at.move is not None:
             moves.append(Leg(at.move, self.within))
             at = at.parent
         return [*state.start.legs, Leg(None, self.within), *reversed(moves)]
 
-    def _end(self, state: Stayer) -> Lasso | None:
-        place, zone = state.place, state.zone
-        if place.discrete.delays and unbounded(zone, place.n):
+    def _end(self, state: LassoState) -> Lasso | None:
+        record, zone = state.record, state.zone
+        if record.discrete.delays and unbounded(zone, record.n):
             return Lasso(self._legs(state), _endless, "from here time can pass for ever", None)
-        if self._stuck(place, zone) is not None:
+        if self._stuck(record, zone) is not None:
             return Lasso(self._legs(state), self._stuck, "from here nothing can happen any more", None)
         return None
 
-    def _stuck(self, place: Place, zone: Zone) -> Zone | None:
+    def _stuck(self, record: StateRecord, zone: Zone) -> Zone | None:
         """The part in which no transition is possible, now or later, and from which time does not lead outside."""
-        left, n = self._deadlocks.of(place, zone), place.n
-        if left and place.discrete.delays:
-            for constraints, _ in self.within.outside.of(place):
-                outside = constrained(everything(n), n, (*constraints, *place.invariant))
+        left, n = self._deadlocks.of(record, zone), record.n
+        if left and record.discrete.delays:
+            for constraints, _ in self.within.outside.of(record):
+                outside = constrained(everything(n), n, (*constraints, *record.invariant))
                 if outside is not None:
                     way = constraints_of(down(outside, n), n)
                     left = [piece for part in left for piece in subtract(part, way, n)]
@@ -177,7 +175,7 @@ class Staying:
     def _cycle(self) -> Lasso | None:
         """The cycle that is reached first; all states are known by now, and none ends."""
         states = set(self._known.values())
-        before: dict[Stayer, list[Stayer]] = {state: [] for state in states}
+        before: dict[LassoState, list[LassoState]] = {state: [] for state in states}
         for state in states:
             for _, following in state.following:
                 before[following].append(state)
@@ -193,11 +191,13 @@ class Staying:
         return None
 
 
-def _endless(place: Place, zone: Zone) -> Zone | None:
-    return zone if unbounded(zone, place.n) else None
+def _endless(record: StateRecord, zone: Zone) -> Zone | None:
+    return zone if unbounded(zone, record.n) else None
 
 
-def _trim(states: set[Stayer], out: dict[Stayer, list[Stayer]], back: dict[Stayer, list[Stayer]]) -> None:
+def _trim(
+    states: set[LassoState], out: dict[LassoState, list[LassoState]], back: dict[LassoState, list[LassoState]]
+) -> None:
     """Take away, again and again, the states that lead nowhere: what is left leads to cycles."""
     count = {state: sum(other in states for other in out[state]) for state in states}
     ended = [state for state, number in count.items() if not number]
@@ -210,9 +210,9 @@ def _trim(states: set[Stayer], out: dict[Stayer, list[Stayer]], back: dict[Staye
                     ended.append(earlier)
 
 
-def _way_back(state: Stayer) -> list[Move]:
+def _way_back(state: LassoState) -> list[Move]:
     """The shortest way from a state to itself; empty if there is none."""
-    came: dict[Stayer, tuple[Stayer, Move]] = {}
+    came: dict[LassoState, tuple[LassoState, Move]] = {}
     waiting = deque([state])
     while waiting:
         at = waiting.popleft()

@@ -6,16 +6,14 @@ setting x on the way: the same propagation, along the edges of one process, that
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from timed_automata import Network, Process
-from timed_automata import _ast as ast
 from timed_automata.explore._limits import ByClock, Limit, Limits, merged
-from timed_automata.explore._query_terms import QueryExpressions, QueryScope
 
 
-class Asked(NamedTuple):
+class QueryLimits(NamedTuple):
     """Limits that a query asks for; ``at``: process and location, None: everywhere."""
 
     limits: ByClock
@@ -25,7 +23,7 @@ class Asked(NamedTuple):
 class LocatedLimits(Limits):
     """The limits of a network and of queries that each ask in one location, or everywhere."""
 
-    def __init__(self, network: Network, asked: Iterable[Asked], *, symmetric: bool = False) -> None:
+    def __init__(self, network: Network, asked: Iterable[QueryLimits], *, symmetric: bool = False) -> None:
         everywhere: dict[int, Limit] = {}
         located: dict[int, list[tuple[int, ByClock]]] = {}
         for limits, at in asked:
@@ -57,23 +55,3 @@ def tested_clocks(network: Network) -> set[int]:
     conditions = [location.invariant for process in network.processes for location in process.locations]
     conditions += [edge.guard for process in network.processes for edge in process.edges]
     return {clock for condition in conditions for bound in condition.clocks for clock in bound.clocks}
-
-
-def location_of(network: Network, condition: ast.Expression | None) -> tuple[int, int] | None:
-    """A location without which a condition does not hold; None if it names none."""
-    expressions = QueryExpressions(network.unit, QueryScope(network))
-    for part in _conjuncts(condition):
-        if isinstance(part, ast.Member):
-            process = expressions.process(part.base)
-            for location in process.locations:
-                if location.name == part.name:
-                    return process.index, location.index
-    return None
-
-
-def _conjuncts(node: ast.Expression | None) -> Iterator[ast.Expression]:
-    if isinstance(node, ast.Binary) and node.op == "&&":
-        yield from _conjuncts(node.left)
-        yield from _conjuncts(node.right)
-    elif node is not None:
-        yield node

@@ -10,7 +10,7 @@ from timed_automata import Span, Text, fault, parse_expression, refused
 from timed_automata import _ast as ast
 from timed_automata.errors import ModelError
 
-Kind = Literal["A[]", "E<>", "A<>", "E[]", "-->", "sup", "inf"]
+QueryKind = Literal["A[]", "E<>", "A<>", "E[]", "-->", "sup", "inf"]
 
 _PATH = re.compile(r"\s*(A\s*\[\s*\]|E\s*<\s*>|A\s*<\s*>|E\s*\[\s*\])")
 _EXTREME = re.compile(r"\s*(sup|inf)\b\s*([{:])?")
@@ -30,13 +30,13 @@ class Query:
 
     Attributes:
         kind: what is asked.
-        text: where it stands.
+        text: where it vectors.
         condition: p in ``A[] p`` and the like, the left side of ``-->``, the braces of ``sup{}`` (None: true).
         then: the right side of ``-->``.
         targets: what ``sup`` and ``inf`` are about.
     """
 
-    kind: Kind
+    kind: QueryKind
     text: Text
     condition: ast.Expression | None
     then: ast.Expression | None = None
@@ -75,7 +75,7 @@ def _plain(text: Text) -> Query:
             raise refused(
                 Span(text, arrow, arrow + 3), "'-->' inside another query", "Write 'p --> q' alone."
             )
-        kind: Kind = re.sub(r"\s", "", path[1])  # type: ignore[assignment]
+        kind: QueryKind = re.sub(r"\s", "", path[1])  # type: ignore[assignment]
         return Query(kind, text, parse_expression(text.cut(rest, len(content))))
     if arrow < 0:
         what = f"'{text.whole.snippet}' is no query."

@@ -1,20 +1,20 @@
-"""Names in queries: besides those of the network, what stands in a process: ``Gripper.Step``, ``Actuator(0).x``."""
+"""Names in queries: those of the network, and what is declared in a process: ``Gripper.Step``, ``Actuator(0).x``."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 from timed_automata import (
     Effects,
     Expressions,
+    GeneratedCode,
     Network,
     Process,
     Scope,
     Term,
-    Unit,
     Value,
     did_you_mean,
     fault,
-    quantified,
-    unrolled,
 )
 from timed_automata import _ast as ast
 
@@ -32,8 +32,8 @@ class QueryScope(Scope):
 class QueryExpressions(Expressions):
     """Compiles expressions of queries to code over values ``v`` and locations ``l``."""
 
-    def __init__(self, unit: Unit, scope: Scope, effects: Effects | None = None) -> None:
-        super().__init__(unit, scope, effects)
+    def __init__(self, code: GeneratedCode, scope: Scope, effects: Effects | None = None) -> None:
+        super().__init__(code, scope, effects)
         outermost: Scope | None = scope
         while not isinstance(outermost, QueryScope):
             assert outermost is not None
@@ -53,7 +53,7 @@ class QueryExpressions(Expressions):
         return self.symbol(symbol, node.span)
 
     def process(self, node: ast.Expression) -> Process:
-        """The process that stands before a dot."""
+        """The process before a dot."""
         name = node.span.snippet
         if isinstance(node, ast.Name):
             name = node.name
@@ -70,16 +70,28 @@ class QueryExpressions(Expressions):
         raise fault(node.span, f"There is no process '{name}'.", advice)
 
     def _quantified(self, node: ast.Quantified) -> Value:
-        if _mentions_process(node.body):  # which process must be known: written out
-            return unrolled(self, node)
-        return quantified(self, node)
+        if any(
+            isinstance(each, ast.Member) for each in ast.walk(node.body)
+        ):  # which process must be known: written out
+            return self._unrolled(node)
+        return super()._quantified(node)
 
 
-def _mentions_process(node: object) -> bool:
-    if isinstance(node, ast.Member):
-        return True
-    if isinstance(node, tuple):
-        return any(map(_mentions_process, node))
-    if isinstance(node, ast.Node):
-        return any(_mentions_process(getattr(node, name)) for name in node.__dataclass_fields__)
-    return False
+def location_of(network: Network, condition: ast.Expression | None) -> tuple[int, int] | None:
+    """A location without which a condition does not hold; None if it names none."""
+    expressions = QueryExpressions(network.code, QueryScope(network))
+    for part in _conjuncts(condition):
+        if isinstance(part, ast.Member):
+            process = expressions.process(part.base)
+            for location in process.locations:
+                if location.name == part.name:
+                    return process.index, location.index
+    return None
+
+
+def _conjuncts(node: ast.Expression | None) -> Iterator[ast.Expression]:
+    if isinstance(node, ast.Binary) and node.op == "&&":
+        yield from _conjuncts(node.left)
+        yield from _conjuncts(node.right)
+    elif node is not None:
+        yield node

@@ -9,28 +9,28 @@ from operator import le
 from timed_automata.errors import RangeError
 from timed_automata.explore._concrete import Leg
 from timed_automata.explore._discrete import Move
-from timed_automata.explore._symbolic import Place, SymbolicSpace
+from timed_automata.explore._symbolic import StateRecord, SymbolicSpace
 from timed_automata.explore._zone import Zone
 
-Told = Callable[[int], None]
+Progress = Callable[[int], None]
 _EVERY = 1000  # states between two words on progress
 _UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
 
 
-class Node:
+class SearchNode:
     """A symbolic state that was reached, and how."""
 
-    __slots__ = ("covered", "move", "parent", "place", "zone")
+    __slots__ = ("covered", "move", "parent", "record", "zone")
 
-    def __init__(self, place: Place, zone: Zone, parent: Node | None, move: Move | None) -> None:
-        self.place, self.zone, self.parent, self.move = place, zone, parent, move
+    def __init__(self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None) -> None:
+        self.record, self.zone, self.parent, self.move = record, zone, parent, move
         self.covered = False
 
     @property
     def legs(self) -> list[Leg]:
         """The run from the initial state to here."""
         legs = []
-        node: Node | None = self
+        node: SearchNode | None = self
         while node is not None:
             legs.append(Leg(node.move))
             node = node.parent
@@ -53,22 +53,22 @@ class Search:
 
     Args:
         space: whose equal zones are one object: what was found out about two of them is kept.
-        told: called with the number of states now and then.
+        progress: called with the number of states now and then.
     """
 
-    def __init__(self, space: SymbolicSpace, told: Told | None = None) -> None:
-        self.space, self._told = space, told
+    def __init__(self, space: SymbolicSpace, progress: Progress | None = None) -> None:
+        self.space, self._progress = space, progress
         self.states = 0
-        self._waiting: deque[Node] = deque()
+        self._waiting: deque[SearchNode] = deque()
         self._inside: dict[Zone, dict[Zone, bool]] = {}
 
-    def nodes(self) -> Iterator[Node]:
+    def nodes(self) -> Iterator[SearchNode]:
         """Each symbolic state as it is found.
 
         Raises:
             OutOfRangeError: a value leaves its range on the way.
         """
-        node: Node | None = self._found(*self.space.initial(), None, None)
+        node: SearchNode | None = self._found(*self.space.initial(), None, None)
         assert node is not None
         yield node
         while (node := self._next()) is not None:
@@ -76,7 +76,7 @@ class Search:
                 continue
             zone = node.zone
             try:
-                steps = node.place.steps
+                steps = node.record.steps
             except RangeError as error:
                 raise OutOfRangeError(error, node.legs) from None
             for plan, target, move in steps:
@@ -90,43 +90,45 @@ class Search:
                 if not target.passed or not self._covered(after, target.passed):
                     yield self._found(target, after, node, move)
 
-    def first(self, wanted: Callable[[Node], bool]) -> Node | None:
+    def first(self, wanted: Callable[[SearchNode], bool]) -> SearchNode | None:
         """The first state that is wanted, by the length of its run; None if there is none."""
         return next((node for node in self.nodes() if wanted(node)), None)
 
     # The order of the search
 
-    def _put(self, node: Node) -> None:
+    def _put(self, node: SearchNode) -> None:
         self._waiting.append(node)
 
-    def _next(self) -> Node | None:
+    def _next(self) -> SearchNode | None:
         return self._waiting.popleft() if self._waiting else None
 
     # What is stored
 
-    def _found(self, place: Place, zone: Zone, parent: Node | None, move: Move | None) -> Node:
-        node = Node(place, zone, parent, move)
-        if place.passed:
+    def _found(
+        self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None
+    ) -> SearchNode:
+        node = SearchNode(record, zone, parent, move)
+        if record.passed:
             self._overtake(node)
         else:
-            place.passed = [node]
+            record.passed = [node]
         self.states += 1
-        if self._told is not None and not self.states % _EVERY:
-            self._told(self.states)
+        if self._progress is not None and not self.states % _EVERY:
+            self._progress(self.states)
         self._put(node)
         return node
 
-    def _overtake(self, node: Node) -> None:
+    def _overtake(self, node: SearchNode) -> None:
         only, kept = [node], []
-        for other in node.place.passed:
+        for other in node.record.passed:
             if self._covered(other.zone, only):
                 other.covered = True
             else:
                 kept.append(other)
         kept.append(node)
-        node.place.passed = kept
+        node.record.passed = kept
 
-    def _covered(self, zone: Zone, others: list[Node]) -> bool:
+    def _covered(self, zone: Zone, others: list[SearchNode]) -> bool:
         """Whether a zone lies inside that of a node."""
         for other in others:
             if other.zone is zone:

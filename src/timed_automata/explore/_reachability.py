@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from timed_automata import Network
-from timed_automata.explore._cases import Cases
 from timed_automata.explore._concrete import NoRunError, concrete
-from timed_automata.explore._divergence import MOST_DOUBTS
+from timed_automata.explore._deadlock import MOST_DOUBTS
 from timed_automata.explore._formula import compile_formula, mentions_deadlock
 from timed_automata.explore._query import Query
-from timed_automata.explore._reach import Node, Search
+from timed_automata.explore._reach import Search, SearchNode
 from timed_automata.explore._verdict import Verdict
+from timed_automata.explore._zone_condition import ZoneCondition
 
 
 class Reachability:
@@ -27,13 +27,13 @@ class Reachability:
         assert query.condition is not None
         self.query, self.invariance = query, query.kind == "A[]"
         self.wanted = compile_formula(network, query.condition, negated=self.invariance)
-        self.cases = Cases(self.wanted)
+        self.cases = ZoneCondition(self.wanted)
         self.about_deadlock = mentions_deadlock(self.wanted)
         self.remark = f"{query.condition.span.snippet}: {'does not hold' if self.invariance else 'holds'}"
         self.verdict: Verdict | None = None
         self.doubts = 0
 
-    def decide(self, search: Search, node: Node | None) -> None:
+    def decide(self, search: Search, node: SearchNode | None) -> None:
         """Found, or not found anywhere."""
         trace = None if node is None else concrete(search.space, node.legs, self.cases.part, self.remark)
         self.verdict = Verdict(str(self.query), (node is None) == self.invariance, search.states, trace)
@@ -50,7 +50,7 @@ def answer(search: Search, asked: list[Reachability], *, trusted: bool) -> None:
     for node in search.nodes():
         answered = False
         for one in open_:
-            if one.doubts <= MOST_DOUBTS and one.cases.part(node.place, node.zone) is not None:
+            if one.doubts <= MOST_DOUBTS and one.cases.part(node.record, node.zone) is not None:
                 try:
                     one.decide(search, node)
                     answered = True

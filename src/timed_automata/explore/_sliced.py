@@ -10,12 +10,12 @@ import re
 from collections.abc import Iterable
 
 from timed_automata import Function, Network
-from timed_automata.explore._listening import ListeningSemantics
+from timed_automata.explore._cached_semantics import CachedSemantics
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-class SlicedSemantics(ListeningSemantics):
+class SlicedSemantics(CachedSemantics):
     """The semantics of a network with respect to the texts of some queries."""
 
     def __init__(self, network: Network, queries: Iterable[str]) -> None:

@@ -7,19 +7,20 @@ from typing import Any, NamedTuple
 
 from timed_automata import Bound
 from timed_automata.errors import ModelError
-from timed_automata.explore._discrete import Discrete, DiscreteSpace, Move
+from timed_automata.explore._constraints import as_constraints
+from timed_automata.explore._discrete import DiscreteSpace, DiscreteState, Move
 from timed_automata.explore._extrapolation import Widening, widening
-from timed_automata.explore._firing import Label
+from timed_automata.explore._firing import Action
 from timed_automata.explore._limits import Limit, Limits
-from timed_automata.explore._plan import Plan, as_constraints
+from timed_automata.explore._plan import Plan
 from timed_automata.explore._zone import Constraint, Zone
 
 
-class Step(NamedTuple):
-    """A move with its plan, into a place."""
+class PlannedMove(NamedTuple):
+    """A move with its plan, into a record."""
 
     plan: Plan
-    target: Place
+    target: StateRecord
     move: Move
 
 
@@ -42,11 +43,11 @@ class Form:
         self, limits: dict[int, Limit], widening: Widening, bounds: tuple[Bound, ...], delays: bool
     ) -> None:
         self.limits, self.clocks, self.widening, self.delays = limits, tuple(limits), widening, delays
-        self.index = {clock: place for place, clock in enumerate(self.clocks, start=1)}
+        self.index = {clock: number for number, clock in enumerate(self.clocks, start=1)}
         self.n, self.invariant = len(self.clocks) + 1, as_constraints(bounds, self.index)
 
 
-class Place:
+class StateRecord:
     """A discrete state inside one analysis, and what the analysis notes about it.
 
     Attributes:
@@ -58,7 +59,7 @@ class Place:
 
     __slots__ = ("_space", "_steps", "discrete", "form", "note", "passed")
 
-    def __init__(self, space: SymbolicSpace, discrete: Discrete) -> None:
+    def __init__(self, space: SymbolicSpace, discrete: DiscreteState) -> None:
         self._space, self.discrete, self.form = space, discrete, space.form(discrete)
         self.passed: list[Any] = []
         self.note: Any = None
@@ -90,7 +91,7 @@ class Place:
         return self.form.invariant
 
     @property
-    def steps(self) -> Iterable[Step]:
+    def steps(self) -> Iterable[PlannedMove]:
         """All moves that lead to a state. A move whose update leaves a range has a plan and leads to itself."""
         if self._steps is None:
             self._steps = tuple(self._space.steps(self))
@@ -102,7 +103,7 @@ class Place:
         self._steps, self.passed, self.note = None, [], None
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
-        """Clock constraints over the zones of this place."""
+        """Clock constraints over the zones of this record."""
         return as_constraints(bounds, self.form.index)
 
 
@@ -118,35 +119,35 @@ class SymbolicSpace:
     ) -> None:
         self.discrete, self.limits, self.delays, self.widens = discrete, limits, delays, widens
         self.frugal = False
-        self._shared: dict[Label, Move] = {}
-        self._places: dict[Discrete, Place] = {}
+        self._shared: dict[Action, Move] = {}
+        self._records: dict[DiscreteState, StateRecord] = {}
         self._plans: dict[object, Plan] = {}
-        self._planned: dict[tuple[Label, Form, Form], Plan] = {}
+        self._planned: dict[tuple[Action, Form, Form], Plan] = {}
         self._formed: dict[object, Form] = {}
         self._forms: dict[object, Form] = {}
         self._widenings: dict[object, Widening] = {}
         self._unique: dict[Zone, Zone] | None = {} if delays else None
 
     def __len__(self) -> int:
-        return len(self._places)
+        return len(self._records)
 
     @property
-    def places(self) -> Iterable[Place]:
-        """All places met so far."""
-        return self._places.values()
+    def records(self) -> Iterable[StateRecord]:
+        """All records met so far."""
+        return self._records.values()
 
     def forget(self) -> None:
-        """Let go of all places."""
-        for place in self._places.values():
-            place.forget()
-        self._places.clear()
+        """Let go of all records."""
+        for record in self._records.values():
+            record.forget()
+        self._records.clear()
 
-    def form(self, discrete: Discrete) -> Form:
+    def form(self, discrete: DiscreteState) -> Form:
         """What the zones of a discrete state are like."""
-        seen = (discrete.stand, discrete.invariant, discrete.delays)
+        seen = (discrete.vector, discrete.invariant, discrete.delays)
         found = self._formed.get(seen)
         if found is None:
-            limits = self.limits.at(discrete.stand.locations)
+            limits = self.limits.at(discrete.vector.locations)
             key = (tuple(limits.items()), *seen[1:])
             found = self._forms.get(key)
             if found is None:
@@ -155,14 +156,14 @@ class SymbolicSpace:
             self._formed[seen] = found
         return found
 
-    def place(self, discrete: Discrete) -> Place:
-        """The place of a discrete state."""
-        place = self._places.get(discrete)
-        if place is None:
-            place = self._places[discrete] = Place(self, discrete)
-        return place
+    def record(self, discrete: DiscreteState) -> StateRecord:
+        """The record of a discrete state."""
+        record = self._records.get(discrete)
+        if record is None:
+            record = self._records[discrete] = StateRecord(self, discrete)
+        return record
 
-    def initial(self) -> tuple[Place, Zone]:
+    def initial(self) -> tuple[StateRecord, Zone]:
         """Where a network starts: all clocks zero.
 
         Raises:
@@ -171,11 +172,11 @@ class SymbolicSpace:
         discrete = self.discrete.at(self.discrete.semantics.initial)
         zone = None
         if discrete is not None:
-            place = self.place(discrete)
-            zone = self._plan(1, (), ((0, 0),) * place.n, place.form)((1,))
+            record = self.record(discrete)
+            zone = self._plan(1, (), ((0, 0),) * record.n, record.form)((1,))
         if zone is None:
             raise self._outside()
-        return place, zone
+        return record, zone
 
     def _outside(self) -> ModelError:
         network, state = self.discrete.network, self.discrete.semantics.initial
@@ -191,43 +192,43 @@ class SymbolicSpace:
                 )
         raise AssertionError("every invariant holds in the initial state")
 
-    def step(self, source: Place, move: Move) -> Step:
+    def step(self, source: StateRecord, move: Move) -> PlannedMove:
         """The move with its plan."""
-        target = source if move.target is None else self.place(move.target)
-        return Step(self._way(source, move.label, target, move.error), target, move)
+        target = source if move.target is None else self.record(move.target)
+        return PlannedMove(self._way(source, move.action, target, move.error), target, move)
 
-    def steps(self, source: Place) -> Iterator[object]:
+    def steps(self, source: StateRecord) -> Iterator[object]:
         """Plan, target and move of each step, one after the other."""
         if self.frugal:
-            shared, planned, places, form = self._shared, self._planned, self._places, source.form
-            for label, discrete, error in source.discrete.arcs():
+            shared, planned, records, form = self._shared, self._planned, self._records, source.form
+            for action, discrete, error in source.discrete.arcs():
                 if discrete is None:
-                    yield from self.step(source, Move(label, None, error))
+                    yield from self.step(source, Move(action, None, error))
                     continue
-                target = places.get(discrete) or self.place(discrete)
-                yield planned.get((label, form, target.form)) or self._way(source, label, target)
+                target = records.get(discrete) or self.record(discrete)
+                yield planned.get((action, form, target.form)) or self._way(source, action, target)
                 yield target
-                yield shared.get(label) or shared.setdefault(label, Move(label, None))
+                yield shared.get(action) or shared.setdefault(action, Move(action, None))
         else:
             for move in source.discrete.moves:
                 yield from self.step(source, move)
 
-    def _way(self, source: Place, label: Label, target: Place, error: object = None) -> Plan:
+    def _way(self, source: StateRecord, action: Action, target: StateRecord, error: object = None) -> Plan:
         if error is not None:
-            unchanged = tuple((place, 0) for place in range(source.n))
-            return self._plan(source.n, self.guard(source, label), unchanged, source.form)
-        key = (label, source.form, target.form)
+            unchanged = tuple((number, 0) for number in range(source.n))
+            return self._plan(source.n, self.guard(source, action), unchanged, source.form)
+        key = (action, source.form, target.form)
         plan = self._planned.get(key)
         if plan is None:
-            index, resets = source.index, label.resets
+            index, resets = source.index, action.resets
             sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in target.clocks]
-            guard = self.guard(source, label)
+            guard = self.guard(source, action)
             plan = self._planned[key] = self._plan(source.n, guard, ((0, 0), *sources), target.form)
         return plan
 
-    def guard(self, source: Place, label: Label) -> tuple[Constraint, ...]:
-        """What the zones of a place must satisfy for a move."""
-        return source.constraints(label.guard)
+    def guard(self, source: StateRecord, action: Action) -> tuple[Constraint, ...]:
+        """What the zones of a record must satisfy for a move."""
+        return source.constraints(action.guard)
 
     def _plan(
         self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Form

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from timed_automata.explore._trace import Trace
+from timed_automata._trace import Trace
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,34 +7,34 @@ from collections.abc import Sequence
 from heapq import heappop, heappush
 
 from timed_automata.explore._discrete import Move
-from timed_automata.explore._reach import Node, Search, Told
-from timed_automata.explore._symbolic import Form, Place, SymbolicSpace
+from timed_automata.explore._reach import Progress, Search, SearchNode
+from timed_automata.explore._symbolic import Form, StateRecord, SymbolicSpace
 from timed_automata.explore._zone import Zone
 
 
 class WidestFirst(Search):
     """Finds the same states as :class:`Search`, not by the shortest runs, and does not keep the runs.
 
-    Where none of the clocks runs yet comes before all else: it leads to where they do. Where time stands still comes
+    Where none of the clocks runs yet comes before all else: it leads to where they do. Where time vectors still comes
     before where it passes: what is reached there by many ways is then followed once. A discrete state that is met again
     waits until all new ones are followed: what overtakes it may be overtaken itself.
 
     Args:
         space: as for :class:`Search`.
         clocks: states in which one of these can be largest are expanded first.
-        told: called with the number of states now and then.
+        progress: called with the number of states now and then.
     """
 
-    def __init__(self, space: SymbolicSpace, clocks: Sequence[int], told: Told | None = None) -> None:
-        super().__init__(space, told)
+    def __init__(self, space: SymbolicSpace, clocks: Sequence[int], progress: Progress | None = None) -> None:
+        super().__init__(space, progress)
         self._clocks = tuple(clocks)
-        self._heap: list[tuple[bool, int, bool, int, Node]] = []
-        self._still: deque[Node] = deque()
+        self._heap: list[tuple[bool, int, bool, int, SearchNode]] = []
+        self._still: deque[SearchNode] = deque()
         self._again = False
         self._uppers: dict[Form, list[int]] = {}
 
-    def _put(self, node: Node) -> None:
-        form = node.place.form
+    def _put(self, node: SearchNode) -> None:
+        form = node.record.form
         uppers = self._uppers.get(form)
         if uppers is None:
             uppers = [form.index[clock] * form.n for clock in self._clocks if clock in form.index]
@@ -48,13 +48,15 @@ class WidestFirst(Search):
         else:
             self._still.append(node)
 
-    def _next(self) -> Node | None:
+    def _next(self) -> SearchNode | None:
         if self._still:
             return self._still.popleft()
         if self._waiting:
             return self._waiting.popleft()
         return heappop(self._heap)[-1] if self._heap else None
 
-    def _found(self, place: Place, zone: Zone, parent: Node | None, move: Move | None) -> Node:
-        self._again = bool(place.passed)
-        return super()._found(place, zone, None, None)
+    def _found(
+        self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None
+    ) -> SearchNode:
+        self._again = bool(record.passed)
+        return super()._found(record, zone, None, None)

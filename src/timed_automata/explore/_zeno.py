@@ -14,37 +14,37 @@ from typing import NamedTuple
 
 from timed_automata.explore._components import components
 from timed_automata.explore._discrete import Move
-from timed_automata.explore._firing import Label
-from timed_automata.explore._symbolic import Place
+from timed_automata.explore._firing import Action
+from timed_automata.explore._symbolic import StateRecord
 
-Taken = tuple[Place, Place, Move]  # from, to, by
+Taken = tuple[StateRecord, StateRecord, Move]  # from, to, by
 
 
 class Arc(NamedTuple):
     """A transition that was taken: clocks tested for at least 1, clocks set to 0, clocks set to something else."""
 
-    source: Place
-    target: Place
+    source: StateRecord
+    target: StateRecord
     move: Move
     tested: frozenset[int]
     zeroed: frozenset[int]
     set: frozenset[int]
 
 
-def _marks(label: Label) -> tuple[frozenset[int], frozenset[int], frozenset[int]]:
-    tested = frozenset(clock for clock, op, value in label.guard if op in (">=", ">", "==") and value >= 1)
-    zeroed = frozenset(clock for clock, value in label.resets.items() if not value)
-    return tested, zeroed, frozenset(label.resets) - zeroed
+def _marks(action: Action) -> tuple[frozenset[int], frozenset[int], frozenset[int]]:
+    tested = frozenset(clock for clock, op, value in action.guard if op in (">=", ">", "==") and value >= 1)
+    zeroed = frozenset(clock for clock, value in action.resets.items() if not value)
+    return tested, zeroed, frozenset(action.resets) - zeroed
 
 
 def zeno_cycle(taken: Sequence[Taken]) -> list[Arc] | None:
     """A cycle on which no time needs to pass, the shortest of its kind through one state; None if there is none."""
-    labels = {move.label for _, _, move in taken}
-    marks = {label: _marks(label) for label in labels}
-    blind = frozenset[int]().union(*(marks[label][2] for label in labels))
-    slow = {label for label, (tested, zeroed, _) in marks.items() if (tested & zeroed) - blind}
-    quick = _round([one for one in taken if one[2].label not in slow])
-    pending = [[Arc(source, target, move, *marks[move.label]) for source, target, move in quick]]
+    actions = {move.action for _, _, move in taken}
+    marks = {action: _marks(action) for action in actions}
+    blind = frozenset[int]().union(*(marks[action][2] for action in actions))
+    slow = {action for action, (tested, zeroed, _) in marks.items() if (tested & zeroed) - blind}
+    quick = _round([one for one in taken if one[2].action not in slow])
+    pending = [[Arc(source, target, move, *marks[move.action]) for source, target, move in quick]]
     while pending:
         for part in _strong(pending.pop()):
             blind = frozenset[int]().union(
@@ -79,11 +79,11 @@ def _round(taken: list[Taken]) -> list[Taken]:
 
 def _strong(arcs: list[Arc]) -> Iterable[list[Arc]]:
     """The arcs inside each strongly connected component."""
-    graph: dict[Place, list[Place]] = {}
+    graph: dict[StateRecord, list[StateRecord]] = {}
     for one in arcs:
         graph.setdefault(one.source, []).append(one.target)
         graph.setdefault(one.target, [])
-    number = {place: at for at, component in enumerate(components(graph)) for place in component}
+    number = {record: at for at, component in enumerate(components(graph)) for record in component}
     parts: dict[int, list[Arc]] = {}
     for one in arcs:
         at = number.get(one.source)
@@ -94,11 +94,11 @@ def _strong(arcs: list[Arc]) -> Iterable[list[Arc]]:
 
 def _cycle(arcs: list[Arc]) -> list[Arc]:
     """A shortest cycle through the source of the first arc; all arcs belong to one component."""
-    following: dict[Place, list[Arc]] = {}
+    following: dict[StateRecord, list[Arc]] = {}
     for one in arcs:
         following.setdefault(one.source, []).append(one)
     start = arcs[0].source
-    came: dict[Place, Arc] = {}
+    came: dict[StateRecord, Arc] = {}
     waiting = deque([start])
     while start not in came:
         for one in following[waiting.popleft()]:
