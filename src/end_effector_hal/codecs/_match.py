@@ -8,7 +8,7 @@ from pathlib import Path
 from end_effector_hal.codecs._codec import shows_noise
 from end_effector_hal.codecs._registry import codec_names, get_codec
 from end_effector_hal.description import (
-    Carried,
+    CodecChannels,
     Description,
     Fault,
     did_you_mean,
@@ -21,7 +21,7 @@ from end_effector_hal.errors import DescriptionError, ReportedError
 
 
 @dataclass(frozen=True)
-class Fitting:
+class CodecMatch:
     """How a description goes together with the codec that it names.
 
     Attributes:
@@ -44,12 +44,12 @@ def load_tool(path: str | Path) -> Description:
     examination = examine(path)
     if examination.description is None:
         raise DescriptionError(examination.diagnostics)
-    if faults := fitting(examination.description).faults:
+    if faults := match_codec(examination.description).faults:
         raise DescriptionError([fault.diagnostic(examination.name) for fault in faults])
     return examination.description
 
 
-def fitting(description: Description) -> Fitting:
+def match_codec(description: Description) -> CodecMatch:
     """Hold a description against its codec."""
     wanted, known = description.link.codec, codec_names()
     try:
@@ -57,11 +57,12 @@ def fitting(description: Description) -> Fitting:
     except ReportedError as error:
         what = error.what.rstrip(".") if wanted in known else "there is no such codec"
         place, hint = description.place("link", "codec"), did_you_mean(wanted, known)
-        return Fitting((Fault.at(place, "EE-226", what, expected=f"one of {', '.join(known)}", hint=hint),))
-    channels = {key: kind.value for key, kind in codec.channels.items()}
-    carried = Carried(codec.name, channels, codec.period_us, shows_noise(codec))
-    return Fitting(
-        tuple(unproven(description, carried)),
-        tuple(not_fitted(description, carried)),
-        tuple(slow(description, carried)),
+        return CodecMatch(
+            (Fault.at(place, "EE-226", what, expected=f"one of {', '.join(known)}", hint=hint),)
+        )
+    channels = CodecChannels(codec.name, codec.channels, codec.period_us, shows_noise(codec))
+    return CodecMatch(
+        tuple(unproven(description, channels)),
+        tuple(not_fitted(description, channels)),
+        tuple(slow(description, channels)),
     )

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import ClassVar, Self
 
-from ._device import Device
+from ._device import ACTUATOR, PRESSURE, Device
 from ._grid import STEP_S
 from ._sensor import Sensor
 from ._supply import Supply
@@ -29,6 +30,8 @@ class Cylinder(Device):
         lag_s: of its sensor.
     """
 
+    traits: ClassVar = frozenset({ACTUATOR, PRESSURE})
+
     def __init__(
         self,
         valve: Valve | None = None,
@@ -50,6 +53,10 @@ class Cylinder(Device):
         self._kpa = 0.0
         self._sensor = Sensor(lag_s)
         self.position = 0.0  # 0 retracted, 1 extended
+
+    @classmethod
+    def on_air(cls, valve: Valve, supply: Supply, start: int) -> Self:
+        return cls(valve, supply, start=start)
 
     @property
     def pressure_kpa(self) -> float:

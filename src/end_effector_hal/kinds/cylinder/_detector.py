@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.description import CylinderActuator, Supply
+from end_effector_hal.kinds import ChannelReadings
+from end_effector_hal.kinds.stanza import Supply
 from end_effector_hal.signals import PART, Streak
 from end_effector_hal.vocabulary import Evidence, to_us
 
-from ._readings import Readings
+from ._stanza import CylinderActuator
 
 
 class CylinderDetector:
@@ -26,7 +27,7 @@ class CylinderDetector:
         self._high, self._low = Streak(), Streak()
         self.level = Evidence.UNKNOWN
 
-    def sample(self, readings: Readings, at: int) -> Evidence:
+    def sample(self, readings: ChannelReadings, at: int) -> Evidence:
         """The evidence after one more sample at ``at`` µs."""
         part = self._actuator
         pressure = readings.get(part.channel, at)
@@ -63,7 +64,7 @@ class CylinderDetector:
             return self._low.lasted(at, to_us(self._actuator.retracted_s))
         return bool(retracted) if retracted is not None else not extended
 
-    def _threshold_pa(self, readings: Readings, at: int) -> float:
+    def _threshold_pa(self, readings: ChannelReadings, at: int) -> float:
         supply = readings.get(self._supply.channel, at)
         supply_pa = self._supply.nominal_kpa * 1000 if supply is None else supply
         # a little lower once extended: noise at the threshold is no loss

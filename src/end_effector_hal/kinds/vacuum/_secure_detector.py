@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.description import VacuumActuator
 from end_effector_hal.signals import PART, Streak
+
+from ._stanza import VacuumActuator
 
 
 class SecureDetector:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.description import VacuumActuator
+from end_effector_hal.kinds import ChannelReadings, below_ambient_kpa
 from end_effector_hal.signals import PART, Streak
 from end_effector_hal.vocabulary import Evidence
 
-from ._readings import Readings
+from ._stanza import VacuumActuator
 
 
 class VacuumDetector:
@@ -27,7 +27,7 @@ class VacuumDetector:
         self._below = Streak()
         self.level = Evidence.UNKNOWN
 
-    def sample(self, readings: Readings, at: int) -> Evidence:
+    def sample(self, readings: ChannelReadings, at: int) -> Evidence:
         """The evidence after one more sample at ``at`` µs."""
         value = readings.get(self._actuator.channel, at)
         if value is None:
@@ -35,7 +35,7 @@ class VacuumDetector:
         if not readings.arrived(self._actuator.channel):
             return self.level
         part = self._actuator
-        kpa = (100.0 if value else 0.0) if isinstance(value, bool) else -value / 1000
+        kpa = below_ambient_kpa(value)
         self._above.take(kpa >= (part.lost_kpa if self._held else part.confirmed_kpa), at)
         self._below.take(kpa < part.lost_kpa, at)
         if self._held:

@@ -5,116 +5,119 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ._actuators import Actuator, CylinderActuator
-from ._devices import Supply
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, Supply
+from end_effector_hal.signals import Kind
+
 from ._fault import Fault, did_you_mean
 from ._model import Description
-from ._part import NO_CHANNEL
 from ._units import number
-from ._uses import BITS_BY_DEFAULT, uses
+from ._uses import bits_by_default, uses
 
 FROZEN_SAMPLES = 5
 
 
 @dataclass(frozen=True)
-class Carried:
+class CodecChannels:
     """What comes over the link.
 
     Attributes:
         codec: its name.
-        channels: ``"pressure"`` or ``"bit"`` by name.
+        channels: what each carries, by name.
         period_us: nominal time between two frames.
         noise_shows: whether it counts finely enough to tell a frozen sensor from a living one.
     """
 
     codec: str
-    channels: Mapping[str, str]
+    channels: Mapping[str, Kind]
     period_us: int
     noise_shows: bool = True
 
-    def of(self, kind: str) -> tuple[str, ...]:
-        """Channels of a kind, in the order of the codec."""
-        return tuple(name for name, each in self.channels.items() if each == kind)
+    def of(self, kind: Kind) -> tuple[str, ...]:
+        """Channels that carry this, in the order of the codec."""
+        return tuple(name for name, each in self.channels.items() if each is kind)
 
 
 def position_bits(description: Description) -> frozenset[str]:
     """Bits that mean something else than that an actuator shows feedback."""
-    return BITS_BY_DEFAULT | {use.channel for use in uses(description) if use.bit}
+    return bits_by_default() | {use.channel for use in uses(description) if use.bit}
 
 
-def can_be_confirmed(actuator: Actuator, carried: Carried) -> bool:
+def can_be_confirmed(actuator: Actuator, codec: CodecChannels) -> bool:
     """Whether anything that comes over the link could confirm an actuator."""
-    bit = actuator.extended_bit if isinstance(actuator, CylinderActuator) else None
-    return actuator.channel in carried.channels or bit in carried.channels
+    return any(channel in codec.channels for channel in kind_of(actuator).proofs(actuator))
 
 
-def provers(description: Description, carried: Carried, name: str) -> str:
+def provers(description: Description, codec: CodecChannels, name: str) -> str:
     """For a sentence: what could prove an actuator and belongs to nobody else.
 
-    A pressure; where the codec has none, a bit that says the same; of a cylinder also its position bit.
+    A pressure, where the kind has one; else a bit that says the same; and its position bits.
     """
     others = {use.channel for use in uses(description) if use.stanza != ("actuators", name)}
-    actuator = description.actuators[name]
-    channels, bits = carried.of("pressure"), carried.of("bit")
-    if not channels and actuator.kind == "vacuum":
-        channels = tuple(each for each in bits if each not in position_bits(description))
-    free = [each for each in channels if each not in others]
-    said = [f"a free channel of {carried.codec}: {', '.join(free)}"] if free else []
-    extended = str(CylinderActuator.model_fields["extended_bit"].default)
-    if actuator.kind == "cylinder" and extended in bits and extended not in others:
-        said.append(f"extended_bit: {extended}")
-    none = f"another codec: {carried.codec} carries nothing more for a {actuator.kind}"
-    return " or ".join(said) or none
+    kind, bits, said = kind_of(description.actuators[name]), codec.of(Kind.BIT), []
+    for each in kind.channels:
+        if each.confirms and each.carries is Kind.BIT:
+            usual = str(kind.stanza.model_fields[each.key].default)
+            said += [f"{each.key}: {usual}"] if usual in bits and usual not in others else []
+        elif each.confirms:
+            channels = codec.of(Kind.PRESSURE)
+            if not channels and each.bit_instead:
+                channels = tuple(bit for bit in bits if bit not in position_bits(description))
+            if free := [channel for channel in channels if channel not in others]:
+                said.append(f"a free channel of {codec.codec}: {', '.join(free)}")
+    return " or ".join(said) or f"another codec: {codec.codec} carries nothing more for a {kind.name}"
 
 
-def unwired(description: Description, carried: Carried) -> Iterator[Fault]:
+def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     """Channels that are asked for and not carried: without them a proof or an interlock is off in silence.
 
     An actuator that nothing could confirm is told elsewhere, once.
     """
     unproven = {
-        ("actuators", name) for name, each in description.ordered if not can_be_confirmed(each, carried)
+        ("actuators", name) for name, each in description.ordered if not can_be_confirmed(each, codec)
     }
     for use in uses(description):
         told = not use.bit and use.stanza in unproven
-        if told or use.channel in carried.channels:
+        if told or use.channel in codec.channels:
             continue
-        kind = "bit" if use.bit else "pressure"
-        known = carried.of(kind)
+        kind = Kind.BIT if use.bit else Kind.PRESSURE
+        known = codec.of(kind)
         expected = (
-            f"a {kind} of {carried.codec}: {', '.join(known)}" if known else f"a codec with such a {kind}"
+            f"a {kind.value} of {codec.codec}: {', '.join(known)}"
+            if known
+            else f"a codec with such a {kind.value}"
         )
         meant = did_you_mean(use.channel, known) if use.written else ""
         yield Fault.at(
             description.place(*use.stanza, use.key),
             "EE-225",
-            f"{carried.codec} carries no {use.channel!r}",
+            f"{codec.codec} carries no {use.channel!r}",
             found=None if use.written else f"{use.key}: {use.channel} (default)",
             expected=expected,
             hint=f"{f'{meant} ' if meant else ''}if there is no such sensor, write {use.key}: {NO_CHANNEL}",
         )
 
 
-def no_bits(description: Description, carried: Carried) -> Iterator[Fault]:
+def no_bits(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     """Pressures where something that says yes or no is named."""
     for use in uses(description):
-        if use.bit and carried.channels.get(use.channel) == "pressure":
+        if use.bit and codec.channels.get(use.channel) is Kind.PRESSURE:
             place, found = description.place(*use.stanza, use.key), f"{use.key}: {use.channel}"
             yield Fault.at(place, "EE-225", f"{use.channel!r} is a pressure", found=found, expected="a bit")
 
 
-def too_soon(description: Description, carried: Carried) -> Iterator[Fault]:
+def too_soon(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     """A living sensor may show the same twice: to be frozen takes some samples."""
-    least_s = FROZEN_SAMPLES * carried.period_us / 1e6
+    least_s = FROZEN_SAMPLES * codec.period_us / 1e6
     parts: list[tuple[tuple[str, ...], Actuator | Supply]] = [(("supply",), description.supply)]
     parts += [(("actuators", name), each) for name, each in description.ordered]
     for stanza, part in parts:
-        watched = carried.noise_shows and carried.channels.get(part.channel) == "pressure"
+        watched = codec.noise_shows and codec.channels.get(part.channel) is Kind.PRESSURE
         if watched and part.frozen_s is not None and part.frozen_s < least_s:
             what = f"a living sensor would be taken for a frozen one: {FROZEN_SAMPLES} samples take"
             yield Fault.at(
                 description.place(*stanza, "frozen_s"),
                 "EE-225",
-                f"{what} {number(least_s)} s with {carried.codec}",
+                f"{what} {number(least_s)} s with {codec.codec}",
                 expected=f"at least {number(least_s)}, or null",
             )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
-from ._device import Device
+from ._device import CHANGER, Device
 from ._grid import STEP_S
 from ._valve import Valve
 
@@ -18,6 +19,8 @@ class ToolChanger(Device):
         valve: unlocks when open.
         travel_s: from one end to the other.
     """
+
+    traits: ClassVar = frozenset({CHANGER})
 
     def __init__(self, valve: Valve | None = None, *, travel_s: float = 0.15, start: int = 0) -> None:
         super().__init__(valve or Valve(30_000), start)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
-from ._device import Device
+from ._device import ACTUATOR, LEAKS, PRESSURE, Device
 from ._grid import STEP_S
 from ._sensor import Sensor
 from ._valve import Valve
@@ -30,6 +31,9 @@ class VacuumCircuit(Device):
         vent_l_min: flow that fills it when off, at 60 kPa.
         lag_s: of its sensor.
     """
+
+    traits: ClassVar = frozenset({ACTUATOR, PRESSURE, LEAKS})
+    valve_us: ClassVar = (20_000, 45_000)
 
     def __init__(
         self,
