@@ -7,6 +7,7 @@ from difflib import get_close_matches
 from functools import cache
 from typing import TYPE_CHECKING
 
+from end_effector_hal._extras import missing_extra
 from end_effector_hal.codecs._codec import Codec
 from end_effector_hal.codecs._declared import declared
 from end_effector_hal.codecs._named import named
@@ -55,6 +56,10 @@ def get_codec(name: str) -> Codec:
         except UsageError as error:
             raise UsageError(f"the codec {name}: {error.what}", where=entry.value, todo=error.todo) from error
         except (Exception, SystemExit, GeneratorExit) as error:  # a plug-in may raise anything
+            if isinstance(error, ModuleNotFoundError) and (
+                missing_package := missing_extra(f"The codec {name} needs", error)
+            ):
+                raise missing_package from None
             raise UsageError(
                 f"the codec {name} cannot be loaded: {named(error)}",
                 where=entry.value,
@@ -83,7 +88,10 @@ def codec_of(description: Description) -> Codec:
 @cache
 def _own(name: str) -> Codec:
     module, _, attribute = OWN[name].partition(":")
-    codec: Codec = getattr(importlib.import_module(module), attribute)()
+    try:
+        codec: Codec = getattr(importlib.import_module(module), attribute)()
+    except ModuleNotFoundError as error:
+        raise missing_extra(f"The codec {name} needs", error) or error from None
     return codec
 
 

@@ -9,6 +9,7 @@ from end_effector_hal.arbiter._journal import Entry, Journal
 from end_effector_hal.arbiter._record_file import RecordFile
 from end_effector_hal.arbiter._session_record import SessionRecord
 from end_effector_hal.arbiter._storage import FileStorage
+
 from end_effector_hal.vocabulary import WillStep
 from end_effector_hal.wires.lines import read_chip
 
