@@ -30,7 +30,8 @@ import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import arbiter_policy
-from end_effector_hal.wires import VirtualLines, serve
+from end_effector_hal.arbiter import serve
+from end_effector_hal.wires.lines import VirtualLines
 chip, socket = sys.argv[1:]
 policy = replace(arbiter_policy(load(profile_path())), min_switch_us=0)
 ready = lambda owner: print("ready", flush=True)

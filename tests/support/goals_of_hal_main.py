@@ -26,7 +26,7 @@ class Node:
         self.goes_on.set()
 
     def ask(self, command: int) -> Any:
-        from end_effector_hal.ros1._commander import Reply
+        from end_effector_hal.ros1.connections._commander import Reply
 
         self.asked.append(command)
         assert self.goes_on.wait(60.0)
@@ -40,8 +40,8 @@ class Hal:
         import rospy
         from end_effector_msgs.msg import EndEffectorState, StepReport
 
-        from end_effector_hal.ros1 import _served_goals
-        from end_effector_hal.ros1._action_server import GoalServer
+        from end_effector_hal.ros1.actions import _served_goals
+        from end_effector_hal.ros1.actions._action_server import GoalServer
 
         def start(server: Any) -> None:
             server.result_pub, server.status_pub, server.feedback_pub = Wire(), Wire(), Wire()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from end_effector_hal.control import Answer, Status
     from end_effector_hal.recording import Recording
     from end_effector_hal.runtime import EndEffector, Order
+    from end_effector_hal.vocabulary import Command
 
     from ._run_voice import Voice
 
@@ -114,7 +115,7 @@ def _record(tool: EndEffector, recording: Recording) -> None:
 
 
 class _Session:
-    """Gives orders to a tool and says how they ended."""
+    """Gives commands to a tool and says how they ended."""
 
     def __init__(self, tool: EndEffector, voice: Voice) -> None:
         self._tool, self._voice = tool, voice
@@ -137,6 +138,7 @@ class _Session:
             if order.command is None:
                 time.sleep(order.wait_s)
                 continue
+            # not in this thread: a signal must not interrupt the program of the tool in the middle of a step
             thread = threading.Thread(target=self._run, args=(order.command,), daemon=True)
             thread.start()
             self._running.append(thread)
@@ -150,21 +152,15 @@ class _Session:
         self._succeeded = self._succeeded and answer.accepted
         self._voice.result(name, answer.accepted, answer.reason)
 
-    def _run(self, given: int) -> None:
+    def _run(self, command: Command) -> None:
         from end_effector_hal.vocabulary import Command
 
-        tool, order = self._tool, Command(given)
-        if order is Command.CANCEL:
-            self._answered(order.name, tool.cancel())
+        if command is Command.CANCEL:
+            self._answered(command.name, self._tool.cancel())
             return
-        outcome = {
-            Command.LOCK: tool.lock,
-            Command.UNLOCK: tool.unlock,
-            Command.GRIP: tool.grip,
-            Command.RELEASE: tool.drop,
-        }[order]()
-        self._succeeded = self._succeeded and outcome.succeeded
-        self._voice.result(order.name, outcome.succeeded, outcome.reason, outcome.steps)
+        result = self._tool.begin(command).wait()
+        self._succeeded = self._succeeded and result.succeeded
+        self._voice.result(command.name, result.succeeded, result.reason, result.steps)
 
 
 def _prompt(prompt: str, voice: Voice) -> Iterator[Order]:

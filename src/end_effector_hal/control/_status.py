@@ -20,12 +20,15 @@ class StepReport:
 class Answer:
     """Whether a command was taken, and if not, why in words.
 
-    ``decided``: False when no answer came in time; it may be executed all the same.
+    Attributes:
+        decided: False when no answer came in time; the command may be executed all the same.
+        count: the number of the first status that is certain to follow the acceptance, where statuses are numbered.
     """
 
     accepted: bool
     reason: str = ""
     decided: bool = True
+    count: int = 0
 
 
 @dataclass(frozen=True, slots=True)

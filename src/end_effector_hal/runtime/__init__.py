@@ -1,8 +1,9 @@
 """A tool put together: description, automata and wires, in real time."""
 
 from ._automata import load_automata
-from ._end_effector import EndEffector, Outcome
+from ._end_effector import EndEffector
 from ._error_text import error_text, sendable
+from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._lines import arbiter_policy, output_lines, program_lines
 from ._open_unit import open_unit
 from ._orders import Order, read_order, read_script
@@ -14,9 +15,12 @@ from ._witness import Witness
 
 __all__ = [
     "EndEffector",
+    "GoalRunner",
     "LineWriter",
     "Order",
-    "Outcome",
+    "Refused",
+    "Result",
+    "RunningGoal",
     "Unit",
     "Witness",
     "arbiter_policy",

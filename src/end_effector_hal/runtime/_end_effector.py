@@ -5,13 +5,13 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from end_effector_hal.codecs import codec_of, load_tool
-from end_effector_hal.control import Answer, Status, StepReport
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
@@ -20,6 +20,7 @@ from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth, LinkReader
 
+from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._listeners import Audience
 from ._open_unit import open_unit
 from ._ready import changer_ready, gripper_ready, missing
@@ -29,20 +30,6 @@ from ._witness import Witness
 
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
-_NOT_SEEN = (
-    "The {} program has ended: what became of the command is unknown. Read the state before the next one."
-)
-_MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING, EndEffectorState.OFF)
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """How a command ended: with sensor evidence, or with the reason in words."""
-
-    succeeded: bool
-    state: EndEffectorState
-    reason: str = ""
-    steps: tuple[StepReport, ...] = ()
 
 
 class EndEffector:
@@ -81,6 +68,7 @@ class EndEffector:
                 description, "tool_change", self._changer_moved, traces=traces, limits=limits
             )
             undo.callback(self._change.close)
+            self._goals = GoalRunner({"grip": self._grip, "tool_change": self._change}, lambda: self.status)
             codec = codec_of(description)
             self._witness = Witness(description, codec)
             self._reader = LinkReader(
@@ -178,13 +166,28 @@ class EndEffector:
                 todo="eehal doctor says what this machine lacks.",
             )
 
-    def grip(self) -> Outcome:
-        """Grip, and wait until it is decided and over."""
-        return self._run_grip("grip", EndEffectorState.GRIPPED)
+    def begin(self, command: Command) -> Refused | RunningGoal:
+        """Begin GRIP, RELEASE, LOCK or UNLOCK; returns once that is accepted or refused, and does not wait for its end.
 
-    def drop(self) -> Outcome:
+        One command runs at a time. Raises UsageError for another command.
+        """
+        return self._goals.begin(command)
+
+    def grip(self) -> Result:
+        """Grip, and wait until it is decided and over."""
+        return self.begin(Command.GRIP).wait()
+
+    def drop(self) -> Result:
         """Release what is held, and wait until that is proven."""
-        return self._run_grip("drop", EndEffectorState.STAND_BY)
+        return self.begin(Command.RELEASE).wait()
+
+    def lock(self) -> Result:
+        """Lock the tool changer, and wait for the proof."""
+        return self.begin(Command.LOCK).wait()
+
+    def unlock(self) -> Result:
+        """Unlock the tool changer, and wait for the proof."""
+        return self.begin(Command.UNLOCK).wait()
 
     def cancel(self) -> Answer:
         """Cancel a running grip; returns once it is accepted or refused."""
@@ -194,28 +197,17 @@ class EndEffector:
         """Clear latched faults and the alarms that are over; never what only a Drop ends."""
         self._audience.acknowledge()
         self._audience_changed()
-        stays: list[str] = []
+        answers = []
         if self._change.status.changer_fault:
-            # first, for what it still shows the line owner keeps anew
             changer = self._change.command("reset")
             self._change.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
-            if not changer.accepted or self._change.status.changer_fault:
-                stays.append(changer.reason or self._change.status.reason)
-        answer = reset(self.description, self._grip)
-        stays += [] if answer.accepted else [answer.reason]
-        return Answer(False, " ".join(stays)) if stays else answer
+            status = self._change.status
+            answers.append(Answer(not status.changer_fault, status.reason) if changer.accepted else changer)
+        return reset(self.description, self._grip, *answers)
 
     def arm(self) -> Answer:
         """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""
         return self._change.command("arm")
-
-    def lock(self) -> Outcome:
-        """Lock the tool changer, and wait for the proof."""
-        return self._run_change("lock", ChangerState.LOCKED)
-
-    def unlock(self) -> Outcome:
-        """Unlock the tool changer, and wait for the proof."""
-        return self._run_change("unlock", ChangerState.UNLOCKED)
 
     def set_actuator(self, name: str, active: bool) -> Answer:
         """Drive one actuator by hand; raises UsageError for an unknown name."""
@@ -228,43 +220,8 @@ class EndEffector:
     def _units(self) -> tuple[Unit, Unit]:
         return self._grip, self._change
 
-    def _run_grip(self, command: str, wanted: EndEffectorState) -> Outcome:
-        answer = self._grip.command(command)
-        if not answer.accepted:
-            return Outcome(False, EndEffectorState(self._grip.status.ee), answer.reason)
-        over, status = self._grip.wait(_is_over), self._grip.status
-        reached = over and status.ee == wanted
-        reason = status.reason if over else f"{_NOT_SEEN.format('grip')} {status.reason}".strip()
-        return Outcome(reached, EndEffectorState(status.ee), reason, status.steps)
-
-    def _run_change(self, command: str, wanted: ChangerState) -> Outcome:
-        answer = self._change.command(command)
-        if not answer.accepted:
-            return Outcome(False, EndEffectorState(self.status.ee), answer.reason)
-        if not self._change.wait(lambda status: status.command == Command.NONE):
-            return Outcome(False, EndEffectorState(self.status.ee), _NOT_SEEN.format("tool_change"))
-        status = self._change.status
-        reached = ChangerState(status.changer)
-        why = (
-            ""
-            if reached is wanted
-            else f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
-        )
-        reason = f"{why} {self._change.status.reason}".strip() if why else ""
-        return Outcome(reached is wanted, EndEffectorState(self.status.ee), reason)
-
-    def _merged(self, status: Status, at: int) -> Status:
-        change = self._change.status
-        command = status.command if status.command != Command.NONE else change.command
-        alarms = tuple(dict.fromkeys((*status.alarms, *change.alarms, *self._audience.alarms)))
-        return replace(
-            status,
-            at=at,
-            changer=change.changer,
-            unlock_output=change.unlock_output,
-            command=command,
-            alarms=alarms,
-        )
+    def _merged(self, grip: Status, at: int) -> Status:
+        return tool_status(grip, self._change.status, at, notices=self._audience.alarms)
 
     def _gripper_moved(self, status: Status) -> None:
         self._change.tell(ee=status.ee)
@@ -294,8 +251,3 @@ class EndEffector:
         self._audience.frame(frame)
         if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
             self._audience_changed()
-
-
-def _is_over(status: Status) -> bool:
-    passing = status.ee == EndEffectorState.GRIP_ERROR and status.command != Command.NONE
-    return status.ee not in _MOVING and not passing

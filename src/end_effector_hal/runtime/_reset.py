@@ -4,21 +4,28 @@ from __future__ import annotations
 
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Answer
+from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import WireError
 
 from ._unit import Unit
 
 
-def reset(description: Description, grip: Unit) -> Answer:
+def reset(description: Description, grip: Unit, *others: Answer) -> Answer:
     """Clear what the line owner has latched, and the alarms about a held part that are over.
 
     GRIP_ERROR and RELEASE_ERROR stay: those need a Drop. A fault that still is the case stays as well.
+
+    Args:
+        description: of the tool.
+        grip: its gripping program.
+        others: the answers of what was reset before: the tool changer, for the line owner latches a sensor fault
+            again while it is still shown.
     """
     grip.acknowledge()
     try:
         with ArbiterClient(socket_path(description), "reset", patience_s=0) as owner:
             owner.reset()
     except WireError as error:
-        return Answer(False, str(error))
-    return Answer(True, "Nothing is latched but what only a Drop ends.")
+        others = (*others, Answer(False, str(error)))
+    return reset_answer(others)

@@ -9,20 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from timed_automata import (
-    Document,
-    DrawnEdge,
-    DrawnLocation,
-    Given,
-    Label,
-    Network,
-    Query,
-    Template,
-    Text,
-    make_network,
-)
+from timed_automata.document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template, Text
 from timed_automata.errors import ModelError
-from timed_automata.explore import compile_clock, compile_formula, compile_integer, parse_query
+from timed_automata.network import Given, Network, make_network
+from timed_automata.queries import compile_clock, compile_formula, compile_integer, parse_query
 
 _MOST = 50  # faults: more say nothing new
 _Place = tuple[int, int]
@@ -49,7 +39,7 @@ def faults_of(document: Document, constants: Mapping[str, Given] | None = None) 
     return sorted(faults, key=lambda fault: _place(fault.where))
 
 
-def _query_faults(network: Network, query: Query) -> Iterator[ModelError]:
+def _query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
     try:
         parsed = parse_query(query.formula)
         for condition in (parsed.condition, parsed.then):

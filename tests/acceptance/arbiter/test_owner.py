@@ -590,14 +590,15 @@ def shared(tmp_path_factory):
 
 OWNER = """
 import sys
-from end_effector_hal.wires import Policy, VirtualLines, serve
+from end_effector_hal.arbiter import Policy, serve
+from end_effector_hal.wires.lines import VirtualLines
 chip, socket, *lines = sys.argv[1:]
 serve(VirtualLines(chip), socket, Policy(lines), on_ready=lambda owner: print("ready", flush=True))
 print("end", flush=True)
 """
 CLIENT = """
 import sys, time
-from end_effector_hal.wires import ArbiterClient, LastWillStep
+
 socket, *lines = sys.argv[1:]
 client = ArbiterClient(socket, "grip", lines)
 will = [LastWillStep(line, False, i * 300_000) for i, line in enumerate(lines[::-1])]

@@ -25,7 +25,8 @@ pytestmark = [
 ]
 OWNER = """
 import sys
-from end_effector_hal.wires import Need, Policy, VirtualLines, serve
+from end_effector_hal.arbiter import Need, Policy, serve
+from end_effector_hal.wires.lines import VirtualLines
 chip, socket, journal, *lines = sys.argv[1:]
 closed = Need("closed", "IL-13", "the e-stop is closed", "the e-stop is open", latched="the e-stop was opened")
 policy = Policy(lines, needs={line: (closed,) for line in lines}, faults=("sensor_fault",))

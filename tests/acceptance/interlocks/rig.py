@@ -10,11 +10,20 @@ from pathlib import Path
 
 from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
 from end_effector_hal.control import Answer, Status
-from end_effector_hal.description import BlowOff, Description, EStop, VacuumActuator, load, profile_path
+from end_effector_hal.control.goals import CHANNELS
+from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import Unit, Witness, arbiter_policy, open_unit, output_lines
+from end_effector_hal.kinds.vacuum import BlowOff, VacuumActuator
+from end_effector_hal.runtime import (
+    GoalRunner,
+    Unit,
+    Witness,
+    arbiter_policy,
+    open_unit,
+    output_lines,
+)
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import ChangerState, Command
+from end_effector_hal.vocabulary import ChangerState
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
@@ -22,6 +31,7 @@ from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 UNLOCK, BOTTOM, CYLINDER, TOP = "SODIMM_206", "SODIMM_208", "SODIMM_210", "SODIMM_212"
 BLOW_OFF = "SODIMM_214"
 LONGEST_S = 15.0
+COMMANDS = {channel: command for command, channel in CHANNELS.items()}
 
 
 def quick() -> Description:
@@ -67,6 +77,9 @@ class Rig:
             self.grip = open_unit(self.description, "grip", self._gripper_moved)
             self.change = open_unit(self.description, "tool_change", self._changer_moved)
             self.units = [self.grip, self.change]
+            self._goals = GoalRunner(
+                {"grip": self.grip, "tool_change": self.change}, lambda: self.grip.status
+            )
             for unit in self.units:
                 unit.start()
                 self._stack.callback(unit.close)
@@ -112,23 +125,13 @@ class Rig:
         with ArbiterClient(self.socket, "look") as look:
             return dict(look.status()["faults"])
 
-    # The action door: HALMain gives the command to the program, and says what it answered and how it ended.
+    # The action door, as HALMain and `EndEffector` open it.
 
     def action(self, command: str) -> str:
         """The reason of a goal that failed; empty: it succeeded."""
-        unit = self.change if command in ("lock", "unlock") else self.grip
-        answer = unit.command(command)
-        if not answer.accepted:
-            return answer.reason
-        unit.wait(lambda status: status.command == Command.NONE, LONGEST_S)
-        status = unit.status
-        wanted = {"grip": State.GRIPPED, "drop": State.STAND_BY}.get(command)
-        if wanted is not None:
-            return "" if status.ee == wanted else status.reason
-        reached = ChangerState(status.changer)
-        proven = ChangerState.LOCKED if command == "lock" else ChangerState.UNLOCKED
-        missing = f"The tool changer is {reached.name}: its sensors do not prove {proven.name}."
-        return "" if reached is proven else f"{missing} {status.reason}".strip()
+        if command == "cancel":
+            return self.grip.command(command).reason
+        return self._goals.begin(COMMANDS[command]).wait().reason
 
     # The service door: the /Set* services.
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.ros1._table import ACTIONS, services, topics
+from end_effector_hal.nodes.interface import ACTIONS, services, topics
 from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros

@@ -26,10 +26,10 @@ OLD = (
 
 def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.MonkeyPatch) -> None:
     import rospy
-    from end_effector_msgs.msg import StepReport, UnitStatus
 
-    from end_effector_hal.ros1 import _node
-    from end_effector_hal.ros1._table import GRIP_STATE
+    from end_effector_hal.nodes.interface import GRIP_STATE
+    from end_effector_hal.nodes.transport import StatusMessage, StepMessage
+    from end_effector_hal.ros1.connections import publisher
 
     sent: list[Any] = []
 
@@ -42,16 +42,16 @@ def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.M
             sent.append(message)
 
     monkeypatch.setattr(rospy, "Publisher", Publisher)
-    node = object.__new__(_node.Node)
-    publish = node.publisher(GRIP_STATE)
-    message = UnitStatus(
-        reason="a\ud800b", alarms=["fine µ", "\udfff"], steps=[StepReport(actuator="\ud800")]
+    monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
+    publish = publisher(GRIP_STATE, lambda: False)
+    message = StatusMessage(
+        reason="a\ud800b", alarms=["fine µ", "\udfff"], steps=[StepMessage("\ud800", 1, 0.5, True)]
     )
     publish(message)
     (repaired,) = sent
     assert (repaired.reason, repaired.alarms, repaired.steps[0].actuator) == ("a?b", ["fine µ", "?"], "?")
     assert message.reason == "a\ud800b", "the message itself is left as it is"
-    publish(UnitStatus(reason="as it is\n"))
+    publish(StatusMessage(reason="as it is\n"))
     assert sent[1].reason == "as it is\n"
 
 

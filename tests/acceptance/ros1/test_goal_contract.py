@@ -76,7 +76,7 @@ def at_the_end_running(hal: Hal) -> None:
 
 
 def refused(hal: Hal) -> None:
-    from end_effector_hal.ros1._commander import Reply
+    from end_effector_hal.ros1.connections._commander import Reply
 
     hal.grip.replies = [Reply(False, "Nothing is held.")]
     hal.send()
@@ -109,14 +109,14 @@ def at_the_end_asked(hal: Hal) -> None:
 
 
 def not_reached(hal: Hal) -> None:
-    from end_effector_hal.ros1._commander import Reply
+    from end_effector_hal.ros1.connections._commander import Reply
 
     hal.grip.replies = [Reply(False, "The node Grip does not answer.", reached=False)]
     hal.send()
 
 
 def piled_up(hal: Hal) -> None:
-    from end_effector_hal.ros1._commander import Reply
+    from end_effector_hal.ros1.connections._commander import Reply
 
     hal.grip.goes_on.clear()
     hal.grip.replies = [Reply(False, "The node Grip does not answer.", reached=False)]
@@ -199,7 +199,7 @@ def test_a_goal_that_waits_for_its_decision_is_in_nobodys_way(hal: Hal) -> None:
     hal.send("first", "LockToolChanger")
     wait_until("the first is asked", lambda: hal.tool_change.asked)
     hal.send("drop", "Drop")
-    from end_effector_hal.ros1._commander import Reply
+    from end_effector_hal.ros1.connections._commander import Reply
 
     hal.tool_change.replies = [Reply(False, "The node ToolChange does not answer.", reached=False)]
     hal.tool_change.goes_on.set()

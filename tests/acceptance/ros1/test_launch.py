@@ -191,7 +191,7 @@ def test_a_node_that_hangs_is_not_ended_for_another_tool(system: Any, second: Wo
 def node_pid(name: str) -> int:
     import rosgraph
 
-    from end_effector_hal.ros1._master import ask_node
+    from end_effector_hal.ros1.master import ask_node
 
     return int(ask_node(rosgraph.Master("/tests").lookupNode(name), "getPid"))
 

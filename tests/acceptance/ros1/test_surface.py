@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.ros1._table import ACTIONS, HAL_NODES, SUPERVISOR, services, topics
+from end_effector_hal.nodes.interface import ACTIONS, HAL_NODES, SUPERVISOR, services, topics
 
 pytestmark = pytest.mark.ros
 PARTS = {

@@ -23,7 +23,7 @@ ALONE = ("unshare", "--pid", "--fork", "--mount-proc", "--kill-child")
 GRIP = """
 import sys, threading
 from end_effector_hal.runtime import EndEffector
-from end_effector_hal.recording import EndEffectorState as State
+from end_effector_hal.vocabulary import EndEffectorState as State
 tool = EndEffector.open(sys.argv[1])
 tool.wait_ready(30.0)
 if "grip" in sys.argv:

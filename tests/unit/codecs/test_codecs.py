@@ -205,7 +205,9 @@ def test_entry_point(monkeypatch):
     with pytest.raises(UsageError, match="cannot be loaded"):
         get_codec("broken")
     monkeypatch.setattr("end_effector_hal.codecs.Sequence", object())
-    with pytest.raises(UsageError, match="is none: it has no name, channels, period_us, baudrate"):
+    with pytest.raises(
+        UsageError, match="half: this is no codec: it has no name, channels, period_us, baudrate"
+    ):
         get_codec("half")
 
 

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("rospy")
 
-from end_effector_hal.ros1._at_once import SendsAtOnce
+from end_effector_hal.ros1.connections._direct_send import DirectConnection
 
 PATIENCE_S = 30.0
 
@@ -57,7 +57,7 @@ def received(theirs: socket.socket, count: int, size: int = 20_000) -> list[byte
 
 def test_who_keeps_up_has_it_at_once_and_no_thread_was_asked(pair: tuple[Transport, socket.socket]) -> None:
     transport, theirs = pair
-    connection = SendsAtOnce(transport, 10)
+    connection = DirectConnection(transport, 10)
     for number in range(5):
         connection.write_data(message(number))
         theirs.setblocking(False)
@@ -68,7 +68,7 @@ def test_who_keeps_up_has_it_at_once_and_no_thread_was_asked(pair: tuple[Transpo
 
 def test_who_does_not_keep_up_has_everything_later_in_order(pair: tuple[Transport, socket.socket]) -> None:
     transport, theirs = pair
-    connection = SendsAtOnce(transport, 0)
+    connection = DirectConnection(transport, 0)
     for number in range(100):
         connection.write_data(message(number))
     assert received(theirs, 100) == [message(number) for number in range(100)]
@@ -79,7 +79,7 @@ def test_of_what_waits_too_long_the_oldest_is_dropped_and_no_message_is_torn(
     pair: tuple[Transport, socket.socket],
 ) -> None:
     transport, theirs = pair
-    connection = SendsAtOnce(transport, 3)
+    connection = DirectConnection(transport, 3)
     for number in range(200):
         connection.write_data(message(number))
     numbers: list[int] = []
@@ -94,7 +94,7 @@ def test_of_what_waits_too_long_the_oldest_is_dropped_and_no_message_is_torn(
 
 def test_a_subscriber_that_has_gone_is_told_as_rospy_does(pair: tuple[Transport, socket.socket]) -> None:
     transport, theirs = pair
-    connection = SendsAtOnce(transport, 10)
+    connection = DirectConnection(transport, 10)
     theirs.close()
     failed = threading.Event()
     for _ in range(int(PATIENCE_S * 100)):

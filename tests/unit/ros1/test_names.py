@@ -9,9 +9,7 @@ import pytest
 from end_effector_hal.cli._check import check
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import DescriptionError
-from end_effector_hal.ros1 import name_faults
-from end_effector_hal.ros1._name_faults import load_for_nodes
-from end_effector_hal.ros1._table import ACTIONS, NODES, services, topics
+from end_effector_hal.nodes.interface import ACTIONS, NODES, load_for_nodes, name_faults, services, topics
 
 SHIPPED = profile_path().read_text(encoding="utf-8")
 TOPIC, SERVICE = "topic: PressureCylinder", "service: SetCylinder"

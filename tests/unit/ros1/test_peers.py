@@ -11,9 +11,9 @@ import pytest
 pytest.importorskip("rospy")
 
 from end_effector_hal.errors import RosError
+from end_effector_hal.nodes.transport._unknown_senders import ALARM_S, UnknownSenders
 from end_effector_hal.ros1._logging import BURST, PER_S, Allowance
-from end_effector_hal.ros1._peers import Publishers, nodes_of
-from end_effector_hal.ros1._strangers import TOLD_FOR_S, Strangers
+from end_effector_hal.ros1.connections import KnownPublishers, nodes_of
 
 TRUE, FORGED = "http://127.0.0.1:1/", "http://127.0.0.1:2/"
 
@@ -29,9 +29,9 @@ class Graph:
     master: bool = True
 
     def __post_init__(self) -> None:
-        self.strangers = Strangers(self.told.append, lambda: self.now_us)
+        self.strangers = UnknownSenders(self.told.append, lambda: self.now_us)
         known = frozenset({"/Pressure"})
-        self.publishers = Publishers(
+        self.publishers = KnownPublishers(
             "/sensor_frame", known, self.strangers, lambda: self.connections, self._uri_of
         )
 
@@ -105,7 +105,7 @@ def test_the_alarm_ends_with_what_it_is_about_and_the_count_stays() -> None:
     graph = Graph()
     message = graph.connect("/forger", FORGED)
     graph.publishers.admit(message)
-    graph.now_us += round(TOLD_FOR_S * 1e6)
+    graph.now_us += round(ALARM_S * 1e6)
     assert graph.strangers.alarms()
     graph.now_us += 1
     assert graph.strangers.alarms() == ()
@@ -138,10 +138,10 @@ def test_a_remap_leads_to_the_nodes_there(
 def test_lines_have_a_bounded_rate_and_what_is_left_out_is_counted() -> None:
     now = [0.0]
     allowance = Allowance(lambda: now[0])
-    assert [allowance.take() for _ in range(BURST)] == [0] * BURST
-    assert [allowance.take() for _ in range(7)] == [None] * 7
+    assert [allowance.use() for _ in range(BURST)] == [0] * BURST
+    assert [allowance.use() for _ in range(7)] == [None] * 7
     now[0] += 1 / PER_S
-    assert allowance.take() == 7
-    assert allowance.take() is None
+    assert allowance.use() == 7
+    assert allowance.use() is None
     now[0] += 1e6
-    assert [allowance.take() for _ in range(BURST + 1)] == [1, *[0] * (BURST - 1), None]
+    assert [allowance.use() for _ in range(BURST + 1)] == [1, *[0] * (BURST - 1), None]

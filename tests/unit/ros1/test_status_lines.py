@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.ros1._status_lines import StatusLines
+from end_effector_hal.nodes.report import StatusLines
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from tests.support.virtual_tool import VirtualTool
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.ros1._table import (
+from end_effector_hal.nodes.interface import (
     ACTIONS,
     position_topics,
     pressure_topics,
@@ -79,5 +79,5 @@ def test_a_tool_without_a_changer_has_none_of_its_names(tool: Description) -> No
 
 
 def test_the_table_is_read_without_ros() -> None:
-    code = "import sys; import end_effector_hal.ros1._table; sys.exit(int('rospy' in sys.modules))"
+    code = "import sys; import end_effector_hal.nodes.interface; sys.exit(int('rospy' in sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path.home()).returncode == 0

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from end_effector_hal.control import Answer, Status
-from end_effector_hal.runtime import EndEffector
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.runtime import EndEffector, GoalRunner
 from end_effector_hal.runtime._listeners import Audience
 from end_effector_hal.vocabulary import ChangerState, Command
 from end_effector_hal.vocabulary import EndEffectorState as State
@@ -19,13 +20,15 @@ from tests.support.lone_unit import Tool
 class Ended:
     """A program that takes a command, and ends before that is over."""
 
+    alive = False
+
     def __init__(self, status: Status) -> None:
         self.status = status
 
     def command(self, _name: str) -> Answer:
         return Answer(True)
 
-    def wait(self, until: Callable[[Status], bool]) -> bool:
+    def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         return until(self.status)
 
 
@@ -36,6 +39,7 @@ def tool() -> Any:
     status = Tool().unit.status
     tool._grip = Ended(replace(status, ee=State.RELEASING, command=Command.RELEASE))
     tool._change = Ended(replace(status, changer=ChangerState.LOCKED, command=Command.LOCK))
+    tool._goals = GoalRunner({"grip": tool._grip, "tool_change": tool._change}, lambda: tool.status)
     return tool
 
 
@@ -45,9 +49,8 @@ def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str)
     program = "grip" if name in ("grip", "drop") else "tool_change"
     assert not outcome.succeeded
     assert outcome.state == State.RELEASING
-    assert outcome.reason.startswith(
-        f"The {program} program has ended: what became of the command is unknown"
-    )
+    assert outcome.outcome is Outcome.UNREACHABLE
+    assert outcome.reason.startswith(f"The {program} program has gone: what became of the command is unknown")
 
 
 def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:

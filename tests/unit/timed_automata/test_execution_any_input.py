@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from timed_automata import Event, Execution, _outlook, load_network
+from timed_automata import Event, Execution, load_network
+from timed_automata.execute import _successors
 
 MODEL = Path(__file__).parent / "models" / "two_steps.xml"
 EVENTS = ["begin", "stop", "confirmed[0]", "confirmed[1]", "gone[0]", "gone[1]"]
@@ -138,25 +139,25 @@ def execution_index(step):
 def test_what_was_worked_out_before_changes_nothing(network, inputs):
     """An execution that remembers nothing does the same as one that has been everywhere."""
     remembers, forgets, at = started(network), started(network), 0
-    remembers._outlooks = remembers._schedule._outlooks = WELL_TRAVELLED.setdefault(
-        id(network), remembers._outlooks
+    remembers._successors = remembers._schedule._successors = WELL_TRAVELLED.setdefault(
+        id(network), remembers._successors
     )
     for gap, name in inputs:
         at += gap
-        forgets._outlooks._known.clear()
-        forgets._outlooks._heard.clear()
+        forgets._successors._known.clear()
+        forgets._successors._received.clear()
         assert apply(remembers, name, at) == apply(forgets, name, at)
         assert story(remembers) == story(forgets)
     assert remembers.advance(at + 100_000) == forgets.advance(at + 100_000)
 
 
 def test_not_everything_is_remembered_for_ever(network, monkeypatch):
-    monkeypatch.setattr(_outlook, "MOST", 3)
+    monkeypatch.setattr(_successors, "MOST", 3)
     execution = started(network)
     for at, name in enumerate(EVENTS * 3):
         apply(execution, name, at * 1000)
-    assert len(execution._outlooks._known) <= 3
-    assert len(execution._outlooks._heard) <= 3
+    assert len(execution._successors._known) <= 3
+    assert len(execution._successors._received) <= 3
 
 
 WELL_TRAVELLED: dict = {}

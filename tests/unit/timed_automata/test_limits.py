@@ -10,15 +10,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.errors import ModelError
-from timed_automata import (
-    Network,
-    _definitions,
-    _parser,
-    _quantifiers,
-    load_network,
-    make_network,
-    read_document,
-)
+from timed_automata import Network, load_network, make_network, read_document
 from timed_automata._limits import (
     DIGITS,
     ELEMENTS,
@@ -31,6 +23,9 @@ from timed_automata._limits import (
     XML_DEPTH,
     XML_ELEMENTS,
 )
+from timed_automata.compiler._expressions import Expressions
+from timed_automata.language import _parser
+from timed_automata.network import _definitions
 
 BIG = 2_000_000_000
 
@@ -182,7 +177,7 @@ def test_too_many_edges_of_all_processes_are_refused() -> None:
 
 
 def test_a_quantifier_is_refused_before_it_is_written_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = counted(monkeypatch, _quantifiers, "unrolled")
+    calls = counted(monkeypatch, Expressions, "_unrolled")
     guard = "".join(f"forall (i{n} : int[0, 7]) " for n in range(60)) + "v >= i0"
     with pytest.raises(ModelError, match="runs through 32768 values"):
         made(xml("int v;", guard=guard))

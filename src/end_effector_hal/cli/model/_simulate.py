@@ -24,7 +24,7 @@ from end_effector_hal.errors import MissingExtraError, UsageError
 
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo
-    from timed_automata.explore import Trace, TraceStep
+    from timed_automata import Trace, TraceStep
 
 _LONGEST_S = 1e7
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from end_effector_hal.description import profile_path
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import load_network
-from timed_automata.check import ends_of
+from timed_automata.check import channel_ends
 
 
 def test_both_ends_are_told_by_template():
@@ -18,7 +18,7 @@ def test_both_ends_are_told_by_template():
         ),
         Template("Q", ["a -> b; sync: u?", "a -> a; select: n : int[0,2]; sync: b[n]?"]),
     )
-    b, u, unused = ends_of(model)
+    b, u, unused = channel_ends(model)
     assert (b.name, b.broadcast, b.urgent, b.senders, b.receivers) == (
         "b[3]",
         True,
@@ -32,7 +32,7 @@ def test_both_ends_are_told_by_template():
 
 
 def test_every_channel_of_the_shipped_model_has_both_ends():
-    ends = ends_of(load_network(profile_path().with_name("end_effector.xml")))
+    ends = channel_ends(load_network(profile_path().with_name("end_effector.xml")))
     assert [each.name for each in ends if each.unsent or each.unreceived] == []
     names = [each.name for each in ends]
     assert names[:3] == ["confirmed[3]", "partial[3]", "gone[3]"]

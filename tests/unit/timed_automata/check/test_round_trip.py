@@ -6,7 +6,7 @@ import pytest
 
 from end_effector_hal.description import profile_path
 from timed_automata import export, load_document, load_network, make_network, read_document
-from timed_automata.check import ends_of
+from timed_automata.check import channel_ends
 
 SHIPPED = profile_path().with_name("end_effector.xml")
 ENDINGS = ("CANCEL", "TIMEOUT", "ABORT", "LOSS", "START", "DEATH", "HELD_DEATH")
@@ -48,7 +48,7 @@ def test_what_was_exported_is_the_same_network(n):
         assert [[c.fixed for c in e.guard.clocks] for e in one.edges] == [
             [c.fixed for c in e.guard.clocks] for e in other.edges
         ]
-    assert ends_of(again) == ends_of(given)
+    assert channel_ends(again) == channel_ends(given)
     # and once more: it is a fixed point
     assert export(make_network(read_document(written, "again.xml"), constants(n))) == written
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.support.nightly import NIGHTLY
 from tests.unit.timed_automata.explore.classics import bridge, csma_cd, doors, fischer, train_gate
-from timed_automata.explore import Explorer, check, explore_all, worst_case
+from timed_automata.explore import Explorer, verify
 
 EXCLUSION = "A[] forall (i : pid_t) forall (j : pid_t) P(i).cs && P(j).cs imply i == j"
 
@@ -26,7 +26,7 @@ def test_fischer_excludes(n: int) -> None:
 @pytest.mark.parametrize("n", range(2, MOST + 1))
 @pytest.mark.parametrize("wait", ["x >= 2", "x > 1", "true"])
 def test_fischer_that_waits_too_short(n: int, wait: str) -> None:
-    verdict = check(fischer(n, wait=wait), EXCLUSION)
+    verdict = verify(fischer(n, wait=wait), EXCLUSION)
     assert not verdict.holds
     assert verdict.trace is not None
     assert sum(process == 3 for process in verdict.trace.steps[-1].state.locations) == 2
@@ -34,7 +34,7 @@ def test_fischer_that_waits_too_short(n: int, wait: str) -> None:
 
 
 def test_limits_by_location_keep_fischer_small() -> None:
-    states = [check(fischer(n), EXCLUSION).states for n in (2, 3, 4, 5)]
+    states = [verify(fischer(n), EXCLUSION).states for n in (2, 3, 4, 5)]
     assert states == [18, 71, 282, 1100]  # 6: 4140; by global limits it would be 81,214
 
 
@@ -57,7 +57,7 @@ def test_train_gate(n: int) -> None:
     assert explorer.check("A[] Gate.list[N] == 0").holds
     assert explorer.check("E<> Train(0).Cross && (forall (i : id_t) i != 0 imply Train(i).Stop)").holds
     assert explorer.check("Train(0).Appr --> Train(0).Cross").holds
-    assert explorer.explore_all().ok
+    assert explorer.sanity_check().ok
 
 
 def test_train_gate_that_lets_trains_stand_on_the_bridge_is_live_no_more() -> None:
@@ -65,9 +65,9 @@ def test_train_gate_that_lets_trains_stand_on_the_bridge_is_live_no_more() -> No
     explorer = Explorer(network)
     assert explorer.check("A[] not (Train(0).Cross && Train(1).Cross)").holds
     assert not explorer.check("A[] not deadlock").holds
-    survey = explorer.explore_all()
+    survey = explorer.sanity_check()
     assert survey.timelock is not None
-    assert any("Cross → Safe" in edge for edge in survey.idle)
+    assert any("Cross → Safe" in edge for edge in survey.coverage.edges)
 
 
 def test_bridge_takes_an_hour() -> None:
@@ -89,7 +89,7 @@ def test_doors() -> None:
     assert (
         explorer.check("Door(0).waiting --> Door(0).open").holds is False
     )  # the other may be faster, for ever
-    assert worst_case(doors(), "Door(0).x", where="Door(0).open").extremes[0].value == 8
+    assert verify(doors(), "sup{Door(0).open}: Door(0).x").extremes[0].value == 8
 
 
 def test_csma_cd_collisions_are_heard() -> None:
@@ -99,10 +99,10 @@ def test_csma_cd_collisions_are_heard() -> None:
     assert explorer.check("E<> S(1).send && S(1).x == 808").holds
     assert explorer.check("A[] not deadlock").holds
     assert [
-        edge.split(": ")[1] for edge in explorer.explore_all().idle
+        edge.split(": ")[1] for edge in explorer.sanity_check().coverage.edges
     ] == [  # two can only collide while sending
         "S wait → wait (cd?)",
         "S wait → retry (cd?)",
         "S retry → retry (cd?)",
     ]
-    assert not explore_all(csma_cd(3)).idle
+    assert not Explorer(csma_cd(3)).sanity_check().coverage.edges

@@ -19,8 +19,8 @@ from tests.unit.timed_automata.explore.valuations import (
     satisfies,
     zones,
 )
-from timed_automata.explore import _zone
-from timed_automata.explore._bound import AT_MOST_ZERO, INFINITY, at_most, below, negated, plus
+from timed_automata.explore.zones import _zone
+from timed_automata.explore.zones._bound import AT_MOST_ZERO, INFINITY, at_most, below, negated, plus
 
 
 def test_bounds_are_ordered_by_tightness_and_add_up() -> None:

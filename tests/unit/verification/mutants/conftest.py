@@ -20,8 +20,8 @@ _LOCATION = re.compile(r'<location id="([^"]+)"[^>]*>\s*<name[^>]*>(\w+)</name>.
 _LABEL = re.compile(r"(?<=>)[^<>]*(?=</(?:label|declaration)>)")
 
 _CHECKS = {
-    "locations": lambda found: bool(found.missing.locations),
-    "edges": lambda found: bool(found.missing.edges),
+    "locations": lambda found: bool(found.coverage.locations),
+    "edges": lambda found: bool(found.coverage.edges),
     "channels": lambda found: bool(found.open_channels),
 }
 """What no query says: whether it fails, by id."""

@@ -1,0 +1,25 @@
+"""Goals: accepted or refused and why, over or not, their outcome; the status of the tool that two programs drive."""
+
+from ._goal import CHANNELS, GOAL_COMMANDS, PROGRAM_COMMANDS, Effect, Ending, Goal, Outcome, Phase, Todo
+from ._goals import ANSWER_US, NOT_BEGUN, Goals
+from ._judgement import is_over, judge
+from ._tool_status import reset_answer, tool_status
+
+__all__ = [
+    "ANSWER_US",
+    "CHANNELS",
+    "GOAL_COMMANDS",
+    "NOT_BEGUN",
+    "PROGRAM_COMMANDS",
+    "Effect",
+    "Ending",
+    "Goal",
+    "Goals",
+    "Outcome",
+    "Phase",
+    "Todo",
+    "is_over",
+    "judge",
+    "reset_answer",
+    "tool_status",
+]

@@ -1,0 +1,159 @@
+"""Goals of a tool: decided one after the other, begun by a program, followed to their end. Sans-IO.
+
+Rule 1. Goals are decided in the order in which they came. A goal that waits for its decision delays no answer but
+        those of the goals behind it.
+Rule 2. One goal runs at a time. A second one is refused with a reason; it never ends the first.
+Rule 3. Only the automata of its program accept a goal or refuse it. A program that does not answer in time may have
+        begun it: the outcome is UNREACHABLE, and so it is for each goal that waited for the same program meanwhile.
+Rule 4. A goal that was accepted follows the statuses of its program that come after the acceptance. It is over when
+        the program does not execute a command any more; it has succeeded only when that status proves it.
+Rule 5. A program that has gone, or was started again, or is not seen any more because we end, leaves a goal whose
+        end is not known: UNREACHABLE.
+Rule 6. A cancel that comes before the decision: the goal is not begun (NOT_EXECUTED); one that comes while the
+        program is asked is passed on after the acceptance. Of goals that run, a grip is cancelled, if its program
+        accepts that; a release completes, and so does the tool changer.
+Rule 7. Every goal gets exactly one ending, in words unless it has succeeded; after our end no goal is begun.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Generic
+
+from end_effector_hal.vocabulary import Command
+
+from .._status import Answer, Status
+from ._goal import Effect, Ending, GoalT, Outcome, Phase, Todo
+from ._judgement import is_over, judge
+
+ANSWER_US = 4_000_000
+"""How long the answer of a program is waited for: longer than an unlock waits for its proof and a program for its
+turn."""
+NOT_BEGUN = "The goal was cancelled before it was begun: it was not executed."
+_UNKNOWN = "what became of the command is unknown. Read the state before the next one."
+
+
+class Goals(Generic[GoalT]):
+    """The rules above. Each method returns what is to be done, in this order; times are µs on the monotonic clock.
+
+    Args:
+        programs: what each program is called at the beginning of a sentence.
+    """
+
+    def __init__(self, programs: Mapping[str, str]) -> None:
+        self._programs = programs
+        self._undecided: list[GoalT] = []
+        self._running: GoalT | None = None
+        self._newest: dict[str, tuple[Status, int, int]] = {}
+        self._we_end = ""
+
+    def begin(self, goal: GoalT, at: int) -> list[Effect[GoalT]]:
+        """A goal came."""
+        goal.came_us = at
+        if self._we_end:
+            return [self._end(goal, Outcome.REJECTED, self._we_end, at)]
+        self._undecided.append(goal)
+        return self._decide(at)
+
+    def answer(self, goal: GoalT, answer: Answer, at: int) -> list[Effect[GoalT]]:
+        """The program of a goal has answered whether it begins it."""
+        if goal.phase is not Phase.ASKED:
+            return []  # it was given up
+        self._undecided.remove(goal)
+        if not answer.accepted:
+            outcome = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
+            return [*self._refuse(goal, outcome, answer.reason, at), *self._decide(at)]
+        goal.phase, goal.count, self._running = Phase.RUNNING, answer.count, goal
+        effects = [(Todo.SAY_BEGUN, goal), *self._follow(at)]
+        return [*effects, *(self.cancel(goal) if goal.cancelled else []), *self._decide(at)]
+
+    def cancel(self, goal: GoalT) -> list[Effect[GoalT]]:
+        """The client does not want a goal any more."""
+        goal.cancelled = True
+        return [(Todo.CANCEL, goal)] if goal is self._running and goal.command is Command.GRIP else []
+
+    def see(
+        self, program: str, status: Status, at: int, *, session: int = 0, count: int = 0
+    ) -> list[Effect[GoalT]]:
+        """A program has a new status: its number ``count`` since its start, ``session`` (µs; 0: it starts once)."""
+        self._newest[program] = status, session, count
+        return self._follow(at) if self._running and self._running.program == program else []
+
+    def tick(self, at: int, gone: Collection[str] = ()) -> list[Effect[GoalT]]:
+        """Time has passed; ``gone`` are the programs that are not there any more."""
+        effects: list[Effect[GoalT]] = []
+        for goal in self._undecided[:1]:
+            if goal.phase is Phase.ASKED and at - goal.asked_us > ANSWER_US:
+                silence = f"{self._programs[goal.program]} does not answer."
+                effects.append((Todo.GIVE_UP, goal))
+                effects += self.answer(goal, Answer(False, silence, decided=False), at)
+        if (running := self._running) is None:
+            return effects
+        if running.program not in gone:
+            return [*effects, (Todo.SAY_PROGRESS, running)]
+        why = f"{self._programs[running.program]} has gone: {_UNKNOWN}"
+        return [*effects, self._end(running, Outcome.UNREACHABLE, why, at)]
+
+    def close(self, who: str, todo: str, at: int) -> list[Effect[GoalT]]:
+        """We end, ``who`` in a sentence: every goal gets its ending; ``todo`` tells the client of one that runs."""
+        self._we_end = f"{who} is ending: the goal was not begun."
+        undecided, self._undecided = self._undecided, []
+        effects: list[Effect[GoalT]] = []
+        for goal in undecided:
+            if goal.phase is Phase.ASKED:
+                answer = f"{self._programs[goal.program]} has not answered yet: whether the goal was begun is unknown."
+                effects.append(self._end(goal, Outcome.UNREACHABLE, f"{who} is ending. {answer}", at))
+            else:
+                effects.append(self._end(goal, Outcome.REJECTED, self._we_end, at))
+        if (running := self._running) is not None:
+            why = f"{who} is ending while {running.name} was at work, and does not see its end. {todo}"
+            effects.append(self._end(running, Outcome.UNREACHABLE, why, at))
+        return effects
+
+    def _decide(self, at: int) -> list[Effect[GoalT]]:
+        """Decide about the goals that wait, until a program is asked."""
+        effects: list[Effect[GoalT]] = []
+        while self._undecided and self._undecided[0].phase is Phase.WAITING:
+            goal, running = self._undecided[0], self._running
+            if goal.cancelled:
+                ending = Outcome.NOT_EXECUTED, NOT_BEGUN
+            elif running is not None:
+                todo = "Cancel it, or wait" if running.command is Command.GRIP else "Wait"
+                why = f"{running.name} is still running: one goal at a time. {todo} for its end."
+                ending = Outcome.REJECTED, why
+            else:
+                goal.phase, goal.asked_us = Phase.ASKED, at
+                if newest := self._newest.get(goal.program):
+                    goal.session = newest[1]
+                return [*effects, (Todo.ASK, goal)]
+            self._undecided.remove(goal)
+            effects.append(self._end(goal, *ending, at))
+        return effects
+
+    def _refuse(self, goal: GoalT, outcome: Outcome, reason: str, at: int) -> list[Effect[GoalT]]:
+        alike = [goal]
+        if outcome is Outcome.UNREACHABLE:
+            waiting = [each for each in self._undecided if each.program == goal.program]
+            alike += [each for each in waiting if not each.cancelled]
+            self._undecided = [each for each in self._undecided if each not in alike]
+        return [self._end(each, outcome, reason, at) for each in alike]
+
+    def _follow(self, at: int) -> list[Effect[GoalT]]:
+        running = self._running
+        if running is None or running.program not in self._newest:
+            return []
+        status, session, count = self._newest[running.program]
+        if running.session not in (0, session):
+            why = f"{self._programs[running.program]} was started again: {_UNKNOWN}"
+            return [self._end(running, Outcome.UNREACHABLE, why, at)]
+        if count < running.count:
+            return []
+        ends = [self._end(running, *judge(running.command, status), at)] if is_over(status) else []
+        return [(Todo.SAY_PROGRESS, running), *ends]
+
+    def _end(self, goal: GoalT, outcome: Outcome, reason: str, at: int) -> Effect[GoalT]:
+        seconds = (at - goal.came_us) / 1e6 if goal.phase is Phase.RUNNING else None
+        goal.phase, goal.ending = Phase.ENDED, Ending(outcome, reason, seconds)
+        if goal is self._running:
+            self._running = None
+        return Todo.SAY_ENDED, goal

@@ -1,0 +1,31 @@
+"""What became of a command, read from the status of the program that executed it."""
+
+from __future__ import annotations
+
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState
+
+from .._status import Status
+from ._goal import Outcome
+
+_WANTED_STATES = {Command.GRIP: EndEffectorState.GRIPPED, Command.RELEASE: EndEffectorState.STAND_BY}
+_WANTED_POSITIONS = {Command.LOCK: ChangerState.LOCKED, Command.UNLOCK: ChangerState.UNLOCKED}
+
+
+def is_over(status: Status) -> bool:
+    """Whether a program that had accepted a command does not execute it any more."""
+    return status.command == Command.NONE
+
+
+def judge(command: Command, status: Status) -> tuple[Outcome, str]:
+    """The outcome of a command that is over, and the reason in words; the sensors have decided it."""
+    if command in _WANTED_POSITIONS:
+        reached, position = ChangerState(status.changer), _WANTED_POSITIONS[command]
+        if reached is position:
+            return Outcome.SUCCEEDED, ""
+        why = f"The tool changer is {reached.name}: its sensors do not prove {position.name}."
+        return Outcome.FAILED, f"{why} {status.reason}".rstrip()
+    if status.ee == _WANTED_STATES[command]:
+        return Outcome.SUCCEEDED, ""
+    cancelled = command is Command.GRIP and status.cause == Cause.CANCELLED
+    reason = status.reason or f"The end-effector is {EndEffectorState(status.ee).name}."
+    return (Outcome.CANCELLED if cancelled else Outcome.FAILED), reason
