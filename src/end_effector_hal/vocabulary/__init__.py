@@ -14,7 +14,7 @@ from ._tables import (
     actuator_states,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, is_name, printable
+from ._text import LONGEST_SENTENCE, hint, is_name, printable
 from ._time import to_s, to_us
 
 __all__ = [
@@ -37,6 +37,7 @@ __all__ = [
     "VacuumState",
     "actuator_states",
     "display_name",
+    "hint",
     "is_name",
     "printable",
     "read_last_will",

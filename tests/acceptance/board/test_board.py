@@ -94,10 +94,10 @@ def test_a_killed_owner_leaves_the_lines_as_they_are(
         f"opt/{path.relative_to(ROOT)}": path.read_text()
         for path in (
             ROOT / "tests/acceptance/gpiochip/inside/owned.py",
-            Path(__file__).with_name("kill_owner.py"),
+            Path(__file__).with_name("kill_arbiter.py"),
         )
     }
-    command = "cd /opt && python3 -m tests.acceptance.board.kill_owner"
+    command = "cd /opt && python3 -m tests.acceptance.board.kill_arbiter"
     ended = run_board(parts, folder, command, files=files, ros=False)
     with capsys.disabled():
         print(f"\nkilled owner: {ended.seconds:.0f} s from power-up to power-off; {ended.output}")  # noqa: T201

@@ -14,7 +14,7 @@ from end_effector_hal.description import Description, examine, profile_path
 
 from ._finding import Finding, Findings, Level, Part
 
-PARTS = ("python", "description", "ros", "lines", "owner", "link", "machine")
+PARTS = ("python", "description", "ros", "lines", "arbiter", "link", "machine")
 _STYLE = {Level.OK: "green", Level.WARNING: "yellow", Level.MISSING: "red"}
 BAD_DESCRIPTION, UNREACHABLE = 2, 3
 
@@ -77,13 +77,13 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
     if description is not None:
         from end_effector_hal.runtime import output_lines
 
+        from ._arbiter import look_at_arbiter
         from ._lines import look_at_lines
         from ._link import look_at_link
-        from ._owner import look_at_owner
 
         lines = output_lines(description)
         looks["lines"] = lambda: look_at_lines(description, lines)
-        looks["owner"] = lambda: look_at_owner(description, lines)
+        looks["arbiter"] = lambda: look_at_arbiter(description, lines)
         looks["link"] = lambda: look_at_link(description, listen=listen)
     reaction = description.bounds.reaction_ms * 1000 if description else None
     looks["machine"] = lambda: look_at_machine(reaction)

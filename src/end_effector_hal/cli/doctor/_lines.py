@@ -116,7 +116,7 @@ def _line(name: str, where: str, info: Any) -> Finding:
     if not info.used:
         return _say.ok(f"{name} = {where}, {direction}, free")
     if info.consumer == CONSUMER:
-        return _say.ok(f"{name} = {where}, {direction}, held by the line owner")
+        return _say.ok(f"{name} = {where}, {direction}, held by the line arbiter")
     return _say.missing(
         f"{name} = {where} is held by {info.consumer or 'the kernel'}", "Stop the program that holds it."
     )

@@ -59,7 +59,9 @@ def _absent(names: list[str], wanted: bool) -> Finding:
             "Make it with /usr/bin/python3 -m venv --system-site-packages.",
         )
     return _finding(
-        wanted, text, "deploy/debian.sh installs ROS on Debian 12; without ROS: eehal owner, EndEffector.open"
+        wanted,
+        text,
+        "deploy/debian.sh installs ROS on Debian 12; without ROS: eehal arbiter, EndEffector.open",
     )
 
 

@@ -1,4 +1,4 @@
-"""Messages to the line owner from a seed: by the grammar of its protocol, nearly by it, and bytes beside it."""
+"""Messages to the line arbiter from a seed: by the grammar of its protocol, nearly by it, and bytes beside it."""
 
 from __future__ import annotations
 

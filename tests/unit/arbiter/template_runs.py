@@ -1,4 +1,4 @@
-"""What the line owner does in virtual time, as a question to the model checker: is it a run of its template?"""
+"""What the line arbiter does in virtual time, as a question to the model checker: is it a run of its template?"""
 
 from __future__ import annotations
 
@@ -41,37 +41,37 @@ class Lines:
 
 @dataclass
 class Run:
-    """A keeper with its two clients, and the steps of a process that has seen the same."""
+    """A rules with its two clients, and the steps of a process that has seen the same."""
 
     description: Description
     policy: Policy
-    keeper_type: type[LineArbiter] = LineArbiter
+    arbiter_type: type[LineArbiter] = LineArbiter
     left: tuple[str, ...] = ()
     """Lines that an unwinding leaves active."""
     steps: list[tuple[int, dict[str, str]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.lines, self.at = Lines(), 0
-        self.keeper = self.keeper_type(self.lines, self.policy, 0)
+        self.rules = self.arbiter_type(self.lines, self.policy, 0)
         self.names = [part.line for _, part in self.description.ordered]
         assert self.description.tool_changer
         self.unlock = self.description.tool_changer.line
-        self.grip = self.keeper.hello("grip", "a" * 32, self.names, (), 0)
-        self.change = self.keeper.hello("tool_change", "b" * 32, [self.unlock], (), 0)
+        self.grip = self.rules.hello("grip", "a" * 32, self.names, (), 0)
+        self.change = self.rules.hello("tool_change", "b" * 32, [self.unlock], (), 0)
         self.valve = dict.fromkeys(self.names, False)
         self.steps.append((0, {"assignment": "world = APART, changer = LOCKED, ee = STAND_BY"}))
 
     def to(self, at: int) -> None:
         """Time passes, in ms; each change of a line is seen just before and just after it."""
-        while (due := self.keeper.deadline) is not None and due <= at * MS:
+        while (due := self.rules.deadline) is not None and due <= at * MS:
             self._renew(due)
             before = self._seen()
-            self.keeper.advance(due)
+            self.rules.advance(due)
             if self._seen() != before:
                 moment = -(-due // MS)
                 self.steps += [(moment - 1, {"guard": before}), (moment, {"guard": self._seen()})]
         self._renew(at * MS)
-        self.keeper.advance(at * MS)
+        self.rules.advance(at * MS)
         self.at = at
 
     def grips(self, state: tuple[EndEffectorState, Command], line: str, level: bool) -> None:
@@ -88,7 +88,7 @@ class Run:
         )
         index = self.names.index(line)
         try:
-            self.keeper.write(self.grip, {line: level}, will_of(self.description, status), self.at * MS)
+            self.rules.write(self.grip, {line: level}, will_of(self.description, status), self.at * MS)
         except LineRefusedError:
             self.valve[line] = False
         told = f"ee = {int(ee)}, command = {int(command)}, valve[{index}] = {str(self.valve[line]).lower()}"
@@ -103,7 +103,7 @@ class Run:
         locks = changer is not None and changer.endings.process_death == "release"
         will = (LastWillStep(self.unlock),) if level and locks else ()
         try:
-            self.keeper.write(self.change, {self.unlock: level}, will, self.at * MS)
+            self.rules.write(self.change, {self.unlock: level}, will, self.at * MS)
         except LineRefusedError:
             level = False
         told = f"unlock_valve = {str(level).lower()}"
@@ -111,11 +111,11 @@ class Run:
         self._look()
 
     def dies(self, session: object) -> None:
-        """A client dies, and the owner sees it at once."""
+        """A client dies, and the arbiter sees it at once."""
         self._step({})
         self.steps.append((self.at, {"synchronisation": "dies?"}))
         self._step({"guard": "grip_dead" if session is self.grip else "change_dead"})
-        self.keeper.dead(session, "killed", self.at * MS)  # type: ignore[arg-type]
+        self.rules.declare_dead(session, "killed", self.at * MS)  # type: ignore[arg-type]
         self._look()
 
     def is_one_of(self, text: str) -> bool:
@@ -129,7 +129,7 @@ class Run:
     def _renew(self, at: int) -> None:
         for session in (self.grip, self.change):
             if not session.ended:
-                self.keeper.renew(session, at)
+                self.rules.renew(session, at)
 
     def _look(self) -> None:
         self._step({"guard": f"refusing == NONE && {self._seen()}"})
@@ -164,10 +164,10 @@ class Run:
 
 
 def random_run(
-    description: Description, policy: Policy, seed: int, keeper: type[LineArbiter] = LineArbiter
+    description: Description, policy: Policy, seed: int, rules: type[LineArbiter] = LineArbiter
 ) -> Run:
     """Both clients write as they like, one of them dies in the middle of it."""
-    chooser, run = random.Random(seed), Run(description, policy, keeper)
+    chooser, run = random.Random(seed), Run(description, policy, rules)
     run.left = tuple(line for line in run.names if chooser.random() < 0.2)
     mortal = chooser.choice([run.grip, run.grip, run.change])
     for _ in range(chooser.randrange(4, 14)):

@@ -1,4 +1,4 @@
-"""The line owner as a process, on a disk that is full, read-only, hangs or comes back: what is held stays held."""
+"""The line arbiter as a process, on a disk that is full, read-only, hangs or comes back: what is held stays held."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from end_effector_hal.wires.lines import VirtualLines
 chip, socket, journal, *lines = sys.argv[1:]
 closed = Need("closed", "IL-13", "the e-stop is closed", "the e-stop is open", latched="the e-stop was opened")
 policy = Policy(lines, needs={line: (closed,) for line in lines}, faults=("sensor_fault",))
-serve(VirtualLines(chip), socket, policy, journal=journal, on_ready=lambda owner: print("ready", flush=True))
+serve(VirtualLines(chip), socket, policy, journal=journal, on_ready=lambda arbiter: print("ready", flush=True))
 """
 UNWIND = [LastWillStep(TOP), LastWillStep(BOTTOM, after_us=100_000)]
 
@@ -103,14 +103,14 @@ def block_disk(tmp_path: Path) -> Iterator[Disk]:
 
 
 class Bench:
-    """A virtual chip, an owner that is started again, and programs."""
+    """A virtual chip, an arbiter that is started again, and programs."""
 
     def __init__(self, folder: Path, run: Path, journal: Path) -> None:
         self.chip = VirtualChip.create(folder / "chip", LINES).path
         self.socket, self.journal = run / "sock", journal / "journal"
 
     @contextmanager
-    def owner(self) -> Iterator[subprocess.Popen[bytes]]:
+    def arbiter(self) -> Iterator[subprocess.Popen[bytes]]:
         words = [sys.executable, "-c", OWNER, self.chip, self.socket, self.journal, *LINES]
         with subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE) as process:
             try:
@@ -148,8 +148,8 @@ def change_much(program: ArbiterClient) -> None:
 
 
 def hold_through_a_kill(bench: Bench, disk: Disk, hurt: str) -> None:
-    """GRIPPING while the disk is hurt; a program in good order follows, grips and holds; the owner is killed."""
-    with bench.owner() as first:
+    """GRIPPING while the disk is hurt; a program in good order follows, grips and holds; the arbiter is killed."""
+    with bench.arbiter() as first:
         program = bench.program()
         if hurt == "full":
             disk.fill()
@@ -171,7 +171,7 @@ def hold_through_a_kill(bench: Bench, disk: Disk, hurt: str) -> None:
         follower.attend(alive=lambda: False)
         first.kill()
         first.wait(PATIENCE_S)
-    with bench.owner():
+    with bench.arbiter():
         wait_until("the follower is dead", lambda: not _clients(bench))
         assert bench.active() == {BOTTOM, TOP}
         assert "sensor_fault" in bench.faults()
@@ -196,13 +196,13 @@ def test_a_disk_that_was_read_only_for_a_while_drops_nothing(tmp_path: Path, blo
 
 
 @pytest.mark.parametrize("run_too", [False, True])
-def test_an_owner_that_starts_on_a_full_disk_says_so_and_holds(
+def test_an_arbiter_that_starts_on_a_full_disk_says_so_and_holds(
     tmp_path: Path, memory_disk: Disk, *, run_too: bool
 ) -> None:
     bench = Bench(tmp_path, memory_disk.folder if run_too else tmp_path, memory_disk.folder)
     (memory_disk.folder / "sock.lock").touch()
     memory_disk.fill()
-    with bench.owner() as first:
+    with bench.arbiter() as first:
         program = bench.program()
         wait_until("it is said", lambda: "journal" in bench.faults())
         assert ("session record" in bench.faults()) == run_too
@@ -211,7 +211,7 @@ def test_an_owner_that_starts_on_a_full_disk_says_so_and_holds(
         first.kill()
         first.wait(PATIENCE_S)
     program.close()
-    with bench.owner() as second:
+    with bench.arbiter() as second:
         if run_too:  # nobody knows what the program has left
             assert bench.active() == {BOTTOM, TOP}
             assert "last wills" in bench.faults()
@@ -242,7 +242,7 @@ def _is_reset(look: ArbiterClient) -> bool:
 
 def test_the_latch_of_an_e_stop_survives_a_full_disk_and_a_kill(tmp_path: Path, memory_disk: Disk) -> None:
     bench = Bench(tmp_path, tmp_path, memory_disk.folder)
-    with bench.owner() as first:
+    with bench.arbiter() as first:
         memory_disk.fill()
         with bench.look() as look, bench.program() as program:
             change_much(program)
@@ -253,7 +253,7 @@ def test_the_latch_of_an_e_stop_survives_a_full_disk_and_a_kill(tmp_path: Path, 
         memory_disk.free()
         first.kill()
         first.wait(PATIENCE_S)
-    with bench.owner():
+    with bench.arbiter():
         program = bench.program()
         with (
             proving(bench.socket, closed=True),
@@ -266,7 +266,7 @@ def test_the_latch_of_an_e_stop_survives_a_full_disk_and_a_kill(tmp_path: Path, 
 def test_a_disk_that_hangs_is_waited_for_by_nobody(tmp_path: Path, block_disk: Disk) -> None:
     """Leases, last wills and faults go on; it is an alarm, and over when the disk answers."""
     bench = Bench(tmp_path, tmp_path, block_disk.folder)
-    with bench.owner():
+    with bench.arbiter():
         program = bench.program()
         bench.grip(program)
         with block_disk.hanging():
@@ -279,9 +279,9 @@ def test_a_disk_that_hangs_is_waited_for_by_nobody(tmp_path: Path, block_disk: D
         program.close()
 
 
-def test_when_both_are_killed_the_next_owner_does_what_the_client_has_left(tmp_path: Path) -> None:
+def test_when_both_are_killed_the_next_arbiter_does_what_the_client_has_left(tmp_path: Path) -> None:
     bench = Bench(tmp_path, tmp_path, tmp_path)
-    with bench.owner() as first:
+    with bench.arbiter() as first:
         program = bench.program()
         program.attend(alive=lambda: False)
         bench.grip(program)
@@ -290,7 +290,7 @@ def test_when_both_are_killed_the_next_owner_does_what_the_client_has_left(tmp_p
         first.wait(PATIENCE_S)
     program.close()
     assert bench.active() == {BOTTOM, TOP}
-    with bench.owner() as second, bench.look() as look:
+    with bench.arbiter() as second, bench.look() as look:
         status = look.status()
         assert (status["unclean"], status["faults"]) == (True, {"sensor_fault": "IL-04: both bits are set."})
         assert status["clients"][0]["absent"]
@@ -299,7 +299,7 @@ def test_when_both_are_killed_the_next_owner_does_what_the_client_has_left(tmp_p
         look.reset()
         second.terminate()
         second.wait(PATIENCE_S)
-    with bench.owner(), bench.look() as look:
+    with bench.arbiter(), bench.look() as look:
         assert not look.status()["unclean"]
         assert look.status()["faults"] == {}
 
@@ -310,7 +310,7 @@ def test_when_both_are_killed_the_next_owner_does_what_the_client_has_left(tmp_p
 def test_a_record_of_the_sessions_that_was_hurt_drops_nothing(tmp_path: Path, hurt: str) -> None:
     bench = Bench(tmp_path, tmp_path, tmp_path)
     record = tmp_path / "sock.sessions"
-    with bench.owner() as first:
+    with bench.arbiter() as first:
         program = bench.program()
         program.attend(alive=lambda: False)
         bench.grip(program)
@@ -329,7 +329,7 @@ def test_a_record_of_the_sessions_that_was_hurt_drops_nothing(tmp_path: Path, hu
             "an older copy": older,
         }[hurt]
     )
-    with bench.owner():
+    with bench.arbiter():
         wait_until("the program is dead", lambda: not _clients(bench))
         assert bench.active() == {BOTTOM, TOP}
         assert "last wills" in bench.faults()

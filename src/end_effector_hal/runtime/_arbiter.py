@@ -1,4 +1,4 @@
-"""The line owner of a tool: what its description asks of it, its process, its clients."""
+"""The line arbiter of a tool: its process, and the connections of the programs to it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._service_manager import ServiceManager
 
 
 def connect_arbiter(description: Description, program: str, *, patience_s: float = 5.0) -> ArbiterClient:
-    """The connection of one program to the line owner; raises ArbiterError, LineBusyError."""
+    """Connect one program to the line arbiter; raises ArbiterError, LineBusyError."""
     lines = program_lines(description, program)
     return ArbiterClient(socket_path(description), program, lines, patience_s=patience_s)
 
@@ -27,25 +27,34 @@ def run_arbiter(
     journal: Path | None = None,
     group: str | None = None,
 ) -> None:
-    """Be the line owner of a tool until SIGTERM or SIGINT; says when it is ready. Raises WireError.
+    """Run the line arbiter of a tool until SIGTERM or SIGINT; prints when it is ready.
 
-    It remembers what the next owner must know in the folder ``journal``; default: that of the service manager
-    (``$STATE_DIRECTORY``), else that of the socket. Members of ``group`` may command the lines. A service manager
-    is told when it is ready, too (sd_notify), and that it lives: whenever it answers itself over its socket. It
-    keeps the claim of the lines while this process is replaced, so that nobody else can take them.
+    A service manager is notified as well (sd_notify): that the arbiter is ready, and that it lives as long as it
+    gets an answer over its own socket. The manager stores the claim of the lines while this process is replaced, so
+    that no other process can claim them.
+
+    Args:
+        description: the tool.
+        socket: path to serve; default: that of the description.
+        journal: folder of the journal; default: that of the service manager (``$STATE_DIRECTORY``), else that of the
+            socket.
+        group: its members may command the lines; default: the group of this process.
+
+    Raises:
+        WireError: the lines or the socket cannot be used.
     """
 
-    def ready(owner: ArbiterServer) -> None:
-        levels = ", ".join(f"{line}={int(level)}" for line, level in owner.levels().items())
+    def ready(server: ArbiterServer) -> None:
+        levels = ", ".join(f"{line}={int(level)}" for line, level in server.levels().items())
         print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
-        manager.store(backend.keepsakes() if isinstance(backend, LineHandover) else {})
-        manager.ready(f"{description.name} on {where}", _Question(where))
+        manager.store(backend.descriptors() if isinstance(backend, LineHandover) else {})
+        manager.ready(f"{description.name} on {where}", _Probe(where))
         be_steady()
 
     where, backend = socket or socket_path(description), _backend(description)
     with ServiceManager() as manager:
         if isinstance(backend, LineHandover):
-            backend.inherit(manager.handed_on())
+            backend.restore(manager.stored_descriptors())
         serve(
             backend,
             where,
@@ -57,12 +66,12 @@ def run_arbiter(
 
 
 def _journal(socket: Path, folder: Path | None) -> Path:
-    """One for each socket, so that the owners of two tools may share a folder."""
+    """One file for each socket, so that the arbiters of two tools may share a folder."""
     state = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
     return (folder or Path(state or socket.parent)) / f"{socket.name}.journal"
 
 
-class _Question:
+class _Probe:
     """Reads the levels as any client does: the answer went through the socket, the loop and the hardware."""
 
     def __init__(self, where: Path) -> None:
@@ -70,7 +79,7 @@ class _Question:
         self._client: ArbiterClient | None = None
 
     def __call__(self) -> None:
-        # in the thread of the watchdog: before the loop runs nobody would answer
+        # in the thread of the watchdog: before the loop runs it would get no answer
         self._client = self._client or ArbiterClient(self._where, "watchdog", patience_s=0)
         self._client.levels()
 

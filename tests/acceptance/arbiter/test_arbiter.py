@@ -1,4 +1,4 @@
-"""The line owner over its socket; those marked `wall` run real processes and kill them."""
+"""The line arbiter over its socket; those marked `wall` run real processes and kill them."""
 
 import json
 import os
@@ -39,21 +39,21 @@ POLICY = Policy(LINES, [(UNLOCK, BOTTOM), (UNLOCK, TOP)], {UNLOCK: 300_000}, min
 
 
 class Bench:
-    """A chip, the path of a socket, and owners on them."""
+    """A chip, the path of a socket, and arbiters on them."""
 
     def __init__(self, folder):
         self.chip = VirtualChip.create(folder / "chip", LINES, {BOTTOM: "up"}).path
         self.socket = folder / "run" / "owner.sock"
 
     @contextmanager
-    def owner(self, policy=POLICY):
-        with ArbiterServer(VirtualLines(self.chip), self.socket, policy) as owner:
-            thread = threading.Thread(target=owner.run)
+    def arbiter(self, policy=POLICY):
+        with ArbiterServer(VirtualLines(self.chip), self.socket, policy) as arbiter:
+            thread = threading.Thread(target=arbiter.run)
             thread.start()
             try:
-                yield owner
+                yield arbiter
             finally:
-                owner.stop()
+                arbiter.stop()
                 thread.join()
 
     def client(self, name="grip", lines=(BOTTOM, TOP), **more):
@@ -90,8 +90,8 @@ class Raw:
 
 
 def test_set_and_levels(bench):
-    with bench.owner() as owner, bench.client() as grip:
-        assert owner.levels() == dict.fromkeys(LINES, False)
+    with bench.arbiter() as arbiter, bench.client() as grip:
+        assert arbiter.levels() == dict.fromkeys(LINES, False)
         assert grip.set({BOTTOM: True}) == ({UNLOCK: False, BOTTOM: True, TOP: False}, 0)
         assert grip.levels() == {UNLOCK: False, BOTTOM: True, TOP: False}
         assert bench.levels() == [False, True, False]
@@ -101,7 +101,7 @@ def test_set_and_levels(bench):
 
 
 def test_a_will_can_be_left_without_levels(bench):
-    with bench.owner():
+    with bench.arbiter():
         grip = bench.client()
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         grip.set({}, [])
@@ -110,7 +110,7 @@ def test_a_will_can_be_left_without_levels(bench):
 
 
 def test_a_write_that_was_given_up_is_not_executed_later(bench):
-    with bench.owner():
+    with bench.arbiter():
         raw = Raw(bench)
         raw.ask({"id": 1, "op": "hello", "client": "grip", "token": TOKEN, "lines": [BOTTOM]})
         will = [LastWillStep(BOTTOM).as_json()]
@@ -151,7 +151,7 @@ def test_a_client_says_how_long_its_writes_are_good_for(bench):
 
 
 def test_the_socket_is_for_the_group(bench):
-    with bench.owner():
+    with bench.arbiter():
         assert stat.S_IMODE(bench.socket.stat().st_mode) == 0o660
     assert not bench.socket.exists()
 
@@ -159,12 +159,12 @@ def test_the_socket_is_for_the_group(bench):
 def test_the_socket_can_be_given_to_a_group(bench):
     """Root sees the group; whoever is not root can at least give it to an own one."""
     group = 65_533 if os.geteuid() == 0 else os.getgroups()[0]
-    owner = ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group=str(group))
+    arbiter = ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group=str(group))
     assert (bench.socket.stat().st_gid, stat.S_IMODE(bench.socket.stat().st_mode)) == (group, 0o660)
-    owner.close()
+    arbiter.close()
     with pytest.raises(UsageError, match="there is no group 'nobody-has-this'"):
         ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group="nobody-has-this")
-    with bench.owner():
+    with bench.arbiter():
         pass
 
 
@@ -185,9 +185,9 @@ def test_only_members_of_the_group_can_open_the_socket():
         # the folders above are open: it is the socket that decides
         os.chmod(folder, 0o755)
         bench = Bench(Path(folder))
-        with ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group="65533") as owner:
+        with ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY, group="65533") as arbiter:
             os.chmod(bench.socket.parent, 0o755)
-            serving = threading.Thread(target=owner.run)
+            serving = threading.Thread(target=arbiter.run)
             serving.start()
 
             def ask(*groups):
@@ -198,12 +198,12 @@ def test_only_members_of_the_group_can_open_the_socket():
                 assert ask(65_533) == "connected"
                 assert ask(65_532) == "Permission denied"
             finally:
-                owner.stop()
+                arbiter.stop()
                 serving.join()
 
 
 def test_refusals_are_sentences(bench):
-    with bench.owner(), bench.client() as grip, bench.client("changer", [UNLOCK]) as changer:
+    with bench.arbiter(), bench.client() as grip, bench.client("changer", [UNLOCK]) as changer:
         grip.set({BOTTOM: True})
         with pytest.raises(LineRefusedError, match=r"^IL-01: SODIMM_206 is not activated while SODIMM_208"):
             changer.set({UNLOCK: True})
@@ -217,7 +217,7 @@ def test_refusals_are_sentences(bench):
 
 
 def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
-    with bench.owner(), ArbiterClient(bench.socket, "grip", [BOTTOM]) as client:
+    with bench.arbiter(), ArbiterClient(bench.socket, "grip", [BOTTOM]) as client:
         wait = client.ask({BOTTOM: True}, [(BOTTOM, False, 0)])
         levels = [None]
         other = threading.Thread(target=lambda: levels.append(client.levels()))
@@ -231,15 +231,15 @@ def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
 
 
 def test_a_write_in_two_parts_never_waits_for_the_calls_of_others(bench):
-    with bench.owner(), ArbiterClient(bench.socket, "grip", [BOTTOM]) as client:
+    with bench.arbiter(), ArbiterClient(bench.socket, "grip", [BOTTOM]) as client:
         first = client.ask({BOTTOM: True})
         second = client.ask({BOTTOM: False})  # its turn has not come: all of it is done when it is waited for
         assert first().levels[BOTTOM] is True
         assert second().levels[BOTTOM] is False
 
 
-def test_a_write_in_two_parts_tells_of_a_lost_owner(bench):
-    with bench.owner():
+def test_a_write_in_two_parts_tells_of_a_lost_arbiter(bench):
+    with bench.arbiter():
         client = ArbiterClient(bench.socket, "grip", [BOTTOM], patience_s=0)
     wait = client.ask({BOTTOM: True})
     with pytest.raises(ArbiterError):
@@ -250,14 +250,14 @@ def test_a_write_in_two_parts_tells_of_a_lost_owner(bench):
 
 
 def test_a_delayed_write_says_so(bench):
-    with bench.owner(Policy(LINES, min_switch_us=200_000)), bench.client() as grip:
+    with bench.arbiter(Policy(LINES, min_switch_us=200_000)), bench.client() as grip:
         delay = grip.set({BOTTOM: True}).delay_us
         assert 0 < delay <= 200_000
         wait_until("it", lambda: bench.levels()[1])
 
 
-def test_il_03_is_ended_by_the_owner_and_told_in_its_status(bench):
-    with bench.owner(), bench.client("changer", [UNLOCK]) as changer, bench.client("look", []) as look:
+def test_il_03_is_ended_by_the_arbiter_and_told_in_its_status(bench):
+    with bench.arbiter(), bench.client("changer", [UNLOCK]) as changer, bench.client("look", []) as look:
         changer.set({UNLOCK: True})
         wait_until("it", lambda: not bench.levels()[0])
         status = look.status()
@@ -269,7 +269,7 @@ def test_il_03_is_ended_by_the_owner_and_told_in_its_status(bench):
 
 
 def test_close_holds_or_executes_what_it_is_given(bench):
-    with bench.owner():
+    with bench.arbiter():
         with bench.client() as grip:
             grip.set({BOTTOM: True, TOP: True}, [LastWillStep(TOP), LastWillStep(BOTTOM)])
         assert bench.levels() == [False, True, True]
@@ -286,7 +286,7 @@ def test_a_lease_that_is_not_renewed_ends(bench):
     lost, alive = [], threading.Event()
     alive.set()
     policy = Policy(LINES, lease_us=1_500_000, min_switch_us=0)
-    with bench.owner(policy), bench.client() as grip:
+    with bench.arbiter(policy), bench.client() as grip:
         grip.attend(alive=alive.is_set, on_lost=lost.append)
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         threading.Event().wait(2.0)
@@ -302,9 +302,9 @@ def test_a_lease_that_is_not_renewed_ends(bench):
         assert [grip.declared_dead(), grip.declared_dead()] == [True, False], "told once"
 
 
-def test_a_lost_owner_is_told_once_and_found_again(bench):
+def test_a_lost_arbiter_is_told_once_and_found_again(bench):
     lost = []
-    with bench.owner():
+    with bench.arbiter():
         grip = bench.client()
         grip.attend(on_lost=lost.append)
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
@@ -313,7 +313,7 @@ def test_a_lost_owner_is_told_once_and_found_again(bench):
     with pytest.raises(ArbiterError, match="cannot be reached"):
         grip.levels()
     threading.Event().wait(0.6)
-    with bench.owner():
+    with bench.arbiter():
         assert grip.levels() == {UNLOCK: False, BOTTOM: True, TOP: False}
         assert grip.status()["clients"][0]["will"] == [{"line": BOTTOM, "level": False, "after_us": 0}]
         assert len(lost) <= 1  # a renewal may have seen it before the first call did; it is no news any more
@@ -321,26 +321,26 @@ def test_a_lost_owner_is_told_once_and_found_again(bench):
 
 
 def test_a_client_that_only_reads_connects_again_by_itself(bench):
-    """As when it said nothing for so long that the owner has closed its connection."""
-    with bench.owner():
+    """As when it said nothing for so long that the arbiter has closed its connection."""
+    with bench.arbiter():
         look = bench.client("look", [])
         assert look.levels()
     with pytest.raises(ArbiterError, match="cannot be reached"):
         look.levels()
-    with bench.owner():
+    with bench.arbiter():
         assert look.levels()
-    with bench.owner():
+    with bench.arbiter():
         assert look.status()["clients"] == []
     look.close()
 
 
-def test_the_renewals_find_the_owner_again(bench):
+def test_the_renewals_find_the_arbiter_again(bench):
     lost = []
-    with bench.owner():
+    with bench.arbiter():
         grip = bench.client()
         grip.attend(on_lost=lost.append)
     wait_until("it", lambda: lost)
-    with bench.owner(), bench.client("look", []) as look:
+    with bench.arbiter(), bench.client("look", []) as look:
         wait_until("it", lambda: look.status()["clients"])
         with pytest.raises(ArbiterError, match="was lost"):
             grip.levels()
@@ -350,10 +350,10 @@ def test_the_renewals_find_the_owner_again(bench):
 
 
 def test_a_loss_that_was_not_told_yet_does_not_make_a_close_a_death(bench):
-    with bench.owner():
+    with bench.arbiter():
         grip = bench.client()
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
-    with bench.owner(), bench.client("look", []) as look:
+    with bench.arbiter(), bench.client("look", []) as look:
         wait_until("it", lambda: look.status()["clients"])
         grip.close()
         assert look.status()["clients"] == []
@@ -361,23 +361,23 @@ def test_a_loss_that_was_not_told_yet_does_not_make_a_close_a_death(bench):
 
 
 def test_a_will_that_cannot_be_delivered_is_told(bench):
-    with bench.owner():
+    with bench.arbiter():
         grip, other = bench.client(), bench.client("changer", [UNLOCK])
     other.close()
     with pytest.raises(ArbiterError):
         grip.close(will=[LastWillStep(BOTTOM)])
 
 
-def test_no_owner(bench):
+def test_no_arbiter(bench):
     with pytest.raises(ArbiterError, match="cannot be reached") as caught:
         bench.client()
-    assert "eehal owner" in str(caught.value)
+    assert "eehal arbiter" in str(caught.value)
     assert caught.value.where == str(bench.socket)
 
 
-def test_a_client_waits_for_its_owner(bench):
+def test_a_client_waits_for_its_arbiter(bench):
     late = threading.Timer(0.2, lambda: held.append(held[0].__enter__()))
-    held = [bench.owner()]
+    held = [bench.arbiter()]
     late.start()
     with bench.client(patience_s=10):
         pass
@@ -385,7 +385,7 @@ def test_a_client_waits_for_its_owner(bench):
     held[0].__exit__(None, None, None)
 
 
-def test_an_owner_that_does_not_answer(bench):
+def test_an_arbiter_that_does_not_answer(bench):
     bench.socket.parent.mkdir()
     with socket.socket(socket.AF_UNIX) as deaf:
         deaf.bind(str(bench.socket))
@@ -394,8 +394,8 @@ def test_an_owner_that_does_not_answer(bench):
             bench.client(timeout_s=0.05)
 
 
-def test_a_second_owner_is_refused(bench, tmp_path):
-    with bench.owner():
+def test_a_second_arbiter_is_refused(bench, tmp_path):
+    with bench.arbiter():
         with pytest.raises(LineBusyError, match=f"socket is held by pid {os.getpid()}"):
             ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY)
         with pytest.raises(LineBusyError, match=f"chip is held by pid {os.getpid()}"):
@@ -404,7 +404,7 @@ def test_a_second_owner_is_refused(bench, tmp_path):
             assert grip.levels()
 
 
-def test_an_owner_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
+def test_an_arbiter_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
     with pytest.raises(LineNotFoundError):
         ArbiterServer(VirtualLines(bench.chip), bench.socket, Policy(("SODIMM_1",)))
     with pytest.raises(WireError, match="less than 90 letters"):
@@ -412,7 +412,7 @@ def test_an_owner_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(WireError, match="socket cannot be made"):
         ArbiterServer(VirtualLines(bench.chip), tmp_path / "file" / "owner.sock", POLICY)
-    with bench.owner():
+    with bench.arbiter():
         pass
 
 
@@ -478,7 +478,7 @@ def test_an_owner_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
     ],
 )
 def test_garbage_is_answered(bench, text, error):
-    with bench.owner(), bench.client("grip", [TOP]) as grip:
+    with bench.arbiter(), bench.client("grip", [TOP]) as grip:
         raw = Raw(bench)
         reply = raw.ask(text)
         assert reply["ok"] is False
@@ -508,7 +508,7 @@ def test_garbage_is_answered(bench, text, error):
     ],
 )
 def test_a_wrong_will_is_refused_on_both_sides(bench, will):
-    with bench.owner(), bench.client() as grip:
+    with bench.arbiter(), bench.client() as grip:
         with pytest.raises(UsageError, match="will"):
             grip.set({BOTTOM: True}, will)
         raw = Raw(bench)
@@ -519,7 +519,7 @@ def test_a_wrong_will_is_refused_on_both_sides(bench, will):
 
 
 def test_an_endless_message_ends_the_connection(bench):
-    with bench.owner(), bench.client():
+    with bench.arbiter(), bench.client():
         raw = Raw(bench)
         with pytest.raises(OSError):
             raw.say(b"x" * 4096 * 1000)
@@ -529,7 +529,7 @@ def test_an_endless_message_ends_the_connection(bench):
 
 
 def test_a_client_that_reads_no_replies_is_dead(bench):
-    with bench.owner():
+    with bench.arbiter():
         raw = Raw(bench)
         will = [{"line": BOTTOM, "level": False, "after_us": 0}]
         raw.say({"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM]})
@@ -542,7 +542,7 @@ def test_a_client_that_reads_no_replies_is_dead(bench):
 
 
 def test_messages_may_come_in_pieces_and_together(bench):
-    with bench.owner():
+    with bench.arbiter():
         raw = Raw(bench)
         raw.say(b'{"id": 1, "op": "lev')
         raw.say(b'els"}\n{"id": 2, "op": "levels"}\n')
@@ -560,7 +560,7 @@ def test_messages_may_come_in_pieces_and_together(bench):
     op=st.sampled_from(["hello", "set", "renew", "bye", "status"]),
     data=st.data(),
 )
-def test_the_owner_outlives_any_bytes(shared, junk, op, data):
+def test_the_arbiter_outlives_any_bytes(shared, junk, op, data):
     json_values = st.recursive(
         st.none()
         | st.booleans()
@@ -581,8 +581,8 @@ def test_the_owner_outlives_any_bytes(shared, junk, op, data):
 
 @pytest.fixture(scope="module")
 def shared(tmp_path_factory):
-    bench = Bench(tmp_path_factory.mktemp("owner"))
-    with bench.owner():
+    bench = Bench(tmp_path_factory.mktemp("arbiter"))
+    with bench.arbiter():
         yield bench
 
 
@@ -593,7 +593,7 @@ import sys
 from end_effector_hal.arbiter import Policy, serve
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket, *lines = sys.argv[1:]
-serve(VirtualLines(chip), socket, Policy(lines), on_ready=lambda owner: print("ready", flush=True))
+serve(VirtualLines(chip), socket, Policy(lines), on_ready=lambda arbiter: print("ready", flush=True))
 print("end", flush=True)
 """
 CLIENT = """
@@ -620,7 +620,7 @@ def process(program, *arguments):
         child.communicate()
 
 
-def test_a_killed_owner_leaves_the_lines_and_the_next_adopts_them(bench):
+def test_a_killed_arbiter_leaves_the_lines_and_the_next_adopts_them(bench):
     with process(OWNER, bench.chip, bench.socket, *LINES) as first:
         with bench.client() as grip:
             with pytest.raises(LineBusyError, match=f"pid {first.pid} "):
@@ -639,14 +639,14 @@ def test_a_killed_owner_leaves_the_lines_and_the_next_adopts_them(bench):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_an_owner_that_is_asked_to_end_leaves_the_lines_as_they_are(bench, number):
-    with process(OWNER, bench.chip, bench.socket, *LINES) as owner:
+def test_an_arbiter_that_is_asked_to_end_leaves_the_lines_as_they_are(bench, number):
+    with process(OWNER, bench.chip, bench.socket, *LINES) as arbiter:
         grip = bench.client()
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         wait_until("it", lambda: bench.levels()[1])
-        owner.send_signal(number)
-        assert owner.stdout.read() == b"end\n"
-        assert owner.wait(PATIENCE_S) == 0
+        arbiter.send_signal(number)
+        assert arbiter.stdout.read() == b"end\n"
+        assert arbiter.wait(PATIENCE_S) == 0
     assert bench.levels() == [False, True, False]
     assert not bench.socket.exists()
     grip.close()
@@ -673,35 +673,35 @@ def test_the_will_of_a_killed_client_is_executed_in_order_and_in_time(bench):
     assert killed + 300_000 <= edges[1].at < killed + 3_000_000
 
 
-def test_an_owner_that_ends_with_its_clients_still_executes_their_wills(bench):
-    # as roslaunch does it at Ctrl-C: everybody is told to end, the owner first
+def test_an_arbiter_that_ends_with_its_clients_still_executes_their_wills(bench):
+    # as roslaunch does it at Ctrl-C: everybody is told to end, the arbiter first
     with (
-        process(OWNER, bench.chip, bench.socket, *LINES) as owner,
+        process(OWNER, bench.chip, bench.socket, *LINES) as arbiter,
         process(CLIENT, bench.socket, BOTTOM, TOP) as client,
     ):
         wait_until("it", lambda: bench.levels() == [False, True, True])
-        owner.send_signal(signal.SIGINT)
+        arbiter.send_signal(signal.SIGINT)
         time.sleep(0.2)
         client.kill()
-        assert owner.wait(PATIENCE_S) == 0
+        assert arbiter.wait(PATIENCE_S) == 0
     assert bench.levels() == [False, False, False]
 
 
-def test_a_second_signal_ends_an_owner_at_once(bench):
+def test_a_second_signal_ends_an_arbiter_at_once(bench):
     with (
-        process(OWNER, bench.chip, bench.socket, *LINES) as owner,
+        process(OWNER, bench.chip, bench.socket, *LINES) as arbiter,
         process(CLIENT, bench.socket, BOTTOM, TOP),
     ):
         wait_until("it", lambda: bench.levels() == [False, True, True])
-        owner.send_signal(signal.SIGINT)
+        arbiter.send_signal(signal.SIGINT)
         time.sleep(0.4)
-        owner.send_signal(signal.SIGINT)
-        assert owner.wait(PATIENCE_S) == 0
+        arbiter.send_signal(signal.SIGINT)
+        assert arbiter.wait(PATIENCE_S) == 0
     assert bench.levels() == [False, True, True]
 
 
 def test_a_stopped_client_is_dead_after_its_lease(bench):
-    with bench.owner(), process(CLIENT, bench.socket, BOTTOM) as client:
+    with bench.arbiter(), process(CLIENT, bench.socket, BOTTOM) as client:
         wait_until("it", lambda: bench.levels()[1])
         client.send_signal(signal.SIGSTOP)
         before = time.monotonic()
@@ -709,12 +709,12 @@ def test_a_stopped_client_is_dead_after_its_lease(bench):
         assert 0.7 < time.monotonic() - before < 5
 
 
-def test_an_owner_that_was_stopped_kills_nobody(bench):
-    with process(OWNER, bench.chip, bench.socket, *LINES) as owner, bench.client(timeout_s=10) as grip:
+def test_an_arbiter_that_was_stopped_kills_nobody(bench):
+    with process(OWNER, bench.chip, bench.socket, *LINES) as arbiter, bench.client(timeout_s=10) as grip:
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
-        owner.send_signal(signal.SIGSTOP)
+        arbiter.send_signal(signal.SIGSTOP)
         threading.Event().wait(1.5)
-        owner.send_signal(signal.SIGCONT)
+        arbiter.send_signal(signal.SIGCONT)
         assert grip.levels()[BOTTOM]
         threading.Event().wait(0.3)
         assert grip.levels()[BOTTOM]

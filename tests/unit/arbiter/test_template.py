@@ -1,4 +1,4 @@
-"""The line owner and its template in the UPPAAL file are held together: what the one does is a run of the other."""
+"""The line arbiter and its template in the UPPAAL file are held together: what the one does is a run of the other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import arbiter_policy
 from tests.support.declared import declared
-from tests.unit.arbiter.owner_runs import random_run
+from tests.unit.arbiter.template_runs import random_run
 
 SEEDS = range(24)
 
@@ -27,12 +27,12 @@ def text(description: Description) -> str:
 
 @pytest.fixture(scope="module")
 def policy(description: Description) -> Policy:
-    """The owner's, without what no line shows: sensors, and the time that a line takes to settle (IL-10)."""
+    """The arbiter's, without what no line shows: sensors, and the time that a line takes to settle (IL-10)."""
     return replace(arbiter_policy(description), needs={}, min_switch_us=0)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_what_the_line_owner_does_is_a_run_of_its_template(
+def test_what_the_line_arbiter_does_is_a_run_of_its_template(
     description: Description, text: str, policy: Policy, seed: int
 ) -> None:
     assert random_run(description, policy, seed).is_one_of(text)
@@ -66,38 +66,38 @@ def test_other_endings_than_the_declared_ones_are_found_out(
 class Backwards(LineArbiter):
     """Does wills from their end."""
 
-    def dead(self, session, why, at):  # type: ignore[no-untyped-def]
+    def declare_dead(self, session, why, at):  # type: ignore[no-untyped-def]
         lines = [step.line for step in reversed(session.will)]
         steps = zip(session.will, lines, strict=True)
         session.will = tuple(step._replace(line=line) for step, line in steps)
-        super().dead(session, why, at)
+        super().declare_dead(session, why, at)
 
 
 class Hasty(LineArbiter):
     """Does wills without waiting."""
 
-    def dead(self, session, why, at):  # type: ignore[no-untyped-def]
+    def declare_dead(self, session, why, at):  # type: ignore[no-untyped-def]
         session.will = tuple(step._replace(after_us=0) for step in session.will)
-        super().dead(session, why, at)
+        super().declare_dead(session, why, at)
 
 
 class Careless(LineArbiter):
     """Forgets wills."""
 
-    def dead(self, session, why, at):  # type: ignore[no-untyped-def]
+    def declare_dead(self, session, why, at):  # type: ignore[no-untyped-def]
         session.will = ()
-        super().dead(session, why, at)
+        super().declare_dead(session, why, at)
 
 
 @pytest.mark.parametrize("wrong", [Backwards, Hasty, Careless])
-def test_another_line_owner_is_found_out(
+def test_another_line_arbiter_is_found_out(
     description: Description, text: str, policy: Policy, wrong: type[LineArbiter]
 ) -> None:
     assert not all(random_run(description, policy, seed, wrong).is_one_of(text) for seed in SEEDS)
 
 
 @pytest.mark.parametrize("change", [{"exclusions": ()}, {"max_active_us": {}}])
-def test_a_line_owner_with_fewer_rules_is_found_out(
+def test_a_line_arbiter_with_fewer_rules_is_found_out(
     description: Description, text: str, policy: Policy, change: dict
 ) -> None:
     fewer = replace(policy, **change)

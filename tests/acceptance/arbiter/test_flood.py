@@ -1,4 +1,4 @@
-"""Real processes that flood the owner's socket, beside one that writes lines."""
+"""Real processes that flood the arbiter's socket, beside one that writes lines."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ while not ended.is_set():
 
 def test_who_writes_lines_is_served_in_a_flood(tmp_path: Path) -> None:
     chip, path = VirtualChip.create(tmp_path / "chip", LINES).path, tmp_path / "sock"
-    with ArbiterServer(VirtualLines(chip), path, Policy(LINES, min_switch_us=0)) as owner:
-        serving = threading.Thread(target=owner.run)
+    with ArbiterServer(VirtualLines(chip), path, Policy(LINES, min_switch_us=0)) as arbiter:
+        serving = threading.Thread(target=arbiter.run)
         serving.start()
         command = [sys.executable, "-c", FLOOD, str(path)]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as flood:
@@ -62,5 +62,5 @@ def test_who_writes_lines_is_served_in_a_flood(tmp_path: Path) -> None:
                 client.close()
             finally:
                 flood.kill()
-                owner.stop()
+                arbiter.stop()
                 serving.join()

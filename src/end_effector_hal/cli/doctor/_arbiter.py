@@ -1,4 +1,4 @@
-"""The line owner: whether one serves the tool's socket, for whom, and what is active."""
+"""The line arbiter: whether one serves the tool's socket, its clients, and what is active."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from ._finding import Finding, Findings, Part
 from ._holders import holders_of
 
 _FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/tmp/eehal-0"))
-_START = "Start it: eehal owner DESCRIPTION, or systemctl start eehal-owner."
+_START = "Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter."
 _GROUP = "Add the user to the group gpio, which owns the socket, and log in again."
 _FRESH_US = 1_000_000
-"""Longer than the owner's own 150 ms: the machine may be slow, and a look changes nothing."""
-_say = Part("owner")
+"""Longer than the arbiter's own 150 ms: the machine may be slow, and reading changes nothing."""
+_say = Part("arbiter")
 
 
-def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
-    """Args: ``lines``: all output lines of the tool; asks for levels and status, writes nothing."""
+def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> Findings:
+    """Reads levels and status, writes nothing; ``lines`` are all output lines of the tool."""
     from end_effector_hal.arbiter import ArbiterClient
 
     try:
@@ -39,7 +39,7 @@ def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
     if set(levels) != set(lines):
         yield _say.missing(
             f"pid {status.get('pid')} at {path} owns other lines: {', '.join(levels)}",
-            "It was started with another description: end it and start it with this one.",
+            "It was started with another description: stop it and start it with this one.",
         )
         return
     yield _say.ok(f"pid {status.get('pid')} serves {path}; {_clients(status)}")
@@ -50,33 +50,33 @@ def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
     if trips := status.get("trips"):
         yield _say.warning(
             f"IL-03 ended {len(trips)} activations, the last of {trips[-1].get('line')}",
-            "Whoever unlocks should end it earlier; see the log of the owner.",
+            "The program that unlocks should end it earlier; see the log of the arbiter.",
         )
 
 
 def _sensed(status: dict[str, Any]) -> Iterator[Finding]:
-    """What the owner knows of the sensors (IL-01, IL-05, IL-13), and its faults."""
+    """What the sensors prove to the arbiter (IL-01, IL-05, IL-13), and its faults."""
     needs, told = status.get("needs", []), status.get("told", {})
     fresh = {name: told[name]["holds"] for name in needs if name in told and told[name]["age_us"] < _FRESH_US}
     missing = [name for name in needs if name not in fresh]
     if missing and status.get("clients"):
         yield _say.warning(
-            f"nobody says what the sensors show ({', '.join(missing)}): activations are refused",
-            "The node Pressure, or eehal run, reads the sensor link and tells the owner.",
+            f"no process reports what the sensors show ({', '.join(missing)}): activations are refused",
+            "The node Pressure, or eehal run, reads the sensor link and reports to the arbiter.",
         )
     elif fresh:
         shown = ", ".join(f"{name} {'yes' if holds else 'no'}" for name, holds in fresh.items())
         yield _say.ok(f"by the sensors: {shown}")
     for why in status.get("faults", {}).values():
-        yield _say.warning(f"latched: {why}", "See to the cause, then reset the faults.")
+        yield _say.warning(f"latched: {why}", "Remove the cause, then reset the faults.")
 
 
 def _clients(status: dict[str, Any]) -> str:
-    told = [
-        f"{each.get('client')} ({_process(each)}{', its will is executed' if each.get('ended') else ''})"
+    clients = [
+        f"{each.get('client')} ({_process(each)}{', its last will is being executed' if each.get('ended') else ''})"
         for each in status.get("clients", [])
     ]
-    return f"writing: {', '.join(told)}" if told else "nobody writes"
+    return f"writing: {', '.join(clients)}" if clients else "no program writes"
 
 
 def _process(client: dict[str, Any]) -> str:
@@ -91,14 +91,14 @@ def _unreachable(path: Path, error: ReportedError) -> Finding:
     if holders := " and ".join(map(str, holders_of(f"{path}.lock"))):
         return _say.missing(
             f"{path} is held by {holders}: {error.what}",
-            "If it does not answer any more, end it and start it again; it adopts the lines as they are.",
+            "If it does not answer any more, stop it and start it again; it adopts the lines as they are.",
         )
     if elsewhere := next(_elsewhere(path), None):
         return _say.missing(
-            f"no line owner at {path}, but there is a socket at {elsewhere}",
-            f"Set EEHAL_RUN_DIR={elsewhere.parent}, as the owner has it.",
+            f"no line arbiter at {path}, but there is a socket at {elsewhere}",
+            f"Set EEHAL_RUN_DIR={elsewhere.parent}, like the arbiter.",
         )
-    return _say.missing(f"no line owner runs at {path}", _START)
+    return _say.missing(f"no line arbiter runs at {path}", _START)
 
 
 def _elsewhere(path: Path) -> Iterator[Path]:

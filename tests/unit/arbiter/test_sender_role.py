@@ -14,19 +14,22 @@ OTHER = 65534
 
 
 @pytest.fixture
-def owner(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Stepped]:
+def arbiter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Stepped]:
     made = Stepped(tmp_path, monkeypatch)
     yield made
     made.close()
 
 
-def test_what_is_told_without_the_role_counts_for_nothing(owner: Stepped) -> None:
-    guest, program = owner.peer(), owner.peer()
+def test_what_is_told_without_the_role_counts_for_nothing(arbiter: Stepped) -> None:
+    guest, program = arbiter.peer(), arbiter.peer()
     assert program.writes(TOP)["ok"]
     for peer in (guest, program):
-        assert "say hello with the role sensors first" in peer.tell(locked=True, closed=True)["error"]
+        assert (
+            "only the connection with the role sensors may report predicates"
+            in peer.tell(locked=True, closed=True)["error"]
+        )
     assert "has said yet" in program.ask("set", levels={TOP: True})["error"]
-    sensors = owner.peer()
+    sensors = arbiter.peer()
     assert sensors.proves()["ok"]
     assert sensors.tell(locked=True, closed=True)["ok"]
     assert program.ask("set", levels={TOP: True})["ok"]
@@ -36,16 +39,16 @@ def test_what_is_told_without_the_role_counts_for_nothing(owner: Stepped) -> Non
 
 @pytest.mark.parametrize("uid", [None, OTHER])
 def test_a_second_one_is_refused_and_latched_while_the_first_is_heard(
-    owner: Stepped, uid: int | None
+    arbiter: Stepped, uid: int | None
 ) -> None:
-    sensors, second, program = owner.peer(), owner.peer(uid), owner.peer()
+    sensors, second, program = arbiter.peer(), arbiter.peer(uid), arbiter.peer()
     assert sensors.proves()["ok"]
     assert program.writes(TOP)["ok"]
     assert sensors.tell(locked=False, closed=True)["ok"]
     refused = second.proves(token="c" * 32)
     assert refused["code"] == "EE-402"
     assert (
-        "wants to say what the sensors show; it counts for nothing, for the first one (pid "
+        "wants to report what the sensors show; the arbiter ignores it, because the first one (pid "
         in refused["error"]
     )
     assert "say hello with the role" in second.tell(locked=True, closed=True)["error"]
@@ -56,51 +59,51 @@ def test_a_second_one_is_refused_and_latched_while_the_first_is_heard(
     assert program.ask("renew")["faults"] == []
 
 
-def test_it_comes_back_with_its_token(owner: Stepped) -> None:
-    """As after a message that was cut: the owner may still hold the connection from before."""
-    sensors, again = owner.peer(), owner.peer()
+def test_it_comes_back_with_its_token(arbiter: Stepped) -> None:
+    """As after a message that was cut: the arbiter may still hold the connection from before."""
+    sensors, again = arbiter.peer(), arbiter.peer()
     assert sensors.proves()["ok"]
     assert sensors.tell(locked=True)["ok"]
     assert again.proves()["ok"]
     assert not sensors.open
     assert again.tell(locked=True)["ok"]
-    assert owner.keeper.sensed.faults == {}
+    assert arbiter.rules.predicates.faults == {}
 
 
-def test_a_token_that_was_overheard_is_of_no_use_to_another_user(owner: Stepped) -> None:
-    sensors, thief = owner.peer(), owner.peer(OTHER)
+def test_a_token_that_was_overheard_is_of_no_use_to_another_user(arbiter: Stepped) -> None:
+    sensors, thief = arbiter.peer(), arbiter.peer(OTHER)
     assert sensors.proves()["ok"]
     assert not thief.proves()["ok"]
     assert sensors.tell(locked=True)["ok"]
 
 
-def test_the_next_of_the_same_user_takes_over_from_one_that_is_silent(owner: Stepped) -> None:
-    sensors, second, stranger = owner.peer(), owner.peer(), owner.peer(OTHER)
+def test_the_next_of_the_same_user_takes_over_from_one_that_is_silent(arbiter: Stepped) -> None:
+    sensors, second, stranger = arbiter.peer(), arbiter.peer(), arbiter.peer(OTHER)
     assert sensors.proves()["ok"]
     assert sensors.tell(locked=True)["ok"]
-    owner.to(150 * MS - 1)
+    arbiter.to(150 * MS - 1)
     assert not second.proves(token="c" * 32)["ok"]
-    owner.to(1)
+    arbiter.to(1)
     refused = stranger.proves(token="d" * 32)["error"]
-    assert "is of another user" in refused
+    assert "belongs to another user" in refused
     assert second.proves(token="c" * 32)["ok"]
     assert not sensors.open
     assert second.tell(locked=True)["ok"]
 
 
-def test_the_role_is_free_when_its_connection_has_ended(owner: Stepped) -> None:
-    sensors, stranger = owner.peer(), owner.peer(OTHER)
+def test_the_role_is_free_when_its_connection_has_ended(arbiter: Stepped) -> None:
+    sensors, stranger = arbiter.peer(), arbiter.peer(OTHER)
     assert sensors.proves()["ok"]
     sensors.close()
-    owner.step()
+    arbiter.step()
     assert stranger.proves(token="d" * 32)["ok"]
-    assert owner.keeper.sensed.faults == {}
+    assert arbiter.rules.predicates.faults == {}
 
 
-def test_one_that_hangs_has_the_role_for_ten_seconds(owner: Stepped) -> None:
-    sensors = owner.peer()
+def test_one_that_hangs_has_the_role_for_ten_seconds(arbiter: Stepped) -> None:
+    sensors = arbiter.peer()
     assert sensors.proves()["ok"]
-    owner.to(10 * S)
-    stranger = owner.peer(OTHER)
+    arbiter.to(10 * S)
+    stranger = arbiter.peer(OTHER)
     assert stranger.proves(token="d" * 32)["ok"]
     assert not sensors.open

@@ -15,7 +15,7 @@ from end_effector_hal.runtime import program_lines
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import read_chip
 
-CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-owner"
+CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-arbiter"
 BOTTOM, CYLINDER, TOP = program_lines(load("/etc/eehal/end_effector.yaml"), "grip")
 WILL = [(TOP, False, 0), (CYLINDER, False, 600_000), (BOTTOM, False, 1_200_000)]
 ACTIVE = dict.fromkeys((BOTTOM, CYLINDER, TOP), True)
@@ -31,7 +31,7 @@ def levels():
 
 
 def serves(other_than):
-    """Seconds until an owner with another pid answers."""
+    """Seconds until an arbiter with another pid answers."""
     begin = time.monotonic()
     while time.monotonic() < begin + 30:
         try:
@@ -45,10 +45,10 @@ def serves(other_than):
 
 
 def engage(client, will):
-    """What an owner does only where the sensors are said to prove it."""
+    """What an arbiter does only where the sensors are said to prove it."""
     teller, begin = PredicateSender(SOCKET), time.monotonic()
     while time.monotonic() < begin + 30:
-        teller.tell({"locked": True, "nothing_gripped": True, "parked": True}, now_us())
+        teller.send({"locked": True, "nothing_gripped": True, "parked": True}, now_us())
         if client.status()["told"]:
             break
     client.set(ACTIVE, will=will)
@@ -56,7 +56,7 @@ def engage(client, will):
 
 
 def replaced(signal_name):
-    """What the death or the standstill of the owner does while lines are active."""
+    """What the death or the standstill of the arbiter does while lines are active."""
     pid = int(shown("MainPID"))
     with ArbiterClient(SOCKET, "grip", ACTIVE) as client:
         engage(client, ())

@@ -1,4 +1,4 @@
-"""``eehal owner``: the process that owns the output lines."""
+"""``eehal arbiter``: the process that owns the output lines."""
 
 from __future__ import annotations
 
@@ -21,17 +21,19 @@ from ._path_name import PathName
     type=PathName(file_okay=False, exists=True),
     help="Folder that survives a loss of power; default: $STATE_DIRECTORY, else that of the socket.",
 )
-@click.option("--group", help="Whose members may command the lines; default: the group of this process.")
+@click.option(
+    "--group", help="Group whose members may command the lines; default: the group of this process."
+)
 def command(
     description: Path | None, profile: str, socket: Path | None, journal: Path | None, group: str | None
 ) -> None:
     """Own all output lines of a tool (one request) and serve them on a Unix socket.
 
-    The tool is named by its DESCRIPTION or by --profile: none is driven by default.
+    The tool is named by its DESCRIPTION or by --profile; there is no default.
 
-    Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, what it
-    left as its will is done. The lines keep their level when the owner ends. Faults, and wills that are not done,
-    are kept in a journal for the next owner.
+    Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, the arbiter
+    executes its last will. The lines keep their level when the arbiter ends. Latched faults are kept in a journal,
+    and last wills in the session record beside the socket, for the next arbiter.
     """
     from end_effector_hal.runtime import run_arbiter
 

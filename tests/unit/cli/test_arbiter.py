@@ -1,4 +1,4 @@
-"""``eehal owner`` drives the tool that it is told to, and none by default."""
+"""``eehal arbiter`` drives the tool that it is told to, and none by default."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli._owner import command
+from end_effector_hal.cli._arbiter import command
 from end_effector_hal.description import profile_path, tool_path
 from end_effector_hal.errors import UsageError
 
