@@ -28,7 +28,7 @@ def test_what_is_told_without_the_role_counts_for_nothing(arbiter: Stepped) -> N
             "only the connection with the role sensors may report predicates"
             in peer.tell(locked=True, closed=True)["error"]
         )
-    assert "has said yet" in program.ask("set", levels={TOP: True})["error"]
+    assert "has reported yet" in program.ask("set", levels={TOP: True})["error"]
     sensors = arbiter.peer()
     assert sensors.proves()["ok"]
     assert sensors.tell(locked=True, closed=True)["ok"]
@@ -51,7 +51,7 @@ def test_a_second_one_is_refused_and_latched_while_the_first_is_heard(
         "wants to report what the sensors show; the arbiter ignores it, because the first one (pid "
         in refused["error"]
     )
-    assert "say hello with the role" in second.tell(locked=True, closed=True)["error"]
+    assert "only the connection with the role sensors" in second.tell(locked=True, closed=True)["error"]
     assert "not proven to be locked" in program.ask("set", levels={TOP: True})["error"]
     (fault,) = program.ask("renew")["faults"]
     assert fault.startswith("A second process (pid ")
