@@ -11,8 +11,9 @@ from pathlib import Path
 from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import CHANNELS
-from end_effector_hal.description import BlowOff, Description, EStop, VacuumActuator, load, profile_path
+from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.kinds.vacuum import BlowOff, VacuumActuator
 from end_effector_hal.runtime import (
     GoalRunner,
     Unit,
