@@ -60,10 +60,11 @@ image: ## the container image, from Debian's archive, without a registry; ARCH=a
 test-image: setup image ## by hand: in that image, as its user: import, check, doctor, health, a grip; ARCH=arm64 too
 	@$(ROS_ENV) && EEHAL_IMAGE=localhost/end-effector-hal:$(ARCH) pytest -q --durations=0 --durations-min=1 tests/acceptance/image
 
-check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
+check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+	@$(BIN)/python .ci/house.py
 	@$(BIN)/vulture
 	@$(BIN)/codespell
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from end_effector_hal.description import Description
-    from end_effector_lab.demo import Scenario
+    from end_effector_lab.demo import DemoScenario
 
 WIDTH = 120
 NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
@@ -121,7 +121,7 @@ def figures_wanted(no_figures: bool, progress: Console) -> bool:
     return True
 
 
-def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[Scenario]:
+def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[DemoScenario]:
     """Those of these names; without a name the paper's three, or all. Raises UsageError."""
     from end_effector_lab.demo import scenarios, unplayable
 

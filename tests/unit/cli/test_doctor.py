@@ -23,7 +23,7 @@ from click.testing import CliRunner, Result
 
 from end_effector_hal.arbiter import ArbiterServer
 from end_effector_hal.cli.doctor import _arbiter, _doctor, _lines, _link, _machine, _ros
-from end_effector_hal.cli.doctor._finding import Finding, Level
+from end_effector_hal.cli.doctor._check_result import CheckResult, Level
 from end_effector_hal.cli.doctor._holders import holders_of
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, load, profile_path
@@ -215,7 +215,7 @@ def test_only_what_was_asked_for(machine: Machine) -> None:
 
 
 def test_never_a_traceback(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaks() -> Iterator[Finding]:
+    def breaks() -> Iterator[CheckResult]:
         raise ZeroDivisionError
 
     monkeypatch.setattr(_ros, "look_at_ros", breaks)
@@ -631,7 +631,7 @@ def test_messages_without_their_launch_files(machine: Machine, monkeypatch: pyte
 
 
 def test_hints_about_time() -> None:
-    def told(finding: Finding) -> tuple[Level, str]:
+    def told(finding: CheckResult) -> tuple[Level, str]:
         return finding.level, finding.what
 
     assert told(_machine.kernel("#1 SMP PREEMPT_DYNAMIC x", realtime=False))[0] is Level.OK

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
-from end_effector_hal.arbiter.rules._interlocks import Interlocks
+from end_effector_hal.arbiter.rules._activation_check import ActivationCheck
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import SensorPredicates
@@ -58,7 +58,7 @@ class LineArbiter:
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
         self._lines = OutputLines(backend, policy, at, before_change)
-        self._interlocks = Interlocks(policy, self._lines, self.predicates)
+        self._check = ActivationCheck(policy, self._lines, self.predicates)
         for line in policy.lines:
             if self.levels[line] and any(self.levels[partner.line] for partner in policy.partners(line)):
                 _log.error("%s was found active together with a line that excludes it", policy.called(line))
@@ -149,7 +149,7 @@ class LineArbiter:
             queued = session.queued_level(line)
             expected = self.levels[line] if queued is None else queued
             if level and not expected:
-                self._interlocks.check_activation(line, levels, self.sessions, at)
+                self._check.check_activation(line, levels, self.sessions, at)
         if len(session.queue) >= MOST_WAITING:
             raise LineRefusedError(
                 f"IL-10: {MOST_WAITING} writes of this client wait already for their lines to settle."

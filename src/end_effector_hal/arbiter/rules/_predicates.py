@@ -10,7 +10,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import hint
 
 
-class Proof(NamedTuple):
+class ProvenPredicate(NamedTuple):
     """Whether a predicate held at ``at`` µs, according to the process that reads the sensors."""
 
     holds: bool
@@ -38,7 +38,7 @@ class SensorPredicates:
         client_faults: Iterable[str] = (),
     ) -> None:
         needs = list(needs)
-        self.proofs: dict[str, Proof] = {}
+        self.proofs: dict[str, ProvenPredicate] = {}
         self.faults = dict(faults)
         self._valid_us = valid_us
         self._names, self._client_faults = (
@@ -61,7 +61,7 @@ class SensorPredicates:
             known = self.proofs.get(name)
             if known and known.at > proven_at:
                 continue
-            self.proofs[name] = Proof(holds, proven_at)
+            self.proofs[name] = ProvenPredicate(holds, proven_at)
             need = self._latching.get(name)
             if need and not holds:
                 self.latch(name, f"{need.interlock}: {need.latched}.")

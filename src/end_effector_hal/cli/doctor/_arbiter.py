@@ -10,7 +10,7 @@ from typing import Any
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ReportedError
 
-from ._finding import Finding, Findings, Part
+from ._check_result import CheckedPart, CheckResult, CheckResults
 from ._holders import holders_of
 
 _FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/tmp/eehal-0"))
@@ -18,10 +18,10 @@ _START = "Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter.
 _GROUP = "Add the user to the group gpio, which owns the socket, and log in again."
 _FRESH_US = 1_000_000
 """Longer than the arbiter's own 150 ms: the machine may be slow, and reading changes nothing."""
-_say = Part("arbiter")
+_say = CheckedPart("arbiter")
 
 
-def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> Findings:
+def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckResults:
     """Reads levels and status, writes nothing; ``lines`` are all output lines of the tool."""
     from end_effector_hal.arbiter import ArbiterClient
 
@@ -54,7 +54,7 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> Finding
         )
 
 
-def _sensed(status: dict[str, Any]) -> Iterator[Finding]:
+def _sensed(status: dict[str, Any]) -> Iterator[CheckResult]:
     """What the sensors prove to the arbiter (IL-01, IL-05, IL-13), and its faults."""
     needs, told = status.get("needs", []), status.get("told", {})
     fresh = {name: told[name]["holds"] for name in needs if name in told and told[name]["age_us"] < _FRESH_US}
@@ -83,7 +83,7 @@ def _process(client: dict[str, Any]) -> str:
     return f"pid {client['pid']}" if client.get("pid") else "in another container"
 
 
-def _unreachable(path: Path, error: ReportedError) -> Finding:
+def _unreachable(path: Path, error: ReportedError) -> CheckResult:
     if path.parent.is_dir() and not os.access(path.parent, os.X_OK):
         return _say.missing(f"{path.parent} may not be entered: permission denied", _GROUP)
     if isinstance(error.__cause__, PermissionError):

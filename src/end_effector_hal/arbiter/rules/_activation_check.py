@@ -11,7 +11,7 @@ from end_effector_hal.arbiter.rules._session import Session
 from end_effector_hal.errors import LineRefusedError
 
 
-class Interlocks:
+class ActivationCheck:
     """Exclusions between lines (IL-01, IL-05, IL-08), and what the sensors must prove (IL-01, IL-02, IL-05, IL-13).
 
     Args:

@@ -17,7 +17,7 @@ class Level(Enum):
     """The tool does not run like this."""
 
 
-class Finding(NamedTuple):
+class CheckResult(NamedTuple):
     """One thing that was looked at.
 
     Attributes:
@@ -33,23 +33,23 @@ class Finding(NamedTuple):
     todo: str = ""
 
 
-Findings = Iterator[Finding]
+CheckResults = Iterator[CheckResult]
 
 
-class Part:
+class CheckedPart:
     """Makes the findings of one part."""
 
     def __init__(self, name: str) -> None:
         self._name = name
 
-    def ok(self, what: str) -> Finding:
+    def ok(self, what: str) -> CheckResult:
         """As it should be."""
-        return Finding(self._name, Level.OK, what)
+        return CheckResult(self._name, Level.OK, what)
 
-    def warning(self, what: str, todo: str = "") -> Finding:
+    def warning(self, what: str, todo: str = "") -> CheckResult:
         """See `Level.WARNING`."""
-        return Finding(self._name, Level.WARNING, what, todo)
+        return CheckResult(self._name, Level.WARNING, what, todo)
 
-    def missing(self, what: str, todo: str) -> Finding:
+    def missing(self, what: str, todo: str) -> CheckResult:
         """See `Level.MISSING`."""
-        return Finding(self._name, Level.MISSING, what, todo)
+        return CheckResult(self._name, Level.MISSING, what, todo)
