@@ -72,7 +72,7 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
         )
     if proof.off:
         click.echo(
-            f"\n{len(proof.off)} edges of the model cannot be taken with the values of this description; --json lists them"
+            f"\n{len(proof.off)} edges can never be taken with the values of this description; --json lists them"
         )
     for finding in proof.findings:
         if finding.trace is not None:
