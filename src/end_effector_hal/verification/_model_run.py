@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import StatesLog, StatesRow
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
-from timed_automata import Network, State
-from timed_automata.explore import Trace
+from timed_automata import Network, State, Trace
 
 __all__ = ["has_states", "states_of"]
 

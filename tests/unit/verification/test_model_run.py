@@ -12,8 +12,7 @@ from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import Decision, tell
 from end_effector_hal.verification._model_run import has_states, states_of
-from timed_automata import Change, State, load_network, make_network, read_document
-from timed_automata.explore import Trace, TraceStep
+from timed_automata import Change, State, Trace, TraceStep, load_network, make_network, read_document
 from timed_automata.simulate import parse_choices, simulate
 
 NAMES = ("bottom_vacuum", "cylinder", "top_vacuum")
