@@ -16,6 +16,7 @@ __all__ = [
     "LineRefusedError",
     "LinkBusyError",
     "LinkError",
+    "MissingExtraError",
     "ModelError",
     "NotReadyError",
     "RangeError",
@@ -41,6 +42,12 @@ class DescriptionError(ReportedError, ValueError):
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """Every fault, in the order of the file."""
         return self._diagnostics
+
+
+class MissingExtraError(UsageError):
+    """A command or a codec needs a package of an extra that is not installed; says how to install it."""
+
+    code = "EE-101"
 
 
 class WireError(ReportedError, OSError):

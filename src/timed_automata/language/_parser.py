@@ -123,7 +123,7 @@ def _check_size(text: Text) -> None:
 
 
 def parse(text: Text, start: str) -> Any:
-    """The syntax tree of a text; ``start`` names a rule of the grammar. Raises ModelError."""
+    """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
     _check_size(text)
     try:
         return Builder(text).transform(_lark().parse(text.content, start=start))
