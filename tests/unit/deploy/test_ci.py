@@ -15,6 +15,7 @@ from tests.support.places import ROOT
 CALLED = [
     "setup",
     "check",
+    "test-dist",
     "test",
     "kill-matrix",
     "demo",
@@ -37,7 +38,7 @@ def test_second_time():
 """
 
 
-@pytest.mark.parametrize("failing", ["", "check", "test", "build-kernel.sh", "test-gpiochip"])
+@pytest.mark.parametrize("failing", ["", "check", "test-dist", "test", "build-kernel.sh", "test-gpiochip"])
 def test_ci_leaves_nothing_out_and_ends_with_what_was_run_once_more(tmp_path: Path, failing: str) -> None:
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci" / "run")
