@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from importlib.resources import files
 from typing import Any, cast
 
@@ -17,6 +18,10 @@ from timed_automata.errors import ModelError
 from timed_automata.language import ast
 from timed_automata.language._builder import Builder
 from timed_automata.language._refused_words import REFUSED_WORDS
+
+Item = (
+    ast.Declaration | ast.Instantiation
+)  # ``instantiation``: an element that older files have before ``system``
 
 _STARTS = [
     "declarations",
@@ -124,6 +129,7 @@ def _check_size(text: Text) -> None:
 
 
 def _parse(text: Text, start: str) -> Any:
+    """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
     _check_size(text)
     try:
         return Builder(text).transform(_lark().parse(text.content, start=start))
@@ -139,41 +145,11 @@ def _parse(text: Text, start: str) -> Any:
         raise fault(text.whole, "This text is nested too deeply.") from None
 
 
-def parse_declarations(text: Text) -> tuple[ast.Declaration, ...]:
-    """The declarations of the network or of a template."""
-    return cast("tuple[ast.Declaration, ...]", _parse(text, "declarations"))
-
-
-def parse_instantiations(text: Text) -> tuple[ast.Declaration | ast.Instantiation, ...]:
-    """The ``instantiation`` element that older files have before ``system``."""
-    return cast("tuple[ast.Declaration | ast.Instantiation, ...]", _parse(text, "instantiations"))
-
-
-def parse_system(text: Text) -> ast.System:
-    """The system section."""
-    return cast(ast.System, _parse(text, "system"))
-
-
-def parse_parameters(text: Text) -> tuple[ast.Parameter, ...]:
-    """The parameters of a template."""
-    return cast("tuple[ast.Parameter, ...]", _parse(text, "parameters"))
-
-
-def parse_selects(text: Text) -> tuple[ast.Select, ...]:
-    """A select label."""
-    return cast("tuple[ast.Select, ...]", _parse(text, "selects"))
-
-
-def parse_expression(text: Text) -> ast.Expression:
-    """A guard, an invariant."""
-    return cast(ast.Expression, _parse(text, "expression"))
-
-
-def parse_synchronisation(text: Text) -> ast.Synchronisation:
-    """A synchronisation label."""
-    return cast(ast.Synchronisation, _parse(text, "synchronisation"))
-
-
-def parse_updates(text: Text) -> tuple[ast.Expression, ...]:
-    """An assignment label: a list separated by commas."""
-    return cast("tuple[ast.Expression, ...]", _parse(text, "items"))
+parse_declarations: Callable[[Text], tuple[ast.Declaration, ...]] = partial(_parse, start="declarations")
+parse_instantiations: Callable[[Text], tuple[Item, ...]] = partial(_parse, start="instantiations")
+parse_system: Callable[[Text], ast.System] = partial(_parse, start="system")
+parse_parameters: Callable[[Text], tuple[ast.Parameter, ...]] = partial(_parse, start="parameters")
+parse_selects: Callable[[Text], tuple[ast.Select, ...]] = partial(_parse, start="selects")
+parse_expression: Callable[[Text], ast.Expression] = partial(_parse, start="expression")
+parse_synchronisation: Callable[[Text], ast.Synchronisation] = partial(_parse, start="synchronisation")
+parse_updates: Callable[[Text], tuple[ast.Expression, ...]] = partial(_parse, start="items")

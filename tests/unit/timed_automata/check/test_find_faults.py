@@ -9,7 +9,7 @@ import pytest
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from timed_automata import load_document, read_document
-from timed_automata.check import faults_of
+from timed_automata.check import find_faults
 
 SHIPPED = profile_path().with_name("end_effector.xml")
 
@@ -50,12 +50,12 @@ def document(**parts: str):
 
 
 def found(**parts: str) -> list[str]:
-    return [str(fault) for fault in faults_of(document(**parts))]
+    return [str(fault) for fault in find_faults(document(**parts))]
 
 
 def test_a_valid_file_has_none():
     assert found() == []
-    assert faults_of(load_document(SHIPPED)) == []
+    assert find_faults(load_document(SHIPPED)) == []
 
 
 def test_all_are_told_in_the_order_of_the_file():
@@ -92,16 +92,16 @@ def test_a_fault_in_declarations_hides_what_hangs_on_them():
     text = MODEL.replace("int v;", "int v = w;").format(
         **{k: escape(v) for k, v in (VALID | {"guard": "q"}).items()}
     )
-    (fault,) = faults_of(read_document(text.encode(), "m.xml"))
+    (fault,) = find_faults(read_document(text.encode(), "m.xml"))
     assert fault.where == "m.xml:2:31"
-    (fault,) = map(str, faults_of(document(system="system Q;")))
+    (fault,) = map(str, find_faults(document(system="system Q;")))
     assert "'Q' is no template" in fault
 
 
 def test_faults_that_given_constants_make():
-    assert faults_of(document(), {"K": 5}) == []
+    assert find_faults(document(), {"K": 5}) == []
     with pytest.raises(UsageError):
-        faults_of(document(), {"L": 5})
+        find_faults(document(), {"L": 5})
 
 
 @pytest.mark.parametrize(
@@ -130,7 +130,7 @@ def test_faults_that_given_constants_make():
     ],
 )
 def test_queries_outside_of_the_subset_are_refused_by_name(query, message):
-    (fault,) = faults_of(document(query=query))
+    (fault,) = find_faults(document(query=query))
     assert message in str(fault)
     assert fault.where.startswith("m.xml:16:")
 
@@ -144,4 +144,4 @@ def test_fifty_faults_are_enough():
     edge = MODEL[MODEL.index("<transition>") : MODEL.index("</template>")].replace("{guard}", "q")
     many = MODEL.replace("</template>", edge * 60 + "</template>")
     text = many.format(**{key: escape(value) for key, value in VALID.items()})
-    assert len(faults_of(read_document(text.encode(), "m.xml"))) == 50
+    assert len(find_faults(read_document(text.encode(), "m.xml"))) == 50

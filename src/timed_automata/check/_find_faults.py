@@ -18,7 +18,7 @@ _MOST = 50  # faults: more say nothing new
 _Place = tuple[int, int]
 
 
-def faults_of(document: Document, constants: Mapping[str, Given] | None = None) -> list[ModelError]:
+def find_faults(document: Document, constants: Mapping[str, Given] | None = None) -> list[ModelError]:
     """Every fault of a document's texts and queries, in the order of the file; none: it is valid.
 
     Raises:
