@@ -15,7 +15,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.runtime import Order, read_order, read_script
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
-from ._goals import GIVE_UP_S, PATIENCE_S, Goals
+from ._goals import GIVE_UP_S, PATIENCE_S, ActionClients
 from ._node import Node, service_class, stamp
 from ._table import (
     ARM_TOOL_CHANGER,
@@ -44,7 +44,7 @@ class Supervisor:
     def __init__(self, node: Node) -> None:
         self._prompting = self._reset_failed = False
         self._tell = node.publisher(SUPERVISOR_COMMANDS)
-        self._goals = Goals(self.say, _patience_s(node))
+        self._goals = ActionClients(self.say, _patience_s(node))
         self._adopted = threading.Event()
         node.subscribe(END_EFFECTOR_STATE, self._state_came)
 
