@@ -24,26 +24,26 @@ test: setup ## all tests; those of real processes in wall-clock time one after t
 	@$(ROS_ENV) && pytest -q -m "wall or ros" $(WALL_OPTIONS)
 
 nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line owner fuzzed and simulated
-	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/automata/explore tests/tool/proof tests/mutants tests/wires/test_owner_fuzz.py
-	@$(BIN)/python tests/owner_simulation/run.py --runs 100000
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_owner_fuzz.py
+	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
-	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/deploy/test_boot.py
+	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py
 
 owner-simulation: $(VENV)/.synced ## the line owner with its disk in virtual time: whoever dies when (RUNS=2000)
-	@$(BIN)/python tests/owner_simulation/run.py --runs $(or $(RUNS),2000)
+	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs $(or $(RUNS),2000)
 
 interlocks: $(VENV)/.synced ## the interlock table: each interlock at each door, refused in words
-	@$(BIN)/python -m pytest -q -s tests/interlocks
+	@$(BIN)/python -m pytest -q -s tests/acceptance/interlocks
 
 test-gpiochip: setup ## on a real GPIO chip and serial driver, in a kernel of its own that is built once (4 minutes)
-	@deploy/debian.sh tests/gpiochip/debian-packages.txt || true
-	@[ "$$EEHAL_GPIOCHIP" = gpio-sim ] || tests/gpiochip/build-kernel.sh || test $$? = 3
+	@deploy/debian.sh tests/acceptance/gpiochip/debian-packages.txt || true
+	@[ "$$EEHAL_GPIOCHIP" = gpio-sim ] || tests/acceptance/gpiochip/build-kernel.sh || test $$? = 3
 	@$(ROS_ENV) && EEHAL_GPIOCHIP=$${EEHAL_GPIOCHIP:-1} EEHAL_GPIOCHIP_ROS="$(THROUGH_ROS)" \
-		pytest -q --durations=0 --durations-min=1 tests/gpiochip
+		pytest -q --durations=0 --durations-min=1 tests/acceptance/gpiochip
 
 test-board: test-gpiochip ## by hand: the same on an emulated Verdin with its own device tree, all compared (an hour)
-	@$(ROS_ENV) && eehal board --build-only && time EEHAL_BOARD=1 pytest -q --durations=0 --durations-min=1 tests/board
+	@$(ROS_ENV) && eehal board --build-only && time EEHAL_BOARD=1 pytest -q --durations=0 --durations-min=1 tests/acceptance/board
 
 board: setup ## a grip on an emulated Verdin, through all nodes (WITH='--only fails-once --no-ros' or other options)
 	@$(ROS_ENV) && eehal board $(WITH)
@@ -58,7 +58,7 @@ image: ## the container image, from Debian's archive, without a registry; ARCH=a
 	@deploy/container/image.sh $(ARCH)
 
 test-image: setup image ## by hand: in that image, as its user: import, check, doctor, health, a grip; ARCH=arm64 too
-	@$(ROS_ENV) && EEHAL_IMAGE=localhost/end-effector-hal:$(ARCH) pytest -q --durations=0 --durations-min=1 tests/image
+	@$(ROS_ENV) && EEHAL_IMAGE=localhost/end-effector-hal:$(ARCH) pytest -q --durations=0 --durations-min=1 tests/acceptance/image
 
 check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -71,13 +71,13 @@ bench: setup ## measure it: latencies against their floor, CPU, memory
 	@$(ROS_ENV) && python benchmarks/run.py
 
 kill-matrix: setup ## kill, stop and end every process in the states that tell most (5 minutes)
-	@$(ROS_ENV) && python tests/kill_matrix/run.py
+	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run
 
 kill-matrix-full: setup ## the same in every state (15 minutes)
-	@$(ROS_ENV) && python tests/kill_matrix/run.py --full
+	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run --full
 
 link-campaign: setup ## 10,000 faults of the sensor link in virtual time, a minute of them for real
-	@$(BIN)/python tests/link_campaign/run.py
+	@$(BIN)/python -m tests.acceptance.link_campaign.run
 
 format: $(VENV)/.synced
 	@$(BIN)/ruff check -q --fix . ; $(BIN)/ruff format -q .

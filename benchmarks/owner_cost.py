@@ -17,10 +17,10 @@ from typing import Any
 from figures import Figures, figures
 from usage import Meter, Usage
 
-from end_effector_hal.arbiter import OwnerClient, Teller
+from end_effector_hal.arbiter import ArbiterClient, PredicateSender
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import output_lines, program_lines
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 
@@ -29,10 +29,11 @@ OWNER = """
 import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import owner_policy
-from end_effector_hal.wires import VirtualLines, serve
+from end_effector_hal.runtime import arbiter_policy
+from end_effector_hal.arbiter import serve
+from end_effector_hal.wires.lines import VirtualLines
 chip, socket = sys.argv[1:]
-policy = replace(owner_policy(load(profile_path())), min_switch_us=0)
+policy = replace(arbiter_policy(load(profile_path())), min_switch_us=0)
 ready = lambda owner: print("ready", flush=True)
 serve(VirtualLines(chip), socket, policy, journal=socket + ".journal", on_ready=ready)
 """
@@ -65,15 +66,15 @@ def measure_owner(blocks: int, hold_s: float, say: Callable[[str], None]) -> Own
     description = load(profile_path())
     gripping, changing = (program_lines(description, program) for program in ("grip", "tool_change"))
     line = gripping[0]
-    unwind = [WillStep(each) for each in reversed(gripping)]
+    unwind = [LastWillStep(each) for each in reversed(gripping)]
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="eehal-owner-")))
         lines = output_lines(description)
         chips = {name: VirtualChip.create(folder / name, lines).path for name in ("owned", "direct")}
         owner = stack.enter_context(_owner(chips["owned"], folder / "sock"))
         stack.enter_context(_told(folder / "sock"))
-        stack.enter_context(OwnerClient(folder / "sock", "tool_change", changing))
-        grip = stack.enter_context(OwnerClient(folder / "sock", "grip", gripping))
+        stack.enter_context(ArbiterClient(folder / "sock", "tool_change", changing))
+        grip = stack.enter_context(ArbiterClient(folder / "sock", "grip", gripping))
         backend = VirtualLines(chips["direct"])
         backend.request(lines)
         stack.callback(backend.close)
@@ -134,7 +135,7 @@ def _owner(chip: Path, sock: Path) -> Iterator[subprocess.Popen[bytes]]:
 @contextmanager
 def _told(sock: Path) -> Iterator[None]:
     """What the sensors prove, as often as a link of 50 Hz has it told."""
-    teller, ended = Teller(sock), threading.Event()
+    teller, ended = PredicateSender(sock), threading.Event()
 
     def tell() -> None:
         while not ended.wait(TELL_S):
@@ -143,7 +144,7 @@ def _told(sock: Path) -> Iterator[None]:
     thread = threading.Thread(target=tell)
     thread.start()
     while True:
-        with OwnerClient(sock, "look") as look:
+        with ArbiterClient(sock, "look") as look:
             if look.status()["told"]:
                 break
     yield

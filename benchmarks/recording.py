@@ -18,7 +18,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import Unit
 from end_effector_hal.runtime.boundary import NOBODY, open_recorder
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 
 FRAMES, WARM_UP, PERIOD_S = 150, 20, 0.02
@@ -37,11 +37,11 @@ class _Lines:
     def overtaken(self) -> bool:
         return False
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], None]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
         del levels, will
         return lambda: None
 
-    def close(self, will: Sequence[WillStep]) -> None:
+    def close(self, will: Sequence[LastWillStep]) -> None:
         del will
 
 

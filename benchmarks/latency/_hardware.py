@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import LinkError, OwnerError
+from end_effector_hal.errors import ArbiterError, LinkError
 from end_effector_lab.demo._child import Child
 from end_effector_lab.demo._world import EEHAL, START_S, World
 
@@ -34,7 +34,7 @@ class Hardware(World):
             lambda: "ready:" in self.testbench.text(), timeout_s=START_S, what="it was ready"
         )
         self.owner = self.children.start(
-            "line owner", [*EEHAL, "owner", path], log=self.folder / "owner.log", failed=OwnerError
+            "line owner", [*EEHAL, "owner", path], log=self.folder / "owner.log", failed=ArbiterError
         )
         self.owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from timed_automata.errors import ModelError, RangeError, ReportedError, Told, UsageError
+from timed_automata.errors import Diagnostic, ModelError, RangeError, ReportedError, UsageError
 
 __all__ = [
+    "ArbiterError",
     "BoardError",
     "DescriptionError",
+    "Diagnostic",
     "LineBusyError",
     "LineNotFoundError",
     "LineRefusedError",
     "LinkBusyError",
     "LinkError",
+    "MissingExtraError",
     "ModelError",
     "NotReadyError",
-    "OwnerError",
     "RangeError",
     "ReportedError",
     "RosError",
-    "Told",
     "UsageError",
     "WireError",
 ]
@@ -32,15 +33,21 @@ class DescriptionError(ReportedError, ValueError):
     code = "EE-200"
     exit_code = 2
 
-    def __init__(self, told: Sequence[Told]) -> None:
-        self._told = tuple(told)
-        self.faults = [str(each) for each in told]
+    def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
+        self._diagnostics = tuple(diagnostics)
+        self.faults = [str(each) for each in diagnostics]
         super().__init__("\n".join(self.faults))
 
     @property
-    def told(self) -> tuple[Told, ...]:
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
         """Every fault, in the order of the file."""
-        return self._told
+        return self._diagnostics
+
+
+class MissingExtraError(UsageError):
+    """A command or a codec needs a package of an extra that is not installed; says how to install it."""
+
+    code = "EE-101"
 
 
 class WireError(ReportedError, OSError):
@@ -80,7 +87,7 @@ class LinkBusyError(LinkError):
     code = "EE-411"
 
 
-class OwnerError(WireError):
+class ArbiterError(WireError):
     """The line owner cannot be reached, or does not answer."""
 
     code = "EE-420"

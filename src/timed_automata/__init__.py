@@ -1,24 +1,22 @@
-"""Networks of timed automata from UPPAAL files: read, checked, executed, written back. Knows nothing of grippers."""
+"""Networks of timed automata from UPPAAL files: read, executed and written back here, and used by the rooms.
 
-from ._constraints import Bound, ClockConstraint, Condition, Relation, Values
-from ._document import Document, DrawnEdge, DrawnLocation, Label, Query, Template
-from ._execution import Execution
-from ._expressions import Expressions, Term
-from ._faults import did_you_mean, fault, refused
-from ._initialisers import Given
-from ._loader import load_network, make_network
-from ._network import Channel, Edge, Location, Network, Process, State, Variable, effects_of
-from ._parser import parse_expression
-from ._quantifiers import quantified, unrolled
-from ._schedule import NEVER, Clocks
-from ._scope import Clock, Effects, Function, Scope, Storage
-from ._semantics import Fired, Semantics, Transition
-from ._sides import Sides
-from ._snapshots import Resumed, resume, snapshot_of
-from ._steps import (
+Faults of a file: ``timed_automata.check``; runs: ``simulate``; proofs: ``explore``; judging what happened: ``monitor``.
+"""
+
+from .document import (
+    Document,
+    DrawnEdge,
+    DrawnLocation,
+    Label,
+    Template,
+    load_document,
+    read_document,
+    write_document,
+)
+from .execute import (
     Begun,
-    Change,
     Event,
+    Execution,
     ExecutionSnapshot,
     Observation,
     Reaction,
@@ -27,75 +25,33 @@ from ._steps import (
     TakenEdge,
     Written,
 )
-from ._text import Span, Text
-from ._unit import Unit
-from ._values import Indexed, Value
-from ._xml_reader import load_document, read_document
-from ._xml_writer import export, write_document
+from .network import Change, Network, State, Trace, TraceStep, export, load_network, make_network
 
 __all__ = [
-    "NEVER",
     "Begun",
-    "Bound",
     "Change",
-    "Channel",
-    "Clock",
-    "ClockConstraint",
-    "Clocks",
-    "Condition",
     "Document",
     "DrawnEdge",
     "DrawnLocation",
-    "Edge",
-    "Effects",
     "Event",
     "Execution",
     "ExecutionSnapshot",
-    "Expressions",
-    "Fired",
-    "Function",
-    "Given",
-    "Indexed",
     "Label",
-    "Location",
     "Network",
     "Observation",
-    "Process",
-    "Query",
     "Reaction",
     "Received",
-    "Relation",
-    "Resumed",
-    "Scope",
-    "Semantics",
-    "Sides",
-    "Span",
     "State",
     "Step",
-    "Storage",
     "TakenEdge",
     "Template",
-    "Term",
-    "Text",
-    "Transition",
-    "Unit",
-    "Value",
-    "Values",
-    "Variable",
+    "Trace",
+    "TraceStep",
     "Written",
-    "did_you_mean",
-    "effects_of",
     "export",
-    "fault",
     "load_document",
     "load_network",
     "make_network",
-    "parse_expression",
-    "quantified",
     "read_document",
-    "refused",
-    "resume",
-    "snapshot_of",
-    "unrolled",
     "write_document",
 ]

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 
 
 @dataclass(frozen=True)
-class Told:
+class Diagnostic:
     """One fault, as every command tells it; ``line`` and ``column`` are 0 where there are none."""
 
     code: str
@@ -16,7 +16,7 @@ class Told:
     message: str
 
     @classmethod
-    def at(cls, code: str, where: str, message: str) -> Told:
+    def at(cls, code: str, where: str, message: str) -> Diagnostic:
         """A fault at ``file:line:column``, or at whatever else ``where`` names."""
         file, *numbers = where.rsplit(":", 2)
         if len(numbers) == 2 and all(each.isdigit() for each in numbers):
@@ -54,9 +54,9 @@ class ReportedError(Exception):
         return f"{place}{self.what}{advice}"
 
     @property
-    def told(self) -> tuple[Told, ...]:
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
         """What it says, fault by fault."""
-        return (Told.at(self.code, self.where, f"{self.what} {self.todo}".strip()),)
+        return (Diagnostic.at(self.code, self.where, f"{self.what} {self.todo}".strip()),)
 
 
 class UsageError(ReportedError, ValueError):

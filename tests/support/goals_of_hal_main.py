@@ -7,11 +7,11 @@ import threading
 from typing import Any
 
 import pytest
-from goal_server import Wire
-from patience import wait_until
 
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Phase
+from tests.support.goal_server import Wire
+from tests.support.patience import wait_until
 
 STATUSES = ("PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED", "RECALLED", "LOST")
 STAND_BY, GRIPPED, GRIPPING = 6, 3, 1
@@ -47,8 +47,8 @@ class Hal:
         import rospy
         from end_effector_msgs.msg import EndEffectorState, StepReport
 
-        from end_effector_hal.ros1 import _served_goals
-        from end_effector_hal.ros1._action_server import GoalServer
+        from end_effector_hal.ros1.actions import _served_goals
+        from end_effector_hal.ros1.actions._action_server import GoalServer
 
         def start(server: Any) -> None:
             server.result_pub, server.status_pub, server.feedback_pub = Wire(), Wire(), Wire()

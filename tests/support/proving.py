@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from patience import wait_until
-
-from end_effector_hal.arbiter import OwnerClient, Teller
+from end_effector_hal.arbiter import ArbiterClient, PredicateSender
 from end_effector_hal.wires import now_us
+from tests.support.patience import wait_until
 
 REPEAT_S = 0.03
 
@@ -18,14 +17,14 @@ REPEAT_S = 0.03
 @contextmanager
 def proving(socket: Path, **predicates: bool) -> Iterator[None]:
     """Tell it again and again until the end; it begins when the owner has heard it."""
-    teller, ended = Teller(socket), threading.Event()
+    teller, ended = PredicateSender(socket), threading.Event()
 
     def tell() -> None:
         while not ended.wait(REPEAT_S):
             teller.tell(predicates, now_us())
         teller.close()
 
-    with OwnerClient(socket, "look") as look:
+    with ArbiterClient(socket, "look") as look:
         thread = threading.Thread(target=tell)
         thread.start()
         try:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from end_effector_hal.description import Description, examine, profile_path
-from end_effector_hal.errors import ReportedError, Told
+from end_effector_hal.errors import Diagnostic, ReportedError
 
 from ._path_name import PathName
 
@@ -47,7 +47,7 @@ class Checked:
     """All that there is to say of a description before it is used."""
 
     description: Description | None
-    faults: tuple[Told, ...]
+    faults: tuple[Diagnostic, ...]
     not_fitted: tuple[str, ...] = ()
     slow: tuple[str, ...] = ()
 
@@ -67,19 +67,21 @@ def check(path: Path) -> Checked:
     examination = examine(path)
     description = examination.description
     if description is None:
-        return Checked(None, examination.told)
-    from end_effector_hal.codecs import fitting
-    from end_effector_hal.ros1 import name_faults
+        return Checked(None, examination.diagnostics)
+    from end_effector_hal.codecs import match_codec
+    from end_effector_hal.nodes.interface import name_faults
     from end_effector_hal.runtime import load_automata
 
-    fits = fitting(description)
-    faults = tuple(fault.told(str(path)) for fault in fits.faults) + name_faults(description, str(path))
-    if not any(fault.code == "EE-226" for fault in fits.faults):  # without a codec nothing is put together
+    match = match_codec(description)
+    faults = tuple(fault.diagnostic(str(path)) for fault in match.faults) + name_faults(
+        description, str(path)
+    )
+    if not any(fault.code == "EE-226" for fault in match.faults):  # without a codec nothing is put together
         try:
             load_automata(description)
         except ReportedError as error:
-            faults += error.told
-    return Checked(description, faults, fits.not_fitted, fits.slow)
+            faults += error.diagnostics
+    return Checked(description, faults, match.not_fitted, match.slow)
 
 
 def _print_summary(description: Description, checked: Checked) -> None:

@@ -33,7 +33,7 @@ def command(
     left as its will is done. The lines keep their level when the owner ends. Faults, and wills that are not done,
     are kept in a journal for the next owner.
     """
-    from end_effector_hal.runtime import run_owner
+    from end_effector_hal.runtime import run_arbiter
 
     path = tool_path(description or "", profile, how="DESCRIPTION or --profile NAME")
-    run_owner(load_tool(path), socket, journal, group)
+    run_arbiter(load_tool(path), socket, journal, group)

@@ -51,7 +51,7 @@ def command(recording: Path, description: Path | None, as_json: bool) -> None:
             if len(paths) == 1:
                 raise
             refused.append(
-                {"trace": str(path), "ok": False, "faults": [each.as_json() for each in error.told]}
+                {"trace": str(path), "ok": False, "faults": [each.as_json() for each in error.diagnostics]}
             )
             click.echo(str(error), err=True)
         else:

@@ -71,7 +71,7 @@ class JsonLines:
 
     def error(self, error: ReportedError) -> None:
         """Its faults as everywhere."""
-        self._tell(event="error", faults=[fault.as_json() for fault in error.told])
+        self._tell(event="error", faults=[fault.as_json() for fault in error.diagnostics])
 
     def _tell(self, **content: object) -> None:
         click.echo(json.dumps(content, ensure_ascii=False))
@@ -82,16 +82,16 @@ class Changes:
 
     def __init__(self, description: Description, voice: Voice) -> None:
         self._description, self._voice = description, voice
-        self._kinds = {name: part.kind for name, part in description.ordered}
         self._last: tuple[str, dict[str, str]] | None = None
         self._alarms: tuple[str, ...] = ()
 
     def status(self, status: Status) -> None:
         """One more."""
-        from end_effector_hal.vocabulary import EndEffectorState, actuator_states
+        from end_effector_hal.kinds import kind_of
+        from end_effector_hal.vocabulary import EndEffectorState
 
-        states = zip(self._description.sequence, status.actuators, strict=True)
-        actuators = {name: actuator_states(name, self._kinds)(state).label for name, state in states}
+        states = zip(self._description.ordered, status.actuators, strict=True)
+        actuators = {name: kind_of(part).states(state).label for (name, part), state in states}
         if (now := (EndEffectorState(status.ee).label, actuators)) != self._last:
             self._last = now
             self._voice.state(*now)

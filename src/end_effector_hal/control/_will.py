@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import EndEffectorState, WillStep, to_us
+from end_effector_hal.vocabulary import EndEffectorState, LastWillStep, to_us
 
 from ._status import Status
 
 
-def will_of(description: Description, status: Status, *, on: str = "process_death") -> tuple[WillStep, ...]:
+def will_of(
+    description: Description, status: Status, *, on: str = "process_death"
+) -> tuple[LastWillStep, ...]:
     """Deactivations in release order of what is engaged now and is declared to be released; empty: hold.
 
     Held, or left active by an unwinding: it stays, unless the description says otherwise (IL-09). Before GRIPPED:
@@ -20,13 +22,13 @@ def will_of(description: Description, status: Status, *, on: str = "process_deat
         status: its state when the will is written.
         on: ``process_death`` or ``sigterm``, the ending that it is for.
     """
-    steps: list[WillStep] = []
+    steps: list[LastWillStep] = []
     after_us = 0
     for name in description.releasing:
         index = description.sequence.index(name)
         if status.outputs[index] and not _stays(description, status, name, on, left=index in status.kept):
             actuator = description.actuators[name]
-            steps.append(WillStep(actuator.line, after_us=after_us))
+            steps.append(LastWillStep(actuator.line, after_us=after_us))
             after_us += to_us(actuator.release_s)
     return tuple(steps)
 

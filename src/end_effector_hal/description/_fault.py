@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
-from end_effector_hal.errors import Told
+from end_effector_hal.errors import Diagnostic
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -73,9 +73,9 @@ class Fault:
         hint = f"; {self.hint}" if self.hint else ""
         return printable(f"{self.what}{found}{expected}{hint}")
 
-    def told(self, name: str) -> Told:
+    def diagnostic(self, name: str) -> Diagnostic:
         """The fault of the file that is called so; as text ``file:line:column: message [code]``."""
-        return Told(self.code, name, self.line, self.column, self.message)
+        return Diagnostic(self.code, name, self.line, self.column, self.message)
 
 
 def printable(text: str) -> str:

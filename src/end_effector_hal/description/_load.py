@@ -19,5 +19,5 @@ def load(path: str | Path) -> Description:
     """
     examination = examine(path)
     if examination.description is None:
-        raise DescriptionError(examination.told)
+        raise DescriptionError(examination.diagnostics)
     return examination.description

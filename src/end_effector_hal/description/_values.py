@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from end_effector_hal.kinds.stanza import PRINTABLE
+
 from ._fault import Fault, did_you_mean
 from ._limits import limits_of, wrong_scale
-from ._part import PRINTABLE
 from ._places import Keys, Place, Places
 from ._units import convert, number, split, with_unit
 

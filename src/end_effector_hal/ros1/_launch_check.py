@@ -1,4 +1,4 @@
-"""What the launch file asks before anything is started: which tool it is, and whether its nodes could work with it.
+"""The check of the launch file before it starts anything: which tool it is, and whether the nodes can work with it.
 
 roslaunch runs it as the command of a parameter while it reads the file; when it fails, nothing is started.
 """
@@ -12,9 +12,8 @@ from pathlib import Path
 
 from end_effector_hal.description import Description, tool_path
 from end_effector_hal.errors import UsageError
+from end_effector_hal.nodes.interface import load_for_nodes
 from end_effector_hal.runtime import load_automata
-
-from ._name_faults import load_for_nodes
 
 HOW = "description:=FILE or profile:=NAME (roslaunch ignores an argument that it does not know)"
 
@@ -37,7 +36,7 @@ def launch_check(argv: Sequence[str]) -> None:
     _is_the_one_meant(given.description, path)
     description = load_for_nodes(path)
     load_automata(description)
-    print(_told(description, path))  # noqa: T201 it becomes the value of the parameter
+    print(_identity(description, path))  # noqa: T201 it becomes the value of the parameter
 
 
 def _is_the_one_meant(given: str, path: Path) -> None:
@@ -50,5 +49,5 @@ def _is_the_one_meant(given: str, path: Path) -> None:
         )
 
 
-def _told(description: Description, path: Path) -> str:
+def _identity(description: Description, path: Path) -> str:
     return f"{description.name} {description.fingerprint()} {path}"

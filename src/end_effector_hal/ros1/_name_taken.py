@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import xmlrpc.client
+from collections.abc import Callable
 
 import rosgraph
 import rospy
 
 from end_effector_hal.errors import RosError, UsageError
+from end_effector_hal.nodes.interface import Parameter
 
-from ._master import ask_master, ask_node
-from ._tool_named import private_parameter, tool_named
+from ._tool_named import tool_named
+from .master import NoSuchMethod, ask_master, ask_node
 
 
 def node_name(name: str) -> str:
@@ -22,7 +23,7 @@ def node_name(name: str) -> str:
 def refuse_taken_name(name: str, tool: str) -> None:
     """Raise RosError when a node of this name runs: it is left alone, and the new one does not start.
 
-    A node that does not answer is taken for lost, and replaced, unless it was started for another tool.
+    A node that does not answer counts as lost, and is replaced, unless it was started for another tool.
 
     Args:
         name: resolved, of the new node.
@@ -40,7 +41,7 @@ def refuse_taken_name(name: str, tool: str) -> None:
         if running == tool:
             return
         state = "it does not answer"
-    except xmlrpc.client.Fault:
+    except NoSuchMethod:
         state = "of another package"
     except OSError:
         return  # it has gone without a word to the master
@@ -48,6 +49,11 @@ def refuse_taken_name(name: str, tool: str) -> None:
     raise RosError(
         what, todo=f"Give this tool a namespace (ns:=NAME), or end that node: rosnode kill {name}."
     )
+
+
+def private_parameter(node: str) -> Callable[[Parameter], str]:
+    """A function that reads the private parameters of a node, by its resolved name, from the master."""
+    return lambda each: str(ask_master("getParam", f"{node}/{each.name}") or "")
 
 
 def _tool_of(name: str) -> str:

@@ -1,42 +1,51 @@
-"""How the executables of the ROS package start: errors are one sentence, the exit code tells their kind."""
+"""How the executables of the ROS package start: an error is one sentence, and the exit code says its kind."""
 
 from __future__ import annotations
 
 import importlib
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from end_effector_hal.errors import ReportedError, RosError
+from end_effector_hal.nodes import start_node
 
 _ROS_PACKAGES = ("genpy", "rospy", "actionlib", "diagnostic_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 
 
-def run(node: str) -> None:
-    """Run a node by the name of its module, and exit with its code."""
+def run(name: str) -> None:
+    """Run a node of the table, and exit with its code."""
+    sys.exit(_guarded(Path(sys.argv[0]).name, lambda: _run_node(name)))
 
-    def body() -> int | None:
-        try:
-            _import_genpy()
-            main: Callable[[list[str]], int | None] = importlib.import_module(f"{__package__}._{node}").main
-        except ModuleNotFoundError as error:
-            raise _missing(error) from None
-        return main(sys.argv)
 
-    sys.exit(_guarded(node, body))
+def _run_node(name: str) -> int:
+    try:
+        _import_genpy()
+        importlib.import_module("end_effector_msgs.msg")
+        from ._ros_node import RosNode
+
+        with RosNode(name, sys.argv) as node:
+            code = start_node(name, node)
+            if code is None:
+                return node.spin()
+            node.end()
+            return code
+    except ModuleNotFoundError as error:
+        raise _missing(error) from None
 
 
 def run_line_owner() -> None:
-    """Run the line owner as ``eehal owner`` does, with the arguments of a node. It is none: it needs no master."""
+    """Run the line arbiter as ``eehal owner`` does, with the arguments of a node; it needs no master."""
     from end_effector_hal.codecs import load_tool
-    from end_effector_hal.runtime import run_owner
+    from end_effector_hal.runtime import run_arbiter
 
     from ._tool_named import tool_named
 
-    sys.exit(_guarded("line_owner", lambda: run_owner(load_tool(tool_named(sys.argv, lambda _: "")))))
+    sys.exit(_guarded("line_owner", lambda: run_arbiter(load_tool(tool_named(sys.argv, lambda _: "")))))
 
 
 def check_launch(argv: Sequence[str]) -> int:
-    """What the launch file asks before anything is started; see `_launch_check`. Returns the exit code."""
+    """The check of the launch file before it starts anything; see `_launch_check`. Returns the exit code."""
     from ._launch_check import launch_check
 
     return _guarded("end_effector.launch", lambda: launch_check(argv))

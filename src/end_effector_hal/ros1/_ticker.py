@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 
 class Ticker:
-    """Calls back every ``period_s`` in a thread of its own; what raises is logged."""
+    """Calls back every ``period_s`` in a thread of its own; what a callback raises is logged."""
 
     def __init__(self, period_s: float, callback: Callable[[], None], log: logging.Logger) -> None:
         self._period_s, self._callback, self._log = period_s, callback, log

@@ -1,4 +1,4 @@
-"""Which tool a program of the ROS package is started for: it is named by who starts it, never by default."""
+"""The tool that a program of the ROS package is started for: its launcher names it, there is no default."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from end_effector_hal.description import tool_path
-
-from ._master import ask_master
-from ._table import DESCRIPTION, PROFILE, Parameter
+from end_effector_hal.nodes.interface import DESCRIPTION, PROFILE, Parameter
 
 HOW = "_description:=FILE or _profile:=NAME"
 
@@ -29,11 +27,6 @@ def tool_named(argv: Sequence[str], parameter: Callable[[Parameter], str]) -> Pa
     if given == [None, None]:
         given = [parameter(DESCRIPTION), parameter(PROFILE)]
     return tool_path(given[0] or "", given[1] or "", how=HOW)
-
-
-def private_parameter(node: str) -> Callable[[Parameter], str]:
-    """What reads the private parameters of a node, by its resolved name, from the master."""
-    return lambda each: str(ask_master("getParam", f"{node}/{each.name}") or "")
 
 
 def _argument(argv: Sequence[str], parameter: Parameter) -> str | None:

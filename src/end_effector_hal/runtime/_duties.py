@@ -6,11 +6,11 @@ from dataclasses import replace
 
 from end_effector_hal.control import Status, will_of
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import EndEffectorState, WillStep
+from end_effector_hal.vocabulary import EndEffectorState, LastWillStep
 
 from ._maintenance import Maintenance
 
-Will = tuple[WillStep, ...]
+LastWill = tuple[LastWillStep, ...]
 
 
 class Duties:
@@ -30,13 +30,13 @@ class Duties:
             for (_, actuator), output in zip(self._description.ordered, status.outputs, strict=True)
         }
 
-    def will(self, status: Status, on: str = "process_death") -> Will:
+    def will(self, status: Status, on: str = "process_death") -> LastWill:
         """What the line owner does at an ending, by its name in the description."""
         if self._changes:
             changer = self._description.tool_changer
             if not (changer and status.unlock_output and getattr(changer.endings, on) == "release"):
                 return ()
-            return (WillStep(changer.line),)  # an inactive line is locked
+            return (LastWillStep(changer.line),)  # an inactive line is locked
         return self._maintenance.will or will_of(self._description, status, on=on)
 
     def grips(self, status: Status) -> bool:

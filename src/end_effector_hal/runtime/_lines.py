@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from end_effector_hal.arbiter import Exclusion, Need, Policy
 from end_effector_hal.codecs import get_codec
-from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, predicates_fitted
 from end_effector_hal.vocabulary import to_us
 
@@ -22,7 +23,7 @@ IL_13 = Need(
 )  # fmt: skip
 
 
-def owner_policy(description: Description) -> Policy:
+def arbiter_policy(description: Description) -> Policy:
     """The output interlocks of a tool."""
     changer = description.tool_changer
     labels = {actuator.line: name for name, actuator in description.ordered}
@@ -45,8 +46,8 @@ def _exclusions(description: Description) -> list[Exclusion]:
     if changer and description.interlocks.il_01:
         never += [Exclusion(changer.line, line) for line in gripping]
     for _, part in description.ordered:
-        if isinstance(part, VacuumActuator) and (blow_off := part.blow_off):
-            never.append(Exclusion(part.line, blow_off.line, "IL-08", "IL-08", to_us(blow_off.gap_s)))
+        if output := kind_of(part).opposing_output(part):
+            never.append(Exclusion(part.line, output.line, "IL-08", "IL-08", to_us(output.gap_s)))
     return never
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import WillStep, display_name, to_us
+from end_effector_hal.vocabulary import LastWillStep, display_name, to_us
 
 
 class Maintenance:
@@ -36,11 +36,11 @@ class Maintenance:
         return [line for line in self._order if line in self._lines]
 
     @property
-    def will(self) -> tuple[WillStep, ...]:
+    def will(self) -> tuple[LastWillStep, ...]:
         """What is to be done should this program end: everything that is active by hand is deactivated."""
         return _will(self.lines)
 
-    def will_with(self, line: str, active: bool) -> tuple[WillStep, ...]:
+    def will_with(self, line: str, active: bool) -> tuple[LastWillStep, ...]:
         """The will once a line is driven so."""
         wanted = self._lines | {line} if active else self._lines - {line}
         return _will([each for each in self._order if each in wanted])
@@ -58,5 +58,5 @@ class Maintenance:
         return lines
 
 
-def _will(lines: list[str]) -> tuple[WillStep, ...]:
-    return tuple(WillStep(line) for line in lines)
+def _will(lines: list[str]) -> tuple[LastWillStep, ...]:
+    return tuple(LastWillStep(line) for line in lines)

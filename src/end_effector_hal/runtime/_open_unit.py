@@ -8,7 +8,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 
 from ._newest import Listener
-from ._owner import connect_owner
+from ._owner import connect_arbiter
 from ._sensor_fault import SensorFault
 from ._unit import Unit
 from .boundary import NOBODY, open_recorder
@@ -29,10 +29,10 @@ def open_unit(
     is an alarm: a full disk is no reason not to hold a part.
 
     Raises:
-        OwnerError: there is no line owner.
+        ArbiterError: there is no line owner.
         LineBusyError: another process runs this program; says who.
     """
-    lines = connect_owner(description, program, patience_s=patience_s)
+    lines = connect_arbiter(description, program, patience_s=patience_s)
     try:
         recorder = NOBODY
         if traces is not None:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from end_effector_hal.control import Status
-from end_effector_hal.errors import LineBusyError, LineRefusedError, OwnerError, ReportedError
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError
+from end_effector_hal.vocabulary import LastWillStep
 
 RETRY_US = 200_000
 """What could not be done with the lines is tried again after this."""
@@ -19,13 +19,13 @@ class LineWriter(Protocol):
     def levels(self) -> Mapping[str, bool]:
         """The level of every line."""
 
-    def overtaken(self) -> bool:
+    def declared_dead(self) -> bool:
         """Whether the line owner took this program for dead since this was asked last."""
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:
         """Begin to write levels, and what to do should this program die; what is returned waits until it is done."""
 
-    def close(self, will: Sequence[WillStep]) -> None:
+    def close(self, will: Sequence[LastWillStep]) -> None:
         """Leave in good order; the will is done at once."""
 
 
@@ -33,7 +33,7 @@ class _Asked(NamedTuple):
     """A write that was begun; ``error``: it could not be."""
 
     changes: Mapping[str, bool]
-    will: tuple[WillStep, ...]
+    will: tuple[LastWillStep, ...]
     at: int
     wait: Callable[[], object]
     error: ReportedError | None = None
@@ -55,11 +55,11 @@ class Outputs:
         self,
         lines: LineWriter,
         of: Callable[[Status], dict[str, bool]],
-        will: Callable[[Status], tuple[WillStep, ...]],
+        will: Callable[[Status], tuple[LastWillStep, ...]],
     ) -> None:
         self._lines, self._of, self._will = lines, of, will
         self._wanted: dict[str, bool] | None = None
-        self._said: tuple[WillStep, ...] | None = None
+        self._said: tuple[LastWillStep, ...] | None = None
         self._undone: dict[str, bool] = {}
         self._written: dict[str, bool] = {}
         self._unheard: set[str] = set()
@@ -123,17 +123,17 @@ class Outputs:
         """
         self.retry_at = at + RETRY_US
         levels = self._lines.levels()
-        self.lost, overtaken = False, self._lines.overtaken()
+        self.lost, declared_dead = False, self._lines.declared_dead()
         same = all(levels.get(line) == level for line, level in self._written.items())
-        return same and not (gripping and overtaken)
+        return same and not (gripping and declared_dead)
 
-    def drive(self, line: str, active: bool, will: tuple[WillStep, ...]) -> None:
+    def drive(self, line: str, active: bool, will: tuple[LastWillStep, ...]) -> None:
         """Write one line by hand; raises WireError."""
         if self.lost:
-            raise OwnerError(self.alarm)
+            raise ArbiterError(self.alarm)
         self._end({line: active}, lambda: self._lines.ask({line: active}, will)())
 
-    def lose(self, error: OwnerError, at: int) -> None:
+    def lose(self, error: ArbiterError, at: int) -> None:
         """The line owner was lost; nothing is written until `agree` has been asked."""
         self.lost, self.retry_at = True, at
         self.alarm = f"The line owner was lost: {error}"
@@ -163,7 +163,7 @@ class Outputs:
             if each.at == status.at
         )
 
-    def _ask(self, changes: dict[str, bool], will: tuple[WillStep, ...], at: int) -> None:
+    def _ask(self, changes: dict[str, bool], will: tuple[LastWillStep, ...], at: int) -> None:
         if self.lost:
             self._fail(changes)
             return
@@ -181,7 +181,7 @@ class Outputs:
     def _end(self, changes: Mapping[str, bool], wait: Callable[[], object]) -> None:
         try:
             wait()
-        except (OwnerError, LineBusyError):
+        except (ArbiterError, LineBusyError):
             # looked at once: perhaps the owner is there again
             self.lost, self.retry_at = True, 0
             for line in changes:

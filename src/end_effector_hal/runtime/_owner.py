@@ -5,23 +5,23 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from end_effector_hal.arbiter import LineOwner, OwnerClient, serve
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, serve
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import be_steady
-from end_effector_hal.wires.lines import GpiodLines, HandsOn, LineBackend, VirtualLines
+from end_effector_hal.wires.lines import GpiodLines, LineBackend, LineHandover, VirtualLines
 
-from ._lines import owner_policy, program_lines
+from ._lines import arbiter_policy, program_lines
 from ._service_manager import ServiceManager
 
 
-def connect_owner(description: Description, program: str, *, patience_s: float = 5.0) -> OwnerClient:
-    """The connection of one program to the line owner; raises OwnerError, LineBusyError."""
+def connect_arbiter(description: Description, program: str, *, patience_s: float = 5.0) -> ArbiterClient:
+    """The connection of one program to the line owner; raises ArbiterError, LineBusyError."""
     lines = program_lines(description, program)
-    return OwnerClient(socket_path(description), program, lines, patience_s=patience_s)
+    return ArbiterClient(socket_path(description), program, lines, patience_s=patience_s)
 
 
-def run_owner(
+def run_arbiter(
     description: Description,
     socket: Path | None = None,
     journal: Path | None = None,
@@ -35,21 +35,21 @@ def run_owner(
     keeps the claim of the lines while this process is replaced, so that nobody else can take them.
     """
 
-    def ready(owner: LineOwner) -> None:
+    def ready(owner: ArbiterServer) -> None:
         levels = ", ".join(f"{line}={int(level)}" for line, level in owner.levels().items())
         print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
-        manager.store(backend.keepsakes() if isinstance(backend, HandsOn) else {})
+        manager.store(backend.keepsakes() if isinstance(backend, LineHandover) else {})
         manager.ready(f"{description.name} on {where}", _Question(where))
         be_steady()
 
     where, backend = socket or socket_path(description), _backend(description)
     with ServiceManager() as manager:
-        if isinstance(backend, HandsOn):
+        if isinstance(backend, LineHandover):
             backend.inherit(manager.handed_on())
         serve(
             backend,
             where,
-            owner_policy(description),
+            arbiter_policy(description),
             journal=_journal(where, journal),
             group=group,
             on_ready=ready,
@@ -67,11 +67,11 @@ class _Question:
 
     def __init__(self, where: Path) -> None:
         self._where = where
-        self._client: OwnerClient | None = None
+        self._client: ArbiterClient | None = None
 
     def __call__(self) -> None:
         # in the thread of the watchdog: before the loop runs nobody would answer
-        self._client = self._client or OwnerClient(self._where, "watchdog", patience_s=0)
+        self._client = self._client or ArbiterClient(self._where, "watchdog", patience_s=0)
         self._client.levels()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.arbiter import OwnerClient
+from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
@@ -24,7 +24,7 @@ def reset(description: Description, grip: Unit, *others: Answer) -> Answer:
     """
     grip.acknowledge()
     try:
-        with OwnerClient(socket_path(description), "reset", patience_s=0) as owner:
+        with ArbiterClient(socket_path(description), "reset", patience_s=0) as owner:
             owner.reset()
     except WireError as error:
         others = (*others, Answer(False, str(error)))

@@ -11,7 +11,7 @@ from functools import partial
 
 from end_effector_hal.control import Answer, Status, model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.errors import LineBusyError, OwnerError, WireError
+from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
@@ -91,7 +91,7 @@ class Unit:
         """Interface variables that another program says; returns at once."""
         self._relay.bring(lambda: self._acted(self._hear(values)))
 
-    def lost(self, error: OwnerError) -> None:
+    def lost(self, error: ArbiterError) -> None:
         """The connection to the line owner was lost; returns at once."""
         self._relay.bring(lambda: partial(self._lose, error))
 
@@ -194,7 +194,7 @@ class Unit:
         self._why = why
         return [self._now(), *self._begin()]
 
-    def _lose(self, error: OwnerError) -> None:
+    def _lose(self, error: ArbiterError) -> None:
         if self._begun:
             self._outputs.lose(error, now_us())
             with suppress(WireError):

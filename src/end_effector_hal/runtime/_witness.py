@@ -5,14 +5,14 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 
-from end_effector_hal.arbiter import Teller
+from end_effector_hal.arbiter import PredicateSender
 from end_effector_hal.codecs import Codec, get_codec
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.sensing import Predicates
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
 
-from ._lines import owner_policy
+from ._lines import arbiter_policy
 
 REPEAT_US = 50_000
 """The owner hears it at least so often; it forgets it after 150 ms."""
@@ -34,9 +34,9 @@ class Witness:
         self, description: Description, codec: Codec | None = None, clock: Callable[[], int] = now_us
     ) -> None:
         codec = codec or get_codec(description.link.codec)
-        self._teller = Teller(socket_path(description))
+        self._teller = PredicateSender(socket_path(description))
         self._predicates = Predicates(description, codec)
-        needs = owner_policy(description).needs.values()
+        needs = arbiter_policy(description).needs.values()
         self._needed = {need.predicate for needed in needs for need in needed}
         self._repeats = bool(self._needed) and codec.period_us > REPEAT_US // 2
         self._clock = clock

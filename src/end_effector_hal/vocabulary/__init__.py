@@ -1,17 +1,15 @@
 """The words that every room shares: Table II, evidence, causes, last wills, units; no logic."""
 
-from ._last_will import LEASE_US, Will, WillStep, read_will
+from ._last_will import LEASE_US, LastWill, LastWillStep, read_last_will
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._tables import (
     ACTIVE,
     INACTIVE,
     PENDING,
+    ActuatorState,
     Command,
-    CylinderState,
     EndEffectorState,
     TableState,
-    VacuumState,
-    actuator_states,
     display_name,
 )
 from ._text import LONGEST_SENTENCE, is_name, printable
@@ -23,23 +21,21 @@ __all__ = [
     "LEASE_US",
     "LONGEST_SENTENCE",
     "PENDING",
+    "ActuatorState",
     "Cause",
     "ChangerFault",
     "ChangerState",
     "Command",
-    "CylinderState",
     "EndEffectorState",
     "Evidence",
+    "LastWill",
+    "LastWillStep",
     "TableState",
     "ToolEvidence",
-    "VacuumState",
-    "Will",
-    "WillStep",
-    "actuator_states",
     "display_name",
     "is_name",
     "printable",
-    "read_will",
+    "read_last_will",
     "to_s",
     "to_us",
 ]

@@ -14,7 +14,7 @@ LEASE_US = 1_000_000
 """A client that the line owner has not heard of for so long is dead."""
 
 
-class WillStep(NamedTuple):
+class LastWillStep(NamedTuple):
     """One deactivation.
 
     Attributes:
@@ -32,11 +32,11 @@ class WillStep(NamedTuple):
         return self._asdict()
 
 
-Will = tuple[WillStep, ...]
+LastWill = tuple[LastWillStep, ...]
 """In order; empty: hold, everything stays as it is."""
 
 
-def read_will(steps: object) -> Will:
+def read_last_will(steps: object) -> LastWill:
     """From a message, or from whatever a caller gives.
 
     Raises:
@@ -52,9 +52,9 @@ def read_will(steps: object) -> Will:
     return will
 
 
-def _step(i: int, given: Any) -> WillStep:
+def _step(i: int, given: Any) -> LastWillStep:
     try:
-        step = WillStep(**given) if isinstance(given, Mapping) else WillStep(*given)
+        step = LastWillStep(**given) if isinstance(given, Mapping) else LastWillStep(*given)
     except TypeError:
         raise UsageError(f"step {i} of the will is not {{line, level, after_us}}.") from None
     if not isinstance(step.line, str):

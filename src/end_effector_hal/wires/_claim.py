@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -25,6 +24,8 @@ class Claim:
     """
 
     def __init__(self, path: str | Path, what: str, *, fd: int = -1) -> None:
+        import fcntl  # what needs no wires needs no POSIX
+
         try:
             self._fd = fd if fd >= 0 else os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o660)
         except OSError as error:

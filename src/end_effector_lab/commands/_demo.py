@@ -95,7 +95,7 @@ def command(
             ros=not no_ros,
             progress=progress,
             own_wires=own_wires,
-            figures=not no_figures,
+            figures=figures_wanted(no_figures, progress),
         )
     )
     if as_json:
@@ -104,6 +104,21 @@ def command(
         print_table(console(), reports)
     if not all(report.ok for report in reports):
         raise click.exceptions.Exit(1)
+
+
+def figures_wanted(no_figures: bool, progress: Console) -> bool:
+    """Whether to draw; says so where figures are wanted and the extra for them is not installed."""
+    from end_effector_hal.cli import figures
+    from end_effector_hal.errors import MissingExtraError
+
+    if no_figures:
+        return False
+    try:
+        figures()
+    except MissingExtraError as error:
+        progress.print(f"There will be no figures. {error}", highlight=False, markup=False, soft_wrap=True)
+        return False
+    return True
 
 
 def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[Scenario]:

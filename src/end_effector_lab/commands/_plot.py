@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.cli import PathName
+from end_effector_hal.cli import PathName, figures
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import (
     Moment,
@@ -39,6 +39,7 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
     Pressures and the source of the run are taken from pressures.csv and run.json beside it. Without -o the
     figure is written beside the recording, as PNG and as SVG.
     """
+    figures()  # without what draws them nothing is read or written
     states = recording / "states.csv" if recording.is_dir() else recording
     if recording.is_dir() and not states.exists():
         todo = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from end_effector_hal.codecs import codec_of
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, ToolChanger
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
 from ._scenario import Expected, Order, Scenario
@@ -25,9 +26,9 @@ _HELD = (State.STAND_BY, State.GRIPPING, State.GRIPPED, State.RELEASING)
 
 
 def culprit_of(description: Description) -> str:
-    """The actuator that fails in the demo: the first cylinder after the first step, else the second step."""
+    """The actuator that fails in the demo: the first that moves after the first step, else the second step."""
     later = description.ordered[1:] or description.ordered
-    return next((name for name, actuator in later if actuator.kind == "cylinder"), later[0][0])
+    return next((name for name, actuator in later if kind_of(actuator).moves), later[0][0])
 
 
 def scenarios(description: Description, *, everything: bool = False) -> tuple[Scenario, ...]:

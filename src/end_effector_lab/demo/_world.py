@@ -13,7 +13,7 @@ from typing import Self
 from ruamel.yaml import YAML
 
 from end_effector_hal.description import Description, load
-from end_effector_hal.errors import LinkError, OwnerError, UsageError
+from end_effector_hal.errors import ArbiterError, LinkError, UsageError
 
 from ._children import Children
 
@@ -77,7 +77,7 @@ class World:
         if not self._own_wires:
             self._start_testbench(path)
         owner = self.children.start(
-            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=OwnerError
+            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=ArbiterError
         )
         owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import PressuresLog, RunInfo
-from end_effector_hal.vocabulary import CylinderState, actuator_states, display_name
+from end_effector_hal.vocabulary import display_name
 from end_effector_lab.figures._labels import height_of, spread, width_of
 from end_effector_lab.figures._style import BAND, BAND_INK, CURVES, SUPPLY
 
@@ -92,7 +93,7 @@ def _owner(channel: str, info: RunInfo, actuators: tuple[str, ...]) -> str | Non
 
 def _is_vacuum(owner: str | None, values: list[float], info: RunInfo) -> bool:
     if owner is not None:
-        return actuator_states(owner, info.actuators) is not CylinderState
+        return recorded_kind(owner, info.actuators).below_ambient
     return max(values) < 20
 
 

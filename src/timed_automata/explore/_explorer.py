@@ -6,36 +6,49 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from timed_automata import Network, Text, refused
-from timed_automata import Query as StoredQuery
-from timed_automata import _ast as ast
+from timed_automata.document import StoredQuery, Text
 from timed_automata.errors import RangeError
-from timed_automata.explore._cases import Cases
-from timed_automata.explore._collector import without_collector
-from timed_automata.explore._concrete import Leg, NoRunError, concrete
-from timed_automata.explore._coverage import Coverage, Survey
-from timed_automata.explore._delay import Only, Within
-from timed_automata.explore._discrete import DiscreteSpace
-from timed_automata.explore._divergence import Timelocks, taken, zeno_run
-from timed_automata.explore._extremes import Found, extreme_clock, extreme_integer
-from timed_automata.explore._formula import (
+from timed_automata.explore.properties import (
+    FoundExtreme,
+    Reachability,
+    SanityReport,
+    Timelocks,
+    Verdict,
+    answer,
+    extreme_clock,
+    extreme_integer,
+    sanity_of,
+    taken,
+    zeno_run,
+)
+from timed_automata.explore.search import (
+    Lasso,
+    LassoSearch,
+    Leg,
+    NoRunError,
+    Only,
+    OutOfRangeError,
+    Progress,
+    Search,
+    Start,
+    Within,
+    ZoneCondition,
+    concrete,
+    without_collector,
+)
+from timed_automata.explore.states import DiscreteSpace, InvariantGuardedSpace, SymbolicSpace
+from timed_automata.explore.zones import Limit, Limits, limits_of, merged
+from timed_automata.language import ast
+from timed_automata.network import Network, Trace
+from timed_automata.queries import (
     All,
     Formula,
+    Query,
     compile_clock,
-    compile_formula,
     compile_integer,
-    limits_of,
-    mentions_deadlock,
+    compile_without_deadlock,
+    parse_query,
 )
-from timed_automata.explore._limits import Limit, Limits, merged
-from timed_automata.explore._liveness import Lasso, Start, Staying
-from timed_automata.explore._query import Query, parse_query
-from timed_automata.explore._reach import OutOfRangeError, Search, Told
-from timed_automata.explore._reachability import Reachability, answer
-from timed_automata.explore._sharp import SharpSpace
-from timed_automata.explore._symbolic import SymbolicSpace
-from timed_automata.explore._trace import Trace
-from timed_automata.explore._verdict import Verdict
 
 
 class RunTimeError(RangeError):
@@ -51,11 +64,11 @@ class Explorer:
 
     Args:
         network: a loaded network.
-        told: called with the number of states of the search at hand now and then.
+        progress: called with the number of states of the search at hand now and then.
     """
 
-    def __init__(self, network: Network, told: Told | None = None) -> None:
-        self.network, self._told = network, told
+    def __init__(self, network: Network, progress: Progress | None = None) -> None:
+        self.network, self._progress = network, progress
         self.discrete = DiscreteSpace(network)
 
     def check(self, query: Query | StoredQuery | Text | str) -> Verdict:
@@ -73,7 +86,7 @@ class Explorer:
                 return self._reachability(query)
             return self._liveness(query)
 
-    def explore_all(self) -> Coverage:
+    def sanity_check(self) -> SanityReport:
         """What every model must satisfy, whatever its queries.
 
         Raises:
@@ -81,7 +94,7 @@ class Explorer:
         """
         space = SymbolicSpace(self.discrete, Limits(self.network, symmetric=True))
         with self._errors(space), without_collector():
-            return Survey(Search(space, self._told)).run()
+            return sanity_of(Search(space, self._progress))
 
     def timelock(self) -> Verdict:
         """Whether time can go on wherever nothing else can happen; if not, the shortest run to where it cannot.
@@ -92,8 +105,8 @@ class Explorer:
         states = 0
         for trusted in (False, True):
             limits = Limits(self.network, symmetric=trusted)
-            space = (SymbolicSpace if trusted else SharpSpace)(self.discrete, limits)
-            search = Search(space, self._told)
+            space = (SymbolicSpace if trusted else InvariantGuardedSpace)(self.discrete, limits)
+            search = Search(space, self._progress)
             locks = Timelocks(search, trusted=trusted)
             with self._errors(space), without_collector():
                 trace = locks.run(search.nodes())
@@ -108,11 +121,11 @@ class Explorer:
         Raises:
             RunTimeError: a value leaves its range in a run.
         """
-        search = Search(SymbolicSpace(self.discrete, Limits(self.network)), self._told)
+        search = Search(SymbolicSpace(self.discrete, Limits(self.network)), self._progress)
         with self._errors(search.space), without_collector():
             for _ in search.nodes():
                 pass
-            trace = zeno_run(search, list(taken(iter(search.space.places))))
+            trace = zeno_run(search, list(taken(search.space.records)))
         return Verdict("", trace is None, search.states, trace)
 
     def check_all(self, queries: Iterable[Query | StoredQuery | Text | str]) -> list[Verdict]:
@@ -151,7 +164,9 @@ class Explorer:
             open_ = [one for one in asked if one.verdict is None]
             sharp = not symmetric and any(one.about_deadlock for one in open_)
             limits = Limits(self.network, extra, symmetric=symmetric)
-            search = Search((SharpSpace if sharp else SymbolicSpace)(self.discrete, limits), self._told)
+            search = Search(
+                (InvariantGuardedSpace if sharp else SymbolicSpace)(self.discrete, limits), self._progress
+            )
             with self._errors(search.space):
                 answer(search, open_, trusted=symmetric)
             if all(one.verdict for one in asked):
@@ -162,22 +177,24 @@ class Explorer:
         assert query.condition is not None
         sustained = query.condition if query.then is None else query.then
         staying = query.kind == "E[]"
-        inside = self._without_deadlock(sustained, negated=not staying)
-        outside = self._without_deadlock(sustained, negated=staying)
+        inside = compile_without_deadlock(self.network, sustained, negated=not staying)
+        outside = compile_without_deadlock(self.network, sustained, negated=staying)
         extra = limits_of(All((inside, outside)))
         starts = None
         if query.then is not None:
-            starts = self._without_deadlock(query.condition, negated=False)
+            starts = compile_without_deadlock(self.network, query.condition)
             merged(extra, limits_of(starts))
-        within, states = Within(Cases(inside), Cases(outside)), 0
+        within, states = Within(ZoneCondition(inside), ZoneCondition(outside)), 0
         for symmetric in (False, True):
             limits = Limits(self.network, extra, symmetric=symmetric)
             space = SymbolicSpace(self.discrete, limits, delays=False)
-            search = Staying(space, within, partial(_trusted if symmetric else _possible, space))
-            reach = Search(SymbolicSpace(self.discrete, limits), self._told)
+            search = LassoSearch(space, within, partial(_trusted if symmetric else _possible, space))
+            reach = Search(SymbolicSpace(self.discrete, limits), self._progress)
             with self._errors(space):
                 found = (
-                    [Start(*space.initial(), ())] if starts is None else _starts(reach, space, Cases(starts))
+                    [Start(*space.initial(), ())]
+                    if starts is None
+                    else _starts(reach, space, ZoneCondition(starts))
                 )
                 lasso = search.lasso(found)
             states += search.states + reach.states
@@ -190,16 +207,10 @@ class Explorer:
         )
         return Verdict(str(query), (lasso is None) != staying, states, trace)
 
-    def _without_deadlock(self, node: ast.Expression, *, negated: bool) -> Formula:
-        formula = compile_formula(self.network, node, negated=negated)
-        if mentions_deadlock(formula):
-            raise refused(node.span, f"'{node.span.snippet}', 'deadlock' outside of A[] and E<>")
-        return formula
-
     def _extremes(self, query: Query) -> Verdict:
         condition: Formula = All(())
         if query.condition is not None:
-            condition = self._without_deadlock(query.condition, negated=False)
+            condition = compile_without_deadlock(self.network, query.condition)
         found = [self._extreme(condition, target, upper=query.kind == "sup") for target in query.targets]
         trace = None
         for one, target in zip(found, query.targets, strict=True):
@@ -209,14 +220,14 @@ class Explorer:
         states, extremes = sum(one.search.states for one in found), tuple(one.extreme for one in found)
         return Verdict(str(query), all(e.value is not None for e in extremes), states, trace, extremes)
 
-    def _extreme(self, condition: Formula, target: ast.Expression, *, upper: bool) -> Found:
+    def _extreme(self, condition: Formula, target: ast.Expression, *, upper: bool) -> FoundExtreme:
         clock = compile_clock(self.network, target)
         space = SymbolicSpace(self.discrete, Limits(self.network))
         with self._errors(space):
             if clock is not None:
-                return extreme_clock(self.discrete, condition, clock, upper=upper, told=self._told)
+                return extreme_clock(self.discrete, condition, clock, upper=upper, progress=self._progress)
             read = compile_integer(self.network, target)
-            return extreme_integer(self.discrete, condition, read, upper=upper, told=self._told)
+            return extreme_integer(self.discrete, condition, read, upper=upper, progress=self._progress)
 
     @contextmanager
     def _errors(self, space: SymbolicSpace) -> Iterator[None]:
@@ -233,13 +244,13 @@ def _read(query: Query | StoredQuery | Text | str) -> Query:
     return query if isinstance(query, Query) else parse_query(query)
 
 
-def _starts(reach: Search, space: SymbolicSpace, cases: Cases) -> Iterator[Start]:
+def _starts(reach: Search, space: SymbolicSpace, cases: ZoneCondition) -> Iterator[Start]:
     """All states that satisfy the left side of ``-->``, with the ways there."""
     only = Only(cases)
     for node in reach.nodes():
-        place = space.place(node.place.discrete)
-        for _, zone in only(place, node.zone):
-            yield Start(place, tuple(zone), (*node.legs, Leg(None, only)))
+        record = space.record(node.record.discrete)
+        for _, zone in only(record, node.zone):
+            yield Start(record, tuple(zone), (*node.legs, Leg(None, only)))
 
 
 def _possible(space: SymbolicSpace, lasso: Lasso) -> bool:
@@ -259,16 +270,6 @@ def _anywhere(_: object, zone: tuple[int, ...]) -> tuple[int, ...]:
     return zone
 
 
-def check(network: Network, query: Query | StoredQuery | Text | str) -> Verdict:
+def verify(network: Network, query: Query | StoredQuery | Text | str) -> Verdict:
     """The answer to one query; see :meth:`Explorer.check`. For several about one network make an Explorer."""
     return Explorer(network).check(query)
-
-
-def explore_all(network: Network) -> Coverage:
-    """See :meth:`Explorer.explore_all`."""
-    return Explorer(network).explore_all()
-
-
-def worst_case(network: Network, clock: str, *, where: str = "true") -> Verdict:
-    """The supremum of a clock over the states that satisfy ``where``; ``extremes[0]`` of the verdict."""
-    return check(network, f"sup{{{where}}}: {clock}")

@@ -9,30 +9,39 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from timed_automata import Network
-from timed_automata import _ast as ast
-from timed_automata.explore._bounded import Bounded, bounded
-from timed_automata.explore._cases import Cases
-from timed_automata.explore._collector import without_collector
-from timed_automata.explore._concern import Concern
-from timed_automata.explore._coverage import open_channels
-from timed_automata.explore._deadlock import Deadlocks
-from timed_automata.explore._discrete import DiscreteSpace
-from timed_automata.explore._divergence import taken
-from timed_automata.explore._formula import Data, Formula, compile_formula, limits_of, mentions_deadlock
-from timed_automata.explore._goes_on import GoesOn
-from timed_automata.explore._happened import Missing, missing
-from timed_automata.explore._limits import Limit
-from timed_automata.explore._located import Asked, LocatedLimits, location_of, tested_clocks
-from timed_automata.explore._query import Query
-from timed_automata.explore._reach import Node, Told
-from timed_automata.explore._response import Response
-from timed_automata.explore._sharp import SharpSpace
-from timed_automata.explore._sliced import SlicedSemantics
-from timed_automata.explore._symbolic import Place
-from timed_automata.explore._watch import Watch
-from timed_automata.explore._widest_first import WidestFirst
-from timed_automata.explore._zeno import zeno_cycle
+from timed_automata.explore.properties import (
+    BoundedResponse,
+    CoverageReport,
+    LeadsTo,
+    bounded,
+    coverage_report,
+    open_channels,
+    taken,
+    zeno_cycle,
+)
+from timed_automata.explore.search import (
+    DeadlockFree,
+    Deadlocks,
+    Progress,
+    SearchNode,
+    WidestFirst,
+    ZoneCondition,
+    without_collector,
+)
+from timed_automata.explore.states import DiscreteSpace, InvariantGuardedSpace, SlicedSemantics, StateRecord
+from timed_automata.explore.zones import Limit, LocatedLimits, QueryLimits, limits_of, tested_clocks
+from timed_automata.language import ast
+from timed_automata.network import Network
+from timed_automata.queries import (
+    ConditionFilter,
+    Data,
+    FirstHitWatch,
+    Formula,
+    Query,
+    compile_formula,
+    location_of,
+    mentions_deadlock,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +53,7 @@ class Overview:
         answers: for each query whether it holds; None: it may not, or is of a kind that is not answered here.
         unmet: numbers of the queries ``A[] p imply q`` and ``p --> q`` whose p holds nowhere.
         bounded: the queries ``A[] p imply x <= c`` by number, each with the longest time seen.
-        missing: what cannot happen.
+        coverage: what cannot happen.
         open_channels: channels with one end, in words.
         stuck: whether there may be a state without any transition, now or later.
         stopped: whether there may be one in which time cannot go on either.
@@ -55,8 +64,8 @@ class Overview:
     states: int
     answers: tuple[bool | None, ...]
     unmet: frozenset[int]
-    bounded: Mapping[int, Bounded]
-    missing: Missing
+    bounded: Mapping[int, BoundedResponse]
+    coverage: CoverageReport
     open_channels: tuple[str, ...]
     stuck: bool
     stopped: bool
@@ -67,7 +76,7 @@ class Overview:
 def overview(
     network: Network,
     queries: Sequence[Query],
-    told: Told | None = None,
+    progress: Progress | None = None,
     *,
     stop: bool = False,
     most_states: int | None = None,
@@ -77,7 +86,7 @@ def overview(
     Args:
         network: a loaded network.
         queries: any; those of other kinds than ``A[]``, ``E<>`` and ``-->`` are left open.
-        told: called with the number of states now and then.
+        progress: called with the number of states now and then.
         stop: at the first ``A[]`` that may not hold; the rest then says nothing.
         most_states: end after so many; then only what was seen is said.
 
@@ -86,7 +95,7 @@ def overview(
         OutOfRangeError: a value leaves its range in a run; without the run.
     """
     with without_collector():
-        exploration = _Exploration(network, queries, told)
+        exploration = _Exploration(network, queries, progress)
         exploration.run(stop=stop, most_states=most_states)
         found = exploration.result()
         exploration.close()
@@ -94,31 +103,34 @@ def overview(
 
 
 class _Exploration:
-    def __init__(self, network: Network, queries: Sequence[Query], told: Told | None = None) -> None:
+    def __init__(self, network: Network, queries: Sequence[Query], progress: Progress | None = None) -> None:
         self.network, self.queries = network, queries
-        self._watch: Watch[tuple[int, bool]] = Watch(network)  # number of the query; False: only its premise
-        self._cases: dict[int, Cases] = {}
-        self._bounded: dict[int, Bounded] = {}
-        self._responses: dict[int, Response] = {}
+        self._watch: FirstHitWatch[tuple[int, bool]] = FirstHitWatch(
+            network
+        )  # number of the query; False: only its premise
+        self._cases: dict[int, ZoneCondition] = {}
+        self._bounded: dict[int, BoundedResponse] = {}
+        self._responses: dict[int, LeadsTo] = {}
         self._no_deadlock: set[int] = set()  # ask for nothing else
         self._about_deadlock: set[int] = set()  # ask for deadlocks among other things
         self._happened: set[tuple[int, bool]] = set()
         self._premises: dict[int, Formula] = {}
-        self._goes_on, self._deadlocks, self._doubtful = GoesOn(), Deadlocks(), set[Place]()
+        self._deadlock_free, self._deadlocks, self._doubtful = DeadlockFree(), Deadlocks(), set[StateRecord]()
         self._stuck = self._stopped = self._ended = False
         self._asked = [
-            Asked(self._ask(number, query), _where(network, query)) for number, query in enumerate(queries)
+            QueryLimits(self._ask(number, query), _where(network, query))
+            for number, query in enumerate(queries)
         ]
         discrete = DiscreteSpace(network, SlicedSemantics(network, [str(query) for query in queries]))
-        self.space = SharpSpace(discrete, LocatedLimits(network, self._asked))
+        self.space = InvariantGuardedSpace(discrete, LocatedLimits(network, self._asked))
         self.space.frugal = True
         asked_for = {clock for asked in self._asked for clock in asked.limits}
-        self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)), told)
+        self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)), progress)
 
     def _ask(self, number: int, query: Query) -> Mapping[int, Limit]:
         """Prepare for a query; the limits of clocks that it needs."""
         if query.kind == "-->":
-            response = self._responses[number] = Response(self.network, query)
+            response = self._responses[number] = LeadsTo(self.network, query)
             self._premises[number] = response.premise
             return response.limits
         if query.kind not in ("A[]", "E<>") or query.condition is None:
@@ -133,7 +145,7 @@ class _Exploration:
         invariance = query.kind == "A[]"
         wanted = compile_formula(self.network, query.condition, negated=invariance)
         if not isinstance(wanted, Data):
-            self._cases[number] = Cases(wanted)
+            self._cases[number] = ZoneCondition(wanted)
             self._premises[number] = wanted
             if mentions_deadlock(wanted):
                 self._about_deadlock.add(number)
@@ -145,19 +157,19 @@ class _Exploration:
 
     def run(self, *, stop: bool, most_states: int | None = None) -> None:
         """Explore."""
-        concern = Concern(self.network, self._premises)
+        concern = ConditionFilter(self.network, self._premises)
         for count, node in enumerate(self.search.nodes(), start=1):
-            place = node.place
-            concerned: tuple[int, ...] | None = place.note
+            record = node.record
+            concerned: tuple[int, ...] | None = record.note
             if concerned is None:
-                state = place.discrete.state
+                state = record.discrete.state
                 self._happened.update(self._watch(state))
-                concerned = place.note = concern(state)
-                if not self._goes_on(place):
-                    self._doubtful.add(place)
+                concerned = record.note = concern(state)
+                if not self._deadlock_free(record):
+                    self._doubtful.add(record)
             for number in concerned:
                 self._see(number, node)
-            if place in self._doubtful and not self._stopped:
+            if record in self._doubtful and not self._stopped:
                 self._doubt(node)
             if (stop and self._refuted) or count == most_states:
                 self._ended = True
@@ -171,33 +183,30 @@ class _Exploration:
         late = any(not bound.holds for bound in self._bounded.values())
         return late or (self._stuck and bool(self._no_deadlock)) or any(True for _ in invariants)
 
-    def _see(self, number: int, node: Node) -> None:
+    def _see(self, number: int, node: SearchNode) -> None:
         if number in self._bounded:
             self._bounded[number].see(node)
         elif number in self._responses:
             self._responses[number].see(node)
-        elif (number, True) not in self._happened and self._cases[number].part(node.place, node.zone):
+        elif (number, True) not in self._happened and self._cases[number].part(node.record, node.zone):
             self._happened.add((number, True))
 
-    def _doubt(self, node: Node) -> None:
+    def _doubt(self, node: SearchNode) -> None:
         """Look whether a state is stuck. Zones are too large here, never too small."""
-        place, discrete = node.place, node.place.discrete
-        if self._deadlocks.of(place, node.zone):
+        record, discrete = node.record, node.record.discrete
+        if self._deadlocks.of(record, node.zone):
             self._stuck = True
             self._stopped = not discrete.delays or bool(discrete.invariant)
 
     def result(self) -> Overview:
         """What was found."""
-        arcs = [] if self._ended else list(taken(iter(self.space.places)))
-        labels = {move.label for _, _, move in arcs}
-        fired = {id(edge.drawn) for label in labels for edge in label.edges}
-        visited = (place.discrete.stand.locations for place in self.space.places if place.passed)
+        arcs = [] if self._ended else list(taken(self.space.records))
         return Overview(
             states=self.search.states,
             answers=tuple(map(self._answer, range(len(self.queries)))),
             unmet=frozenset(self._unmet()),
             bounded=self._bounded,
-            missing=missing(self.network, visited, fired),
+            coverage=coverage_report(self.space, arcs),
             open_channels=tuple(open_channels(self.network)),
             stuck=self._stuck,
             stopped=self._stopped,

@@ -8,25 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from timed_automata import (
+from timed_automata.errors import RangeError, UsageError
+from timed_automata.execute import (
     Begun,
-    Change,
+    ExecutionBoundary,
     ExecutionSnapshot,
-    Network,
     Observation,
     Received,
-    Sides,
-    State,
     Step,
-    Transition,
     Written,
     resume,
 )
-from timed_automata.errors import RangeError, UsageError
-from timed_automata.monitor._objection import Kind, Objection
-from timed_automata.monitor._situation import Situation
-from timed_automata.monitor._watched import watched_queries
+from timed_automata.monitor._concrete_state import ConcreteState
+from timed_automata.monitor._monitored_query import monitored_queries
+from timed_automata.monitor._objection import Objection, ObjectionKind
 from timed_automata.monitor._words import changes_in_words, in_words, named, same_edges, why_not
+from timed_automata.network import Network, State, Transition, changes_between
 
 
 class Monitor:
@@ -57,12 +54,12 @@ class Monitor:
         requirements: bool = False,
     ) -> None:
         self.network = network
-        self._sides = Sides(network, executed, interface) if executed is not None else None
-        ours = self._sides.executed if self._sides else frozenset(range(len(network.processes)))
-        self.queries = watched_queries(network, ours) if requirements else ()
+        self._boundary = ExecutionBoundary(network, executed, interface) if executed is not None else None
+        ours = self._boundary.executed if self._boundary else frozenset(range(len(network.processes)))
+        self.queries = monitored_queries(network, ours) if requirements else ()
         self.objections: list[Objection] = []
         self.steps = 0
-        self._situation = Situation(network, ours, unit_us)
+        self._concrete = ConcreteState(network, ours, unit_us)
         self._broken: set[int] = set()
         self._now = 0
         self._event: Received | None = None
@@ -71,15 +68,15 @@ class Monitor:
     @property
     def state(self) -> State:
         """Locations and values after what was observed."""
-        return self._situation.state
+        return self._concrete.state
 
     def begin(self, at: int, writes: Mapping[str, int] | None = None) -> None:
         """A run begins, all clocks at zero, with these values of the interface."""
         self._begun = self._following = True
         self._event, self._broken = None, set()
         self._now = at
-        self._situation.begin(at)
-        self._situation.write(writes or {}, at)
+        self._concrete.begin(at)
+        self._concrete.write(writes or {}, at)
         self._judge()
 
     def resume(self, snapshot: ExecutionSnapshot) -> None:
@@ -87,12 +84,12 @@ class Monitor:
         self._begun, self._event, self._broken = True, None, set()
         self._now = snapshot.at
         try:
-            self._situation.resume(resume(self.network, snapshot), snapshot.entered)
+            self._concrete.resume(resume(self.network, snapshot), snapshot.entered)
         except UsageError as error:
             self._refuse(snapshot.at, str(error))
             return
         self._following = True
-        if not self._situation.may_delay() and snapshot.at > snapshot.entered:
+        if not self._concrete.may_delay() and snapshot.at > snapshot.entered:
             self._refuse(
                 snapshot.at, "The recorded state is a committed or urgent location that was not left."
             )
@@ -101,7 +98,7 @@ class Monitor:
     @property
     def snapshot(self) -> ExecutionSnapshot | None:
         """Where the run stands, as far as it was observed; None: it could not be followed to here."""
-        return self._situation.snapshot(self._now) if self._following else None
+        return self._concrete.snapshot(self._now) if self._following else None
 
     def observe(self, observation: Observation) -> None:
         """Judge what comes next."""
@@ -124,9 +121,9 @@ class Monitor:
         self._forget_event()
         if self._pass(at):
             self._judge()
-            if not self._situation.may_delay():
+            if not self._concrete.may_delay():
                 self._refuse(at, "A committed or urgent location was not left.")
-            elif not self._situation.stays(at):
+            elif not self._concrete.stays(at):
                 self._refuse(at, "A deadline has passed, and nothing was taken.")
 
     # One observation
@@ -137,7 +134,7 @@ class Monitor:
         if isinstance(observation, Step):
             self._take(observation)
         elif isinstance(observation, Written):
-            self._situation.write(observation.writes, self._now)
+            self._concrete.write(observation.writes, self._now)
             self._judge()
         else:
             self._event = observation
@@ -146,7 +143,7 @@ class Monitor:
         """Time passes; whether the run is being followed."""
         if self._following and at < self._now:
             self._refuse(at, f"Time runs backwards, by {self._now - at} µs.")
-        elif self._following and at > self._situation.entered and not self._situation.may_delay():
+        elif self._following and at > self._concrete.entered and not self._concrete.may_delay():
             self._refuse(at, "Time passed in a committed or urgent location.")
         self._now = max(at, self._now)
         return self._following
@@ -160,11 +157,11 @@ class Monitor:
             who = in_words(self.network, transition.edges)
             self._refuse(event.at, f"'{event.channel}' was lost, but could have been received: {who}.")
             return
-        self._situation.write(event.writes, self._now)
+        self._concrete.write(event.writes, self._now)
         self._judge()
 
     def _reception(self, event: Received) -> Transition | None:
-        return self._situation.reception(self._sides.input(event.channel)) if self._sides else None
+        return self._concrete.reception(self._boundary.input(event.channel)) if self._boundary else None
 
     def _take_event(self, step: Step) -> None:
         event, self._event = self._event, None
@@ -179,21 +176,21 @@ class Monitor:
             self._refuse(step.at, f"'{event.channel}' was received by {named(step)}, not by {who}.")
         else:
             # when an event comes is not the machine's doing: only the invariants are asked
-            self._told(step, in_time=self._situation.stays(step.at))
+            self._told(step, in_time=self._concrete.stays(step.at))
             self._fire(transition, step, event)
 
     def _take(self, step: Step) -> None:
-        situation = self._situation
-        found = next((t for t in situation.transitions() if same_edges(self.network, t, step)), None)
+        concrete = self._concrete
+        found = next((t for t in concrete.transitions() if same_edges(self.network, t, step)), None)
         if found is None:
-            why = why_not(self.network, situation.state, step)
+            why = why_not(self.network, concrete.state, step)
             self._refuse(step.at, f"{named(step)} was taken and not enabled: {why}.")
-        elif not situation.enabled(found, step.at):
+        elif not concrete.enabled(found, step.at):
             self._refuse(step.at, f"{named(step)} was taken before its time.")
         else:
             if step.due is not None:
                 self._ask_order(step, found)
-            self._told(step, in_time=situation.in_time(found, step.at))
+            self._told(step, in_time=concrete.in_time(found, step.at))
             self._fire(found, step)
 
     # What is asked of a step
@@ -210,19 +207,18 @@ class Monitor:
 
     def _ask_order(self, step: Step, taken: Transition) -> None:
         """What is due first is taken first; of what is due at once, what stands first in the file."""
-        chances = self._situation.chances
-        due = next((chance.due for chance in chances if chance.transition.edges == taken.edges), None)
+        timed = self._concrete.timed
+        due = next((each.due for each in timed if each.transition.edges == taken.edges), None)
         if due != step.due or step.late_us != step.at - (step.due or 0):
             self._object(step.at, "no run", f"{named(step)} was due at {due} µs; told was {step.due} µs.")
-        first = min(chances, key=lambda chance: chance.due, default=None)
+        first = min(timed, key=lambda each: each.due, default=None)
         if first is not None and due is not None and first.transition.edges != taken.edges:
             who = in_words(self.network, first.transition.edges)
             self._object(step.at, "no run", f"{named(step)} was taken before {who}, which comes first.")
 
     def _fire(self, transition: Transition, step: Step, event: Received | None = None) -> None:
-        fired = self._situation.fire(transition.edges, event.writes if event else None)
-        pairs = zip(self.network.offsets, self._situation.state.values, fired.state.values, strict=True)
-        changes = tuple(Change(name, old, new) for name, old, new in pairs if old != new)
+        fired = self._concrete.fire(transition.edges, event.writes if event else None)
+        changes = changes_between(self.network, self._concrete.state, fired.state)
         channel = transition.channel if event is None else None
         sent = None if channel is None else self.network.channels[channel].name
         if changes != tuple(step.changes):
@@ -233,16 +229,16 @@ class Monitor:
         else:
             self.steps += 1
             self._judge()  # of the state that is left
-            self._situation.move(transition, fired, step.at)
-            if not step.missed and not self._situation.stays(step.at):
+            self._concrete.move(transition, fired, step.at)
+            if not step.missed and not self._concrete.stays(step.at):
                 self._refuse(step.at, f"{named(step)} leads to where an invariant does not hold.")
             self._judge()
 
     def _judge(self) -> None:
         """The queries of the file, now; each is objected to once until it holds again."""
         for number, query in enumerate(self.queries):
-            cases = query.violations(self._situation.state)
-            broken = any(self._situation.holds(case.bounds, self._now) for case in cases)
+            cases = query.violations(self._concrete.state)
+            broken = any(self._concrete.holds(case.bounds, self._now) for case in cases)
             if broken and number not in self._broken:
                 self._object(self._now, "requirement", f"Did not hold: {query.comment or query.text}")
             (self._broken.add if broken else self._broken.discard)(number)
@@ -251,5 +247,5 @@ class Monitor:
         self._object(at, "no run", what)
         self._following = False
 
-    def _object(self, at: int, kind: Kind, what: str) -> None:
+    def _object(self, at: int, kind: ObjectionKind, what: str) -> None:
         self.objections.append(Objection(at, kind, what))

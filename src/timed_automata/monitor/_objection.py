@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["no run", "missed", "requirement"]
+ObjectionKind = Literal["no run", "missed", "requirement"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,5 +20,5 @@ class Objection:
     """
 
     at: int
-    kind: Kind
+    kind: ObjectionKind
     what: str

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
-from timed_automata import NEVER, Bound, Change, Clocks, Fired, Network, Semantics, Transition
 from timed_automata.errors import ModelError, RangeError
-from timed_automata.explore import TraceStep
+from timed_automata.execute import NEVER, ClockInstants, SuccessorCache
+from timed_automata.network import Fired, Network, Semantics, TraceStep, Transition, changes_between
 
 US_PER_UNIT = 1000  # the model's unit is the millisecond
 
@@ -37,7 +36,8 @@ class Machine:
         self.state = network.initial
         self.now = 0
         self._semantics = Semantics(network)
-        self._clocks = Clocks(len(network.clocks), US_PER_UNIT)
+        self._successors = SuccessorCache(self._semantics)
+        self._clocks = ClockInstants(len(network.clocks), US_PER_UNIT)
         self._clocks.start(0)
         if not self._semantics.allowed(self.state) or self._latest() < 0:
             what = "The initial state violates an invariant."
@@ -61,29 +61,13 @@ class Machine:
         """What is possible now or after a delay that nothing interrupts, in the order of the file."""
         latest = self.now if self.hurries else self._latest()
         options = []
-        for transition in self._semantics.transitions(self.state):
-            option = self._option(transition, latest)
-            if option is not None:
-                options.append(option)
+        for successor in self._successors.at(self.state).successors:
+            first, last = successor.window(self._clocks)
+            first, last = max(first, self.now), min(last, latest)
+            if first <= last:
+                end = None if last == NEVER else last
+                options.append(Option(successor.transition, first, end, successor.fired))
         return options
-
-    def _option(self, transition: Transition, latest: int) -> Option | None:
-        first, last = self._clocks.window(_one_sided(transition.bounds))
-        first, last = max(first, self.now), min(last, latest)
-        fired: Fired | RangeError
-        try:
-            fired = self._semantics.fire(self.state, transition.edges)
-        except RangeError as error:
-            fired = error
-        else:
-            if not self._semantics.allowed(fired.state):
-                return None
-            invariant, values = self._semantics.invariant(fired.state), dict(fired.resets)
-            if not all(_holds(values[bound.clock], bound) for bound in invariant if bound.clock in values):
-                return None
-            kept = (bound for bound in invariant if bound.clock not in values)
-            last = min(last, self._clocks.window(kept)[1])
-        return Option(transition, first, None if last == NEVER else last, fired) if first <= last else None
 
     def take(self, option: Option, at: int) -> TraceStep:
         """Wait until ``at``, an instant at which it is possible, and take a transition.
@@ -98,23 +82,10 @@ class Machine:
         self.state = new
         self._clocks.set(resets, at)
         channel = option.transition.channel
-        changes = zip(self.network.offsets, old.values, new.values, strict=True)
         return TraceStep(
             at=Fraction(at, US_PER_UNIT),
             channel=None if channel is None else self.network.channels[channel].name,
             edges=option.transition.edges,
             state=new,
-            changes=tuple(Change(name, before, after) for name, before, after in changes if before != after),
+            changes=changes_between(self.network, old, new),
         )
-
-
-def _one_sided(bounds: Iterable[Bound]) -> Iterator[Bound]:
-    """An equation as two inequations: no execution has one, so that its windows know none."""
-    for clock, op, value in bounds:
-        if op == "==":
-            yield Bound(clock, ">=", value)
-        yield Bound(clock, "<=" if op == "==" else op, value)
-
-
-def _holds(value: int, bound: Bound) -> bool:
-    return value < bound.value or (value == bound.value and bound.op == "<=")

@@ -23,7 +23,7 @@ _say = Part("owner")
 
 def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
     """Args: ``lines``: all output lines of the tool; asks for levels and status, writes nothing."""
-    from end_effector_hal.arbiter import OwnerClient
+    from end_effector_hal.arbiter import ArbiterClient
 
     try:
         path = socket_path(description)
@@ -31,7 +31,7 @@ def look_at_owner(description: Description, lines: tuple[str, ...]) -> Findings:
         yield _say.missing(f"{error.where}: {error.what}", error.todo)
         return
     try:
-        with OwnerClient(path, "doctor", patience_s=0) as client:
+        with ArbiterClient(path, "doctor", patience_s=0) as client:
             levels, status = client.levels(), client.status()
     except ReportedError as error:
         yield _unreachable(path, error)

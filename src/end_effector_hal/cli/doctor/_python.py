@@ -7,9 +7,11 @@ import re
 import sys
 from importlib import metadata
 
+from end_effector_hal._extras import DISTRIBUTION, command_for, extras
+
 from ._finding import Findings, Part
 
-DISTRIBUTION = "end-effector-hal"
+_NEEDED_BY = {"lab": "figures", "modbus": "the codecs modbus-rtu-*"}
 _DEBIAN = "/usr/lib/python3/dist-packages"
 _say = Part("python")
 
@@ -30,6 +32,12 @@ def look_at_python() -> Findings:
         )
     else:
         yield _say.ok(f"{DISTRIBUTION} {own.version}")
+    for extra, packages in extras().items():
+        if not all(_installed(name) for name in packages):
+            yield _say.warning(
+                f"the extra {extra} is not installed ({', '.join(packages)})",
+                f"Needed by {_NEEDED_BY[extra]} only: {command_for(extra)}",
+            )
     if _DEBIAN in os.environ.get("PYTHONPATH", "").split(":"):
         yield _say.warning(
             f"PYTHONPATH names {_DEBIAN}: Debian's packages hide newer ones of this environment",

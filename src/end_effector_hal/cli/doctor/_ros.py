@@ -7,7 +7,6 @@ import importlib.util
 import os
 import shutil
 from pathlib import Path
-from typing import Any
 
 from end_effector_hal.errors import RosError
 
@@ -93,7 +92,7 @@ def _messages(wanted: bool) -> Finding:
 
 
 def _look_at_master() -> Findings:
-    from end_effector_hal.ros1 import ask_pid, master_uri
+    from end_effector_hal.ros1.master import ask_pid, master_uri
 
     try:
         uri, pid = master_uri(), ask_pid()
@@ -101,14 +100,14 @@ def _look_at_master() -> Findings:
         yield _say.missing(error.what, error.todo)
         return
     yield _say.ok(f"master at {uri} (pid {pid})")
-    yield _nodes(uri)
+    yield _nodes()
 
 
-def _nodes(uri: str) -> Finding:
-    from end_effector_hal.ros1 import HAL_NODES
+def _nodes() -> Finding:
+    from end_effector_hal.nodes.interface import HAL_NODES
 
     try:
-        answering = [name for name in _registered(uri) if _answers(uri, name)]
+        answering = [name for name in _registered() if _answers(name)]
     except RosError as error:
         return _say.missing(error.what, error.todo)
     called = {name.rsplit("/", 1)[-1] for name in answering}
@@ -121,32 +120,19 @@ def _nodes(uri: str) -> Finding:
     return _say.missing(f"nodes that do not answer: {', '.join(absent)}", todo)
 
 
-def _registered(uri: str) -> list[str]:
+def _registered() -> list[str]:
     """Every node that publishes something."""
-    publishers, *_ = _call(uri, "getSystemState")
+    from end_effector_hal.ros1.master import ask_master
+
+    publishers, *_ = ask_master("getSystemState")
     return sorted({node for _, nodes in publishers for node in nodes})
 
 
-def _answers(uri: str, name: str) -> bool:
-    """As ``rosnode ping``: a node that was killed stays registered."""
+def _answers(name: str) -> bool:
+    """Whether a node answers, as ``rosnode ping`` asks it: one that was killed stays registered."""
+    from end_effector_hal.ros1.master import NoSuchMethod, ask_master, ask_node
+
     try:
-        return isinstance(_call(_call(uri, "lookupNode", name), "getPid"), int)
-    except RosError:
+        return isinstance(ask_node(str(ask_master("lookupNode", name)), "getPid"), int)
+    except (RosError, OSError, NoSuchMethod):
         return False
-
-
-def _call(uri: str, method: str, *arguments: str) -> Any:
-    """The value of an answer of the master or of a node; raises RosError."""
-    import xmlrpc.client
-    from http.client import HTTPException
-
-    from end_effector_hal.ros1 import _Transport
-
-    try:
-        server = xmlrpc.client.ServerProxy(uri, transport=_Transport())
-        code, text, value = getattr(server, method)("/eehal_doctor", *arguments)
-    except (OSError, HTTPException, xmlrpc.client.Error, ValueError, TypeError) as error:
-        raise RosError(f"{uri} does not answer: {error}.") from None
-    if code != 1:
-        raise RosError(f"{uri}: {text}.")
-    return value

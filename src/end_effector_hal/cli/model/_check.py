@@ -15,7 +15,7 @@ from end_effector_hal.errors import ReportedError
 
 if TYPE_CHECKING:
     from timed_automata import Network
-    from timed_automata.check import Ends
+    from timed_automata.check import ChannelEnds
 
 
 @click.command(short_help="Type-check a UPPAAL file and list what it holds.")
@@ -49,19 +49,19 @@ def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import model_constants
     from timed_automata import load_document, make_network
-    from timed_automata.check import faults_of
+    from timed_automata.check import find_faults
 
     constants = None
     if not is_uppaal(path):
         description = load_tool(path)
         constants, path = model_constants(description), description.automata_path
     document = load_document(path)
-    faults: list[ReportedError] = [*faults_of(document, constants)]
+    faults: list[ReportedError] = [*find_faults(document, constants)]
     return (None, faults) if faults else (make_network(document, constants), [])
 
 
 def _tell_faults(path: Path, faults: list[ReportedError], as_json: bool) -> None:
-    told = [each for fault in faults for each in fault.told]
+    told = [each for fault in faults for each in fault.diagnostics]
     if as_json:
         found = [each.as_json() for each in told]
         document = {"file": str(path), "ok": False, "exit_code": 2, "faults": found}
@@ -71,7 +71,7 @@ def _tell_faults(path: Path, faults: list[ReportedError], as_json: bool) -> None
 
 
 def _document(path: Path, network: Network) -> dict[str, object]:
-    from timed_automata.check import ends_of
+    from timed_automata.check import channel_ends
 
     return {
         "file": str(path),
@@ -90,7 +90,7 @@ def _document(path: Path, network: Network) -> dict[str, object]:
                 "unsent": list(each.unsent),
                 "unreceived": list(each.unreceived),
             }
-            for each in ends_of(network)
+            for each in channel_ends(network)
         ],
         "queries": [
             {"query": _one_line(each.formula.content), "sentence": each.comment}
@@ -100,7 +100,7 @@ def _document(path: Path, network: Network) -> dict[str, object]:
 
 
 def _lines(path: Path, network: Network) -> Iterator[str]:
-    from timed_automata.check import ends_of
+    from timed_automata.check import channel_ends
 
     locations = sum(len(process.locations) for process in network.processes)
     edges = sum(len(process.edges) for process in network.processes)
@@ -108,7 +108,7 @@ def _lines(path: Path, network: Network) -> Iterator[str]:
     yield f"automata   {network.document.path}"
     yield f"processes  {', '.join(process.name for process in network.processes)}"
     yield f"clocks     {', '.join(network.clocks[1:]) or 'none'}"
-    ends = ends_of(network)
+    ends = channel_ends(network)
     width = max((len(each.name) for each in ends), default=0)
     for each in ends:
         kind = "broadcast" if each.broadcast else "binary"
@@ -123,7 +123,7 @@ def _lines(path: Path, network: Network) -> Iterator[str]:
         yield f"query      {_one_line(query.formula.content)}{sentence}"
 
 
-def _open_ends(ends: Ends) -> Iterator[str]:
+def _open_ends(ends: ChannelEnds) -> Iterator[str]:
     for names, what in ((ends.unsent, "nobody sends"), (ends.unreceived, "nobody receives")):
         if names:
             more = f" and {len(names) - 4} more" if len(names) > 4 else ""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.errors import ReportedError, WireError
 from end_effector_hal.runtime._outputs import LineWriter
-from end_effector_hal.vocabulary import WillStep
+from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 
 from ._recorded_controller import Put
@@ -32,11 +32,11 @@ class RecordedLines:
             self._put("owner", at := now_us(), OwnerSeen(at, there=True))
         return levels
 
-    def overtaken(self) -> bool:
+    def declared_dead(self) -> bool:
         """Whether the line owner took this program for dead since this was asked last."""
-        return self._lines.overtaken()
+        return self._lines.declared_dead()
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[WillStep]) -> Callable[[], object]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:
         """Begin to write levels, and what to do should this program die."""
         at = now_us()
         asked = self._lines.ask(levels, will)
@@ -54,7 +54,7 @@ class RecordedLines:
 
         return wait
 
-    def close(self, will: Sequence[WillStep]) -> None:
+    def close(self, will: Sequence[LastWillStep]) -> None:
         """Leave in good order."""
         at = now_us()
         self._lines.close(will)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from timed_automata import Network, make_network
-from timed_automata.explore import Explorer, Missing, Overview, Trace, overview
+from timed_automata import Network, Trace, make_network
+from timed_automata.explore import CoverageReport, Explorer, Overview, overview
 
 from ._finding import Finding
 
@@ -34,7 +34,7 @@ def checks(network: Network, explorer: Explorer, found: Overview) -> tuple[Check
     Raises:
         RunTimeError: a value leaves its range.
     """
-    missing = found.missing
+    missing = found.coverage
     return (
         Check("locations", "Every location can be reached.", _listed(missing.locations)),
         Check("edges", "Every edge can fire.", _listed(missing.edges)),
@@ -48,14 +48,14 @@ def without_unused(network: Network, found: Overview) -> Overview:
 
     A tool with one step has no step before another one: the edges for that are not dead, they are not needed.
     """
-    missing = found.missing
+    missing = found.coverage
     if not network.replaced or not (missing.edges or missing.locations):
         return found
-    there = overview(make_network(network.document), []).missing
+    there = overview(make_network(network.document), []).coverage
     edges = tuple(edge for edge in missing.edges if edge in there.edges)
     locations = tuple(location for location in missing.locations if location in there.locations)
     unused = tuple(edge for edge in missing.edges if edge not in there.edges)
-    return replace(found, missing=Missing(locations, edges, (*missing.off, *unused)))
+    return replace(found, coverage=CoverageReport(locations, edges, (*missing.disabled, *unused)))
 
 
 def _listed(faults: tuple[str, ...]) -> str:

@@ -55,7 +55,7 @@ class _Proving:
             for number, requirement in enumerate(self.requirements)
         ]
         findings += [check.finding(found.states, share) for check in extra]
-        off = tuple(map(str, found.missing.off))
+        off = tuple(map(str, found.coverage.disabled))
         return Proof(tuple(findings), found.states, perf_counter() - self.begun, off)
 
     def _finding(self, number: int, requirement: Requirement, found: Overview, share: float) -> Finding:

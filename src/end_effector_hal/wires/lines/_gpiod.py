@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
-from end_effector_hal.wires.lines._held_request import HeldRequest
 from end_effector_hal.wires.lines._holders import stop_holders
 from end_effector_hal.wires.lines._not_found import line_not_found
 
@@ -33,11 +32,11 @@ class GpiodLines:
         self._inherited: dict[str, int] = {}
 
     def inherit(self, keepsakes: Mapping[str, int]) -> None:
-        """Take over requests; see `HandsOn`."""
+        """Take over requests; see `LineHandover`."""
         self._inherited = dict(keepsakes)
 
     def keepsakes(self) -> dict[str, int]:
-        """The descriptor of each request, by chip and lines in their order; see `HandsOn`."""
+        """The descriptor of each request, by chip and lines in their order; see `LineHandover`."""
         return {name: request.fd for name, (request, _) in zip(self._names, self._requests, strict=True)}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
@@ -141,6 +140,8 @@ class GpiodLines:
 
     def _claimed(self, name: str, chip: str, offsets: Mapping[str, int]) -> Any:
         if name in self._inherited:
+            from end_effector_hal.wires.lines._held_request import HeldRequest  # on Linux only
+
             return HeldRequest(self._inherited.pop(name), list(offsets.values()), self._gpiod.line.Value)
         return self._adopt(chip, offsets)
 

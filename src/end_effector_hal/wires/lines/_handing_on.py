@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 
 @runtime_checkable
-class HandsOn(Protocol):
+class LineHandover(Protocol):
     """A `LineBackend` whose claim lies in descriptors that a service manager can keep."""
 
     def keepsakes(self) -> Mapping[str, int]:

@@ -33,7 +33,7 @@ class VirtualLines:
         self._inherited = -1
 
     def inherit(self, keepsakes: Mapping[str, int]) -> None:
-        """Take over the claim of the chip; see `HandsOn`."""
+        """Take over the claim of the chip; see `LineHandover`."""
         for name, fd in keepsakes.items():
             if name == KEEPSAKE:
                 self._inherited = fd
@@ -41,7 +41,7 @@ class VirtualLines:
                 os.close(fd)
 
     def keepsakes(self) -> dict[str, int]:
-        """The claim of the chip; see `HandsOn`."""
+        """The claim of the chip; see `LineHandover`."""
         return {KEEPSAKE: self._claim.fd} if self._claim else {}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:

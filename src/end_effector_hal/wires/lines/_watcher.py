@@ -9,8 +9,6 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from inotify_simple import INotify, flags  # type: ignore[import-untyped]
-
 from end_effector_hal.errors import WireError
 from end_effector_hal.wires.lines._chip_log import ChipLog, ChipState, Edge
 
@@ -40,6 +38,9 @@ class ChipWatcher:
         Raises:
             WireError: the directory does not exist.
         """
+        from inotify_simple import INotify, flags  # on Linux only
+
+        self._modify = flags.MODIFY
         self._inotify = INotify()
         try:
             self._inotify.add_watch(self._path.parent, flags.CREATE | flags.MOVED_TO | flags.ONLYDIR)
@@ -97,7 +98,7 @@ class ChipWatcher:
             fd = os.open(self._path, os.O_RDONLY | os.O_CLOEXEC)
         except OSError:
             return
-        self._inotify.add_watch(f"/proc/self/fd/{fd}", flags.MODIFY)
+        self._inotify.add_watch(f"/proc/self/fd/{fd}", self._modify)
         if self._fd >= 0:
             os.close(self._fd)
         self._fd = fd

@@ -6,11 +6,13 @@ import errno
 import glob
 import os
 import re
-
-import serial
+from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.wires._claim import program_name
+
+if TYPE_CHECKING:
+    import serial
 
 _USUAL = ("/dev/verdin-uart*", "/dev/tty[A-Z]*[0-9]", "/dev/ttymxc*", "/dev/serial[0-9]")
 
@@ -22,6 +24,8 @@ def open_port(path: str, baudrate: int, *, parity: str = "N", write_timeout_s: f
         LinkBusyError: somebody else has it; says who.
         LinkError: it is missing, not permitted, or no serial port.
     """
+    import serial  # what needs no port needs no POSIX
+
     try:
         return serial.Serial(
             path,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tty
 from pathlib import Path
 
 from end_effector_hal.errors import LineBusyError, LinkBusyError, LinkError, WireError
@@ -25,6 +24,8 @@ class PtyPair:
     """
 
     def __init__(self, link: str | Path) -> None:
+        import tty  # what needs no wires needs no POSIX
+
         self.link = Path(link)
         self._claim = _claim(self.link)
         self.master, self._slave = os.openpty()

@@ -9,11 +9,11 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
+from typing import TYPE_CHECKING
 
-import serial
-
-from end_effector_hal.codecs import Codec, get_codec, named, parity_of
+from end_effector_hal.codecs import Codec, get_codec, parity_of
 from end_effector_hal.errors import LinkBusyError, LinkError
+from end_effector_hal.plugins import named
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.link._codec_calls import CodecCalls, CodecFailure
@@ -21,6 +21,9 @@ from end_effector_hal.wires.link._counters import Counters
 from end_effector_hal.wires.link._guard import GuardedDecoder
 from end_effector_hal.wires.link._health import LinkHealth, LinkState
 from end_effector_hal.wires.link._port import open_port
+
+if TYPE_CHECKING:
+    import serial
 
 _log = logging.getLogger("end_effector_hal.wires")
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0

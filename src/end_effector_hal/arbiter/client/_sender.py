@@ -1,0 +1,103 @@
+"""Tells the line owner what the sensors prove; never waits for it."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from collections.abc import Mapping
+from pathlib import Path
+
+from end_effector_hal.arbiter.protocol import LONGEST, SENSORS, make_token, read_reply, write_message
+from end_effector_hal.errors import ArbiterError, UsageError
+from end_effector_hal.vocabulary import printable
+from end_effector_hal.wires import now_us
+
+_log = logging.getLogger("end_effector_hal.arbiter")
+AGAIN_US = 200_000
+"""After a refusal: another process reads the sensors, and perhaps ends soon."""
+
+
+class PredicateSender:
+    """A connection in the role of the sensors, made again whenever it can be. Not thread-safe.
+
+    What cannot be sent at once is not sent later: it would be old by then.
+
+    Args:
+        socket_path: of the owner; it need not be there yet.
+        client: own name, as others are told it.
+    """
+
+    def __init__(self, socket_path: str | Path, client: str = SENSORS) -> None:
+        self._path, self._client, self._token = str(socket_path), client, make_token()
+        self._socket: socket.socket | None = None
+        self._rest, self._heard = b"", b""
+        self._not_before, self._refused = 0, ""
+
+    def tell(self, predicates: Mapping[str, bool], at_us: int) -> bool:
+        """Send; whether it was sent as a whole.
+
+        Args:
+            predicates: by name; see `Need`.
+            at_us: when the sensors proved it, monotonic clock.
+        """
+        if now_us() < self._not_before:
+            return False
+        try:
+            sock = self._connected()
+            # A message that was cut is ended first, so that the next one can be read.
+            data = self._rest + write_message({"op": "tell", "predicates": dict(predicates), "at_us": at_us})
+            sent = sock.send(data)
+            self._rest = data[sent:]
+            self._listen(sock)
+        except BlockingIOError:
+            return False
+        except OSError as error:
+            self._failed(error)
+            return False
+        return not self._rest
+
+    def close(self) -> None:
+        """Say nothing any more."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+        self._rest = self._heard = b""
+
+    def _connected(self) -> socket.socket:
+        if self._socket is None:
+            sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            sock.setblocking(False)
+            try:
+                sock.connect(self._path)
+            except OSError:
+                sock.close()
+                raise
+            self._socket = sock
+            hello = {"op": "hello", "role": SENSORS, "client": self._client, "token": self._token}
+            self._rest = write_message({"id": 0, **hello})
+        return self._socket
+
+    def _listen(self, sock: socket.socket) -> None:
+        """Raises ArbiterError when the owner has refused something, or has gone."""
+        try:
+            data = sock.recv(LONGEST)
+        except BlockingIOError:
+            return
+        if not data:
+            raise ArbiterError("the line owner has closed the connection.")
+        *lines, self._heard = (self._heard + data)[-2 * LONGEST :].split(b"\n")
+        for line in lines:
+            try:
+                reply = read_reply(line)
+            except UsageError:
+                continue
+            if not reply.get("ok"):
+                self._not_before = now_us() + AGAIN_US
+                raise ArbiterError(printable(str(reply.get("error"))))
+            self._refused = ""
+
+    def _failed(self, error: OSError) -> None:
+        if self._socket is not None and str(error) != self._refused:
+            self._refused = str(error)
+            _log.warning("the line owner cannot be told what the sensors say: %s", error)
+        self.close()

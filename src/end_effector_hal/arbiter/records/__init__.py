@@ -1,0 +1,8 @@
+"""What the next arbiter must know: sessions in memory that outlives the process, latched faults on a disk."""
+
+from ._journal import Journal, JournalThread
+from ._records import Records
+from ._session_store import SessionStore, this_boot
+from ._storage import FileStorage
+
+__all__ = ["FileStorage", "Journal", "JournalThread", "Records", "SessionStore", "this_boot"]

@@ -1,0 +1,196 @@
+"""The latched faults on disk, through a loss of power. Nobody waits for the disk.
+
+A thread writes and syncs; what it has not written within a second, or could not write, is an alarm of the line owner,
+and is tried again at each change and every second. What the next owner needs of the clients is not in here: see
+`_session_record`.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from end_effector_hal.arbiter.records._old_journal import read_old_journal
+from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
+from end_effector_hal.arbiter.records._storage import Storage
+from end_effector_hal.arbiter.rules import read_faults
+from end_effector_hal.errors import UsageError
+
+_log = logging.getLogger("end_effector_hal.arbiter")
+PATIENCE_US = 1_000_000
+"""A disk that does not answer for so long is taken for one that hangs."""
+RETRY_S = 1.0
+READ_S = 2.0
+"""Longest wait for the disk, at the start and at the end of an owner."""
+
+
+class JournalEntry(NamedTuple):
+    """What stands in the journal.
+
+    Attributes:
+        faults: sentences by name, latched until a reset.
+        clean: the owner ended in order.
+        boot: start of the machine in which it was written.
+        doubt: why faults may be missing, a clause; empty: none is.
+    """
+
+    faults: Mapping[str, str]
+    clean: bool = True
+    boot: str = ""
+    doubt: str = ""
+
+
+class Journal:
+    """Keeps the faults of one owner. `write_next` is called by the thread that may wait for the disk, the rest is not.
+
+    Args:
+        storage: where; None: keep nothing.
+        boot: names this start of the machine.
+        clock: monotonic, µs.
+    """
+
+    def __init__(self, storage: Storage | None, boot: str, clock: Callable[[], int]) -> None:
+        self._file = RecordFile(storage) if storage else None
+        self._storage, self._boot, self._clock = storage, boot, clock
+        self._lock = threading.Lock()
+        self.changed = threading.Event()
+        """Set when there may be something to write."""
+        self._asked: tuple[dict[str, str], bool] | None = None
+        self._wanted = self._written = b""
+        self._since: int | None = None  # when the oldest of what is not on the disk was wanted
+        self._error = ""
+
+    def read(self) -> JournalEntry:
+        """What an earlier owner has left; waits for the disk."""
+        if self._file is None or self._storage is None:
+            return JournalEntry({})
+        try:
+            old = read_old_journal(self._storage.read())
+            found = self._file.read()
+        except OSError as error:
+            return JournalEntry({}, clean=False, doubt=f"its journal cannot be read ({error.strerror})")
+        if old is not None:
+            return JournalEntry(old, clean=False)
+        if found.standing is Standing.ABSENT:
+            return JournalEntry({})
+        if found.standing is Standing.DAMAGED:
+            return JournalEntry({}, clean=False, doubt="its journal is damaged")
+        try:
+            given = json.loads(found.payload)
+            entry = JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))
+        except (ValueError, KeyError, TypeError, UsageError, RecursionError):
+            return JournalEntry({}, clean=False, doubt="its journal is of another version")
+        if found.standing is Standing.OUTDATED:
+            return entry._replace(clean=False, doubt="the last record of its journal is torn")
+        return entry
+
+    def keep(self, faults: Mapping[str, str], *, clean: bool = False) -> None:
+        """Have this written, if it is something else than before; returns at once."""
+        wanted = dict(faults), clean
+        if self._file is None or wanted == self._asked:
+            return
+        self._asked = wanted
+        given = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
+        payload = json.dumps(given, separators=(",", ":")).encode()
+        with self._lock:
+            self._wanted = payload
+            if self._since is None:
+                self._since = self._clock()
+        self.changed.set()
+
+    def write_next(self) -> bool:
+        """Write what is wanted, if it is not on the disk yet; whether it is now. Waits for the disk."""
+        with self._lock:
+            payload = self._wanted
+            if self._file is None or payload == self._written:
+                self._since, self._error = None, ""
+                return True
+        try:
+            self._file.keep(payload, synced=True)
+        except OSError as error:
+            with self._lock:
+                if not self._error:
+                    _log.error("the line owner's journal cannot be written: %s", error.strerror)
+                self._error = error.strerror or str(error)
+            return False
+        with self._lock:
+            self._written, self._error = payload, ""
+            self._since = None if payload == self._wanted else self._clock()
+        return True
+
+    def close(self) -> None:
+        """Give the file back."""
+        if self._storage is not None:
+            self._storage.close()
+
+    @property
+    def trouble(self) -> str:
+        """Why the faults are not on the disk, a clause; empty: they are, or will be in a moment."""
+        with self._lock:
+            if self._error:
+                return self._error
+            late = self._since is not None and self._clock() - self._since > PATIENCE_US
+            return "the disk does not answer" if late else ""
+
+
+class JournalThread:
+    """Waits for the disk, so that the owner need not.
+
+    Args:
+        journal: nobody else uses it.
+    """
+
+    def __init__(self, journal: Journal) -> None:
+        self._journal, self._ended = journal, False
+        self._was_read, self._taken = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
+        self._thread.start()
+
+    def read(self) -> JournalEntry:
+        """What an earlier owner has left; a disk that hangs is not waited for: see `late`."""
+        self._was_read.wait(READ_S)
+        return self.late() or JournalEntry(
+            {}, clean=False, doubt="its journal cannot be read (the disk does not answer)"
+        )
+
+    def late(self) -> JournalEntry | None:
+        """What an earlier owner has left, once: nothing is written before it was taken."""
+        if self._taken.is_set() or not self._was_read.is_set():
+            return None
+        self._taken.set()
+        return self._entry
+
+    def keep(self, faults: Mapping[str, str]) -> None:
+        """Have this written; returns at once."""
+        self._journal.keep(faults)
+
+    @property
+    def trouble(self) -> str:
+        """Why the faults are not on the disk; see `Journal.trouble`."""
+        return self._journal.trouble
+
+    def close(self, faults: Mapping[str, str]) -> None:
+        """The owner ends in order; a disk that hangs is not waited for."""
+        self._journal.keep(faults, clean=True)
+        self._ended = True
+        self._taken.set()
+        self._journal.changed.set()
+        self._thread.join(READ_S)
+        if self._thread.is_alive():
+            _log.error("the line owner ends, and the disk of its journal does not answer")
+
+    def _run(self) -> None:
+        self._entry = self._journal.read()
+        self._was_read.set()
+        self._taken.wait()
+        done = True
+        while True:
+            self._journal.changed.wait(None if done else RETRY_S)
+            self._journal.changed.clear()
+            ended = self._ended  # asked before: what is wanted by then is written
+            done = self._journal.write_next()
+            if ended:
+                return self._journal.close()

@@ -1,0 +1,31 @@
+"""What a new line owner believes of what the one before it has left."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+from end_effector_hal.arbiter.records._journal import JournalEntry
+from end_effector_hal.arbiter.rules import ArbiterState
+
+_log = logging.getLogger("end_effector_hal.arbiter")
+
+
+def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
+    """The sessions from their record of this boot, the latched faults from there, too, else from the journal.
+
+    In doubt more faults are latched rather than fewer, and no last will is executed.
+    """
+    if record is not None and not record.doubt:
+        return record
+    if journal.doubt:
+        _log.error("latched faults may be missing: %s", journal.doubt)
+    faults = dict(journal.faults)
+    if journal.doubt:
+        faults["journal"] = f"Faults that were latched before the start may be missing: {journal.doubt}."
+    if record is not None:
+        return replace(record, faults={**faults, **record.faults})
+    known = journal.clean and journal.boot  # an owner that ended in order has left nothing to be done
+    return ArbiterState(
+        faults, clean=journal.clean, doubt="" if known else "no record of the sessions was found"
+    )

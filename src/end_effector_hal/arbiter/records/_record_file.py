@@ -1,0 +1,170 @@
+"""Records in a file of fixed size: the last whole one counts, and it is seen when a later one was begun.
+
+Two slots are written in turn. Each record has a generation number and a checksum. A record that was begun and not
+finished (the process died, the write was torn) makes the one before it *outdated*: it is whole, but something has
+happened since.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import struct
+from enum import Enum
+from typing import NamedTuple
+from zlib import crc32
+
+from end_effector_hal.arbiter.records._storage import Storage
+
+MAGIC = b"EEHALREC"
+_HEADER = struct.Struct("<8sQII")
+"""Magic, generation, length of the payload, checksum of these two and of the payload."""
+SLOT = 1 << 18
+"""Bytes of a slot; a longer record is refused."""
+_UNFINISHED = 0xFFFFFFFF
+"""The length of a record that was only begun."""
+
+
+_NEVER_WRITTEN = _HEADER.pack(MAGIC, 0, _UNFINISHED, 0)
+
+
+class Standing(Enum):
+    """What was found in a file of records."""
+
+    ABSENT = "absent"
+    WHOLE = "whole"
+    OUTDATED = "outdated"
+    """A whole record, and a later one that was begun and not finished, or may have been lost."""
+    DAMAGED = "damaged"
+    """Something stands there, but no whole record."""
+
+
+class Found(NamedTuple):
+    """The last whole record of a file.
+
+    Attributes:
+        standing: how far it can be believed.
+        payload: empty if there is none.
+        generation: of the payload; 0 if there is none.
+    """
+
+    standing: Standing
+    payload: bytes = b""
+    generation: int = 0
+
+
+class RecordFile:
+    """Keeps the last record; every method may raise OSError, and may be called again then.
+
+    Args:
+        storage: where.
+    """
+
+    def __init__(self, storage: Storage) -> None:
+        self._storage = storage
+        self._generation = 0
+        self._made = self._begun = self._foul = False
+
+    def read(self) -> Found:
+        """What an earlier process has left."""
+        content = self._storage.read()
+        self._made = len(content) == 2 * SLOT
+        found = _read(content)
+        if found.standing is Standing.WHOLE and not self._made:
+            found = found._replace(standing=Standing.OUTDATED)  # a part of the file has gone
+        self._generation = found.generation
+        self._foul = found.standing is Standing.DAMAGED
+        return found
+
+    @property
+    def next_generation(self) -> int:
+        """The number of the record that `keep` writes next."""
+        return self._generation + 1
+
+    def begin(self) -> None:
+        """Something is about to change: until the next `keep`, the record before is outdated."""
+        if self._made and not self._begun:
+            self._write(self._generation + 1, _HEADER.pack(MAGIC, self._generation + 1, _UNFINISHED, 0))
+            self._begun = True
+
+    def keep(self, payload: bytes, *, synced: bool = False) -> None:
+        """Make this the last record; ``synced``: it survives a loss of power when this returns."""
+        if len(payload) > SLOT - _HEADER.size:
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
+        record = _record(self._generation + 1, payload)
+        if self._made:
+            self._write(self._generation + 1, record)
+            if self._foul:
+                self._write(self._generation, _NEVER_WRITTEN)
+            if synced:
+                self._storage.sync()
+        else:
+            slots = {_place(self._generation + 1): record, _place(self._generation): _NEVER_WRITTEN}
+            content = b"".join(slots[at].ljust(SLOT, b"\0") for at in sorted(slots))
+            self._storage.create(content, 2 * SLOT)
+            self._made = True
+        self._generation += 1
+        self._begun = self._foul = False
+
+    def remove(self) -> None:
+        """Have no record; the next one makes a new file."""
+        self._storage.remove()
+        self._made = False
+
+    def close(self) -> None:
+        """Give the file back."""
+        self._storage.close()
+
+    def _write(self, generation: int, data: bytes) -> None:
+        try:
+            self._storage.write(_place(generation), data)
+        except OSError as error:
+            self._storage.close()  # to be opened again: the disk may have come back elsewhere
+            self._made = error.errno != errno.ENOENT
+            raise
+
+
+def _place(generation: int) -> int:
+    return generation % 2 * SLOT
+
+
+def _record(generation: int, payload: bytes) -> bytes:
+    return _HEADER.pack(MAGIC, generation, len(payload), _checksum(generation, payload)) + payload
+
+
+def _checksum(generation: int, payload: bytes) -> int:
+    return crc32(payload, crc32(struct.pack("<QI", generation, len(payload))))
+
+
+def _read(content: bytes) -> Found:
+    slots = [_read_slot(content[at : at + SLOT]) for at in (0, SLOT)]
+    whole = max((slot for slot in slots if slot.standing is Standing.WHOLE), key=_generation, default=None)
+    if whole is None:
+        empty = all(slot.standing is Standing.ABSENT for slot in slots)
+        return Found(Standing.ABSENT if empty else Standing.DAMAGED)
+    for slot in slots:
+        # both slots are written when the file is made: one that is empty was lost
+        lost = slot.standing is Standing.ABSENT
+        if lost or (slot.standing is Standing.DAMAGED and slot.generation > whole.generation):
+            return whole._replace(standing=Standing.OUTDATED)
+    return whole
+
+
+def _read_slot(slot: bytes) -> Found:
+    if slot == bytes(len(slot)):
+        return Found(Standing.ABSENT)
+    if len(slot) < _HEADER.size or not slot.startswith(MAGIC):
+        return Found(Standing.DAMAGED, b"", _UNKNOWN)
+    _, generation, length, checksum = _HEADER.unpack_from(slot)
+    payload = slot[_HEADER.size : _HEADER.size + length]
+    if len(payload) < length or checksum != _checksum(generation, payload):
+        return Found(Standing.DAMAGED, b"", generation)
+    return Found(Standing.WHOLE, payload, generation)
+
+
+def _generation(slot: Found) -> int:
+    return slot.generation
+
+
+_UNKNOWN = 1 << 64
+"""The generation of what cannot be read: later than everything that can."""

@@ -1,0 +1,123 @@
+"""A file of fixed size whose room is taken at once, so that a later write cannot fail for want of space."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+from typing import Protocol
+
+MOST = 1 << 20
+"""Bytes of a file that are read."""
+
+
+class Storage(Protocol):
+    """Bytes that outlive the process: a file, or in a test a disk that fails."""
+
+    def read(self) -> bytes:
+        """Everything; empty if there is nothing yet. Raises OSError."""
+        ...
+
+    def create(self, content: bytes, size: int) -> None:
+        """Put a new file of ``size`` bytes in the place of an old one, in one step. Raises OSError."""
+        ...
+
+    def write(self, at: int, data: bytes) -> None:
+        """Overwrite in place from the byte ``at``. Raises OSError, also after a part was written."""
+        ...
+
+    def sync(self) -> None:
+        """Return when it would survive a loss of power. Raises OSError."""
+        ...
+
+    def remove(self) -> None:
+        """Have nothing stand there any more. Raises OSError."""
+        ...
+
+    def close(self) -> None:
+        """Give the file back."""
+        ...
+
+
+class FileStorage:
+    """A `Storage` in a file; no symbolic link is followed.
+
+    Args:
+        path: the file; its folder exists.
+        durable: a new file survives a loss of power; otherwise no call waits for a disk.
+    """
+
+    def __init__(self, path: Path, *, durable: bool) -> None:
+        self._path, self._durable = path, durable
+        self._fd = -1
+
+    def read(self) -> bytes:
+        """Everything that stands in the file."""
+        try:
+            fd = self._opened()
+        except FileNotFoundError:
+            return b""
+        content = b""
+        while len(content) < MOST and (part := os.pread(fd, MOST - len(content), len(content))):
+            content += part
+        return content
+
+    def create(self, content: bytes, size: int) -> None:
+        """WriteResult beside it and renamed: whenever the power goes, there is the old file or the new one."""
+        self.close()
+        fresh = self._path.with_name(f".{self._path.name}.new")
+        flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC | os.O_NOFOLLOW
+        fd = os.open(fresh, flags, 0o640)
+        try:
+            os.posix_fallocate(fd, 0, size)
+            _write_all(fd, 0, content)
+            if self._durable:
+                os.fsync(fd)
+            fresh.replace(self._path)
+        except BaseException:
+            os.close(fd)
+            fresh.unlink(missing_ok=True)
+            raise
+        self._fd = fd
+        if self._durable:
+            self._sync_folder()
+
+    def write(self, at: int, data: bytes) -> None:
+        """In place; the room for it was taken when the file was made."""
+        _write_all(self._opened(), at, data)
+
+    def sync(self) -> None:
+        """Wait for the disk."""
+        os.fdatasync(self._opened())
+
+    def remove(self) -> None:
+        """Delete the file."""
+        self.close()
+        self._path.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Give the file back; the next call opens it again."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+    def _sync_folder(self) -> None:
+        folder = os.open(self._path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+    def _opened(self) -> int:
+        if self._fd < 0:
+            self._fd = os.open(self._path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+        return self._fd
+
+
+def _write_all(fd: int, at: int, data: bytes) -> None:
+    """As many calls as it takes: one may write less than it was given."""
+    while data:
+        written = os.pwrite(fd, data, at)
+        if not written:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        at, data = at + written, data[written:]

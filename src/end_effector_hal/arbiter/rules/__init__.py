@@ -1,0 +1,23 @@
+"""The rules of the lines: leases, interlocks, last wills. No sockets, no files; time is an argument, in µs."""
+
+from ._arbiter import LineArbiter
+from ._policy import Exclusion, Need, Policy
+from ._sender_role import SecondSenderError, SenderRole
+from ._session import LastWillRunsError, Session, process_words
+from ._state import ArbiterState, SessionRecord, read_arbiter_state, read_faults
+
+__all__ = [
+    "ArbiterState",
+    "Exclusion",
+    "LastWillRunsError",
+    "LineArbiter",
+    "Need",
+    "Policy",
+    "SecondSenderError",
+    "SenderRole",
+    "Session",
+    "SessionRecord",
+    "process_words",
+    "read_arbiter_state",
+    "read_faults",
+]

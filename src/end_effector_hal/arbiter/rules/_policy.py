@@ -1,0 +1,109 @@
+"""What the line owner enforces: plain data, given by whoever knows the tool."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import LEASE_US, LastWill
+
+
+class Exclusion(NamedTuple):
+    """Two lines that are never both active; the interlock that refuses each while the other is active."""
+
+    line_a: str
+    line_b: str
+    id_a: str = "IL-01"
+    id_b: str = "IL-05"
+    gap_us: int = 0
+    """Between the end of one and the activation of the other (IL-08)."""
+
+
+class Partner(NamedTuple):
+    """The other line of an exclusion."""
+
+    line: str
+    interlock: str
+    gap_us: int
+
+
+class Need(NamedTuple):
+    """What must have been told freshly of the sensors for a line to be activated.
+
+    Attributes:
+        predicate: its name in a message.
+        interlock: that refuses without it.
+        means: what it says, for a sentence: "the tool is locked".
+        otherwise: what is the case when it does not hold: "the tool is not proven to be locked".
+        latched: once it did not hold, nothing is activated until a reset (IL-13), and this says why:
+            "the emergency stop was opened"; empty: it does not latch.
+    """
+
+    predicate: str
+    interlock: str
+    means: str
+    otherwise: str
+    latched: str = ""
+
+
+@dataclass(frozen=True)
+class Policy:
+    """The lines of an owner and the interlocks on them (section 6 of the contract).
+
+    Attributes:
+        lines: all output lines, claimed at once.
+        exclusions: pairs such as (unlock, vacuum); an `Exclusion` names its interlocks.
+        max_active_us: a line that is active for so long is made inactive (IL-03).
+        min_switch_us: a line stays as it is for at least so long; a write waits (IL-10).
+        needs: by line, what the sensors must say for it to be activated (IL-01, IL-05, IL-13).
+        fresh_us: what was told of the sensors counts for so long.
+        lease_us: a client that is not heard of for so long is dead.
+        longest_will_us: no step of a will is later than that after the death.
+        faults: names of the faults that clients may have kept (``latch``).
+        labels: what the lines drive, for the sentences.
+    """
+
+    lines: Sequence[str]
+    exclusions: Sequence[tuple[str, str] | Exclusion] = ()
+    max_active_us: Mapping[str, int] = field(default_factory=dict)
+    min_switch_us: int = 50_000
+    needs: Mapping[str, Sequence[Need]] = field(default_factory=dict)
+    fresh_us: int = 150_000
+    lease_us: int = LEASE_US
+    longest_will_us: int = 10_000_000
+    faults: Sequence[str] = ()
+    labels: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        used = [line for pair in self.exclusions for line in pair[:2]] + [
+            *self.max_active_us,
+            *self.needs,
+        ]
+        unknown = sorted(set(used) - set(self.lines))
+        if unknown or len(set(self.lines)) < len(self.lines):
+            raise UsageError(
+                f"the policy of the line owner is wrong: lines {list(self.lines)}, unknown: {unknown}.",
+                todo="Name each line once, and in the interlocks only lines that it has.",
+            )
+
+    def check_will(self, will: LastWill) -> None:
+        """Raises UsageError for a will that takes so long that it would lock its lines."""
+        late = [step for step in will if step.after_us > self.longest_will_us]
+        if late:
+            raise UsageError(
+                f"the will deactivates {late[0].line} {late[0].after_us} µs after the death; the longest will of this "
+                f"tool takes {self.longest_will_us} µs."
+            )
+
+    def partners(self, line: str) -> list[Partner]:
+        """The lines that must be inactive for this one to be activated."""
+        pairs = [Exclusion(*pair) for pair in self.exclusions]
+        return [Partner(p.line_b, p.id_a, p.gap_us) for p in pairs if p.line_a == line] + [
+            Partner(p.line_a, p.id_b, p.gap_us) for p in pairs if p.line_b == line
+        ]
+
+    def called(self, line: str) -> str:
+        """The line, for a sentence."""
+        return f"{line} ({self.labels[line]})" if line in self.labels else line

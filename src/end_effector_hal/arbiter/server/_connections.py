@@ -1,0 +1,87 @@
+"""All connections of the owner: how many there may be, and how long they may say nothing."""
+
+from __future__ import annotations
+
+import logging
+import selectors
+import socket
+from collections import Counter
+from collections.abc import Iterator
+
+from end_effector_hal.arbiter.server._connection import Connection
+from end_effector_hal.wires import now_us
+
+_log = logging.getLogger("end_effector_hal.arbiter")
+MOST_STRANGERS = 32
+"""Connections that neither write lines nor prove; those that do are as many as there are lines, and one."""
+IDLE_US = 10_000_000
+ACCEPTED = 8
+MESSAGES = 8
+"""In one round, of one connection; of one that neither writes nor proves a quarter of that."""
+
+
+class Connections:
+    """Registered with a selector, which tells which ones have something to read.
+
+    Args:
+        listener: the owner's socket, which does not block.
+        selector: gets every connection, with itself as its data.
+    """
+
+    def __init__(self, listener: socket.socket, selector: selectors.BaseSelector) -> None:
+        self._listener, self._selector = listener, selector
+        self._open: dict[Connection, None] = {}  # in the order in which they came
+        selector.register(listener, selectors.EVENT_READ)
+
+    def __iter__(self) -> Iterator[Connection]:
+        return iter(list(self._open))
+
+    def accept(self) -> list[Connection]:
+        """Take who waits; returns those that must go for it, each the oldest of the user that has most."""
+        for _ in range(ACCEPTED):
+            try:
+                sock, _ = self._listener.accept()
+                connection = Connection(sock, now_us())
+            except BlockingIOError:
+                break
+            except OSError as error:
+                _log.warning("a client could not be accepted: %s", error)
+                break
+            self._selector.register(connection.sock, selectors.EVENT_READ, connection)
+            self._open[connection] = None
+        strangers, surplus = [each for each in self._open if each.rank == 2], list[Connection]()
+        while len(strangers) > MOST_STRANGERS:
+            ((uid, _),) = Counter(each.uid for each in strangers).most_common(1)
+            surplus.append(next(each for each in strangers if each.uid == uid))
+            strangers.remove(surplus[-1])
+        return surplus
+
+    def idle(self, at: int) -> list[Connection]:
+        """Those that said nothing for too long; who writes lines has a lease instead."""
+        return [each for each in self._open if not each.session and at - each.heard_at >= IDLE_US]
+
+    def due(self) -> int | None:
+        """When the next one will have said nothing for too long."""
+        return min((each.heard_at + IDLE_US for each in self._open if not each.session), default=None)
+
+    def round(self, ready: set[Connection]) -> list[Connection]:
+        """Those that have something to say, in the order in which they are heard."""
+        waiting = [each for each in self._open if each in ready or each.waits]
+        return sorted(waiting, key=lambda each: each.rank)
+
+    @property
+    def wait(self) -> bool:
+        """Whether messages were received and not taken yet."""
+        return any(each.waits for each in self._open)
+
+    def drop(self, connection: Connection) -> None:
+        """Close it."""
+        self._selector.unregister(connection.sock)
+        connection.close()
+        del self._open[connection]
+
+    def close(self) -> None:
+        """All of them, and the listener."""
+        for connection in self:
+            self.drop(connection)
+        self._listener.close()

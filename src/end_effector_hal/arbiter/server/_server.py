@@ -1,0 +1,218 @@
+"""The line owner's process: one thread, one socket, one timer."""
+
+from __future__ import annotations
+
+import logging
+import os
+import selectors
+from collections.abc import Iterable
+from pathlib import Path
+
+from end_effector_hal.arbiter.records import (
+    FileStorage,
+    Journal,
+    JournalThread,
+    Records,
+    SessionStore,
+    this_boot,
+)
+from end_effector_hal.arbiter.rules import LineArbiter, Policy
+from end_effector_hal.arbiter.server._answers import Answers, refusal
+from end_effector_hal.arbiter.server._connection import Connection
+from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connections
+from end_effector_hal.arbiter.server._socket import listen, no_socket
+from end_effector_hal.errors import ArbiterError, UsageError, WireError
+from end_effector_hal.wires import Claim, now_us
+from end_effector_hal.wires.lines import LineBackend
+
+_log = logging.getLogger("end_effector_hal.arbiter")
+
+
+class ArbiterServer:
+    """Owns the lines of a back-end and serves them; see `_protocol` for the messages.
+
+    Args:
+        backend: not requested yet.
+        socket_path: Unix socket (mode 0660); its directory is made, that of a dead owner replaced.
+        policy: lines and interlocks.
+        journal: file that keeps latched faults through a loss of power; None: none does. What the next owner must
+            know of the clients stands beside the socket.
+        group: whose members may open the socket; default: that of the process.
+
+    Raises:
+        LineBusyError: another owner lives at this path, or somebody else has the lines; says who.
+        LineNotFoundError, WireError: see `LineBackend.request`.
+    """
+
+    def __init__(
+        self,
+        backend: LineBackend,
+        socket_path: str | Path,
+        policy: Policy,
+        journal: str | Path | None = None,
+        *,
+        group: str | None = None,
+    ) -> None:
+        self._path, self._backend = Path(socket_path), backend
+        self._stops, self._stopped_at, self._grace_us = 0, 0, policy.lease_us
+        self._wake_read, self._wake = os.pipe()
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._wake_read, selectors.EVENT_READ)
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._claim = Claim(f"{self._path}.lock", "the line owner's socket")
+        except OSError as error:
+            self._close_ends()
+            if isinstance(error, WireError):
+                raise
+            raise no_socket(self._path, error) from error
+        try:
+            self._records = _records(self._path, journal)
+            before = self._records.before
+            if not before.clean:
+                _log.warning("the line owner before this one did not end in order")
+            self._keeper = LineArbiter(backend, policy, now_us(), before, self._records.before_change)
+            self._records.keep(self._keeper)
+            listener = listen(self._path, group)
+        except BaseException:
+            backend.close()
+            self._claim.release()
+            self._close_ends()
+            raise
+        self._connections = Connections(listener, self._selector)
+        self._answers = Answers(
+            self._keeper,
+            backend.levels,
+            unclean=not before.clean,
+            records=self._records,
+            drop=self._drop,
+        )
+
+    def levels(self) -> dict[str, bool]:
+        """Of all lines, as written last."""
+        return dict(self._keeper.levels)
+
+    def run(self) -> None:
+        """Serve until `stop`; a will that runs is executed to its end, then the lines stay as they are."""
+        while not self._is_over():
+            self.step(self._patience())
+
+    def step(self, wait_s: float | None) -> None:
+        """One round: what came within ``wait_s`` (None: until something comes), and what is due."""
+        self._serve(wait_s)
+        at = now_us()
+        if any(session.lease_until <= at and not session.ended for session in self._keeper.sessions):
+            # An owner that was stopped for a while reads what came meanwhile first: it kills nobody.
+            self._serve(0)
+            self._end_leases(at)
+        self._end(self._connections.idle(at), f"it said nothing for {IDLE_US // 1_000_000} s")
+        self._keeper.advance(now_us())
+        self._records.keep(self._keeper)
+
+    def _serve(self, wait_s: float | None) -> None:
+        """One round; what one connection can have done in it is bounded, so that the others keep their leases."""
+        ready = set[Connection]()
+        for key, _ in self._selector.select(wait_s):
+            if key.fd == self._wake_read:
+                self._stops += len(os.read(self._wake_read, 8))
+                self._stopped_at = self._stopped_at or now_us()
+            elif isinstance(key.data, Connection):
+                ready.add(key.data)
+            else:
+                self._end(self._connections.accept(), "there are too many connections")
+        for connection in self._connections.round(ready):
+            self._hear(connection)
+
+    def _is_over(self) -> bool:
+        if not self._stops:
+            return False
+        # who ends the owner often ends its clients, too, a moment later: what they leave is still done
+        dying = now_us() < self._stopped_at + self._grace_us
+        waits = any(session.ended or (dying and session.will) for session in self._keeper.sessions)
+        return self._stops > 1 or not waits
+
+    def _patience(self) -> float | None:
+        if self._connections.wait:
+            return 0
+        at = now_us()
+        due = min(filter(None, (self._keeper.deadline, self._connections.due())), default=None)
+        if self._stops and at < (end := self._stopped_at + self._grace_us):
+            due = end if due is None else min(due, end)
+        return None if due is None else max(0, due - at) / 1e6
+
+    def stop(self) -> None:
+        """Ends `run`, the second time at once; may be called in any thread and in a signal handler."""
+        os.write(self._wake, b"x")
+
+    def close(self) -> None:
+        """Give everything back, after `run`."""
+        self._connections.close()
+        self._path.unlink(missing_ok=True)
+        memory = self._keeper.memory
+        self._backend.close()
+        self._records.close(memory)
+        self._claim.release()
+        self._close_ends()
+
+    def __enter__(self) -> ArbiterServer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _close_ends(self) -> None:
+        self._selector.close()
+        os.close(self._wake_read)
+        os.close(self._wake)
+
+    def _hear(self, connection: Connection) -> None:
+        if connection.closed:  # it was dropped in this round
+            return
+        connection.receive()
+        for _ in range(MESSAGES if connection.rank < 2 else MESSAGES // 4):
+            line = connection.take()
+            if line is None:
+                break
+            reply = self._answers.answer(connection, line)
+            if connection.closed:
+                return
+            if reply is not None and not connection.send(reply):
+                self._drop(connection, "it does not read its replies")
+                return
+        if connection.overlong:
+            connection.send(refusal(None, UsageError("this message is too long.")))
+            self._drop(connection, "its message was too long")
+        elif connection.ended and not connection.waits:
+            self._drop(connection, "its socket was closed")
+
+    def _drop(self, connection: Connection, why: str) -> None:
+        if connection.closed:
+            return
+        self._connections.drop(connection)
+        self._answers.left(connection)
+        session, connection.session = connection.session, None
+        if session and not session.ended:
+            self._keeper.dead(session, why, now_us())
+
+    def _end(self, connections: Iterable[Connection], why: str) -> None:
+        """Close them, and say why."""
+        for connection in connections:
+            connection.send(refusal(None, ArbiterError(f"the line owner ends this connection: {why}.")))
+            self._drop(connection, why)
+
+    def _end_leases(self, at: int) -> None:
+        over = self._keeper.expire(at)
+        for connection in self._connections if over else ():
+            if connection.session in over:
+                error = ArbiterError("the lease ended: this client was not heard of, its will is executed.")
+                connection.send(refusal(None, error))
+                self._drop(connection, "its lease ended")
+
+
+def _records(socket_path: Path, journal: str | Path | None) -> Records:
+    boot = this_boot()
+    sessions, mark = (
+        FileStorage(Path(f"{socket_path}.{name}"), durable=False) for name in ("sessions", "generation")
+    )
+    disk = FileStorage(Path(journal), durable=True) if journal else None
+    return Records(SessionStore(sessions, mark, boot, now_us), JournalThread(Journal(disk, boot, now_us)))

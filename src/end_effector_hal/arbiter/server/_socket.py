@@ -1,0 +1,74 @@
+"""The owner's Unix socket."""
+
+from __future__ import annotations
+
+import os
+import socket
+from pathlib import Path
+
+from end_effector_hal.errors import UsageError, WireError
+
+
+def listen(path: Path, group: str | None = None) -> socket.socket:
+    """For the owner's user and one group only (mode 0660), before anybody can find it.
+
+    Bound under another name first, so that whoever finds the socket can connect.
+
+    Args:
+        path: where.
+        group: whose members may command the lines; default: that of the process.
+
+    Raises:
+        UsageError: there is no such group.
+        WireError: it cannot be made, or not be given to that group.
+    """
+    number = -1 if group is None else _number(group)
+    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        fresh.unlink(missing_ok=True)
+        os.fchmod(listener.fileno(), 0o600)  # nobody is quicker than the next lines
+        listener.bind(str(fresh))
+        _give(fresh, number, group)
+        fresh.chmod(0o660)
+        listener.listen(64)
+        listener.setblocking(False)
+        fresh.replace(path)
+    except WireError:
+        listener.close()
+        fresh.unlink(missing_ok=True)
+        raise
+    except OSError as error:
+        listener.close()
+        raise no_socket(path, error) from error
+    return listener
+
+
+def no_socket(path: Path, error: OSError) -> WireError:
+    return WireError(
+        f"the line owner's socket cannot be made: {error.strerror or error}.",
+        where=str(path),
+        todo="Give a path of less than 90 letters in a directory that can be written.",
+    )
+
+
+def _number(group: str) -> int:
+    import grp  # what needs no lines needs no POSIX
+
+    try:
+        return int(group) if group.isdigit() else grp.getgrnam(group).gr_gid
+    except KeyError:
+        raise UsageError(
+            f"there is no group {group!r} on this machine.", todo="getent group lists them."
+        ) from None
+
+
+def _give(path: Path, number: int, group: str | None) -> None:
+    try:
+        os.chown(path, -1, number)
+    except PermissionError as error:
+        raise WireError(
+            f"the line owner's socket cannot be given to the group {group}: {error.strerror}.",
+            where=str(path.parent),
+            todo="Run the owner as a member of that group.",
+        ) from error

@@ -1,0 +1,8 @@
+"""The nodes of Fig. 4 of the paper, for either ROS: each translates between messages and the core, and decides nothing.
+
+A transport (``ros1``) starts them and moves their messages; ``transport`` says what it has to offer.
+"""
+
+from ._start import start_node
+
+__all__ = ["start_node"]

@@ -1,0 +1,133 @@
+"""Node Position: where the cylinders and the tool changer stand, by their sensors."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.description import ToolChanger
+from end_effector_hal.sensing import Senses, ToolPlace, tool_place
+from end_effector_hal.vocabulary import Evidence
+from end_effector_hal.wires import now_us
+
+from .interface import (
+    POSITION_TOOL_CHANGER,
+    POSITION_TOOL_STAND,
+    SENSOR_FRAME,
+    STATE_HZ,
+    position_topics,
+)
+from .report import OK, WARN, Health, publish_health
+from .transport import (
+    ChangerPlace,
+    CylinderPlace,
+    FrameMessage,
+    Header,
+    NodeTransport,
+    PositionMessage,
+    frame_from_message,
+)
+
+_CYLINDER = {
+    Evidence.UNKNOWN: CylinderPlace.UNKNOWN,
+    Evidence.GONE: CylinderPlace.RETRACTED,
+    Evidence.PARTIAL: CylinderPlace.BETWEEN,
+    Evidence.CONFIRMED: CylinderPlace.EXTENDED,
+}
+_CHANGER = {
+    (True, False): ChangerPlace.LOCKED,
+    (False, True): ChangerPlace.UNLOCKED,
+    (False, False): ChangerPlace.BETWEEN,
+    (True, True): ChangerPlace.CONTRADICTORY,
+}
+
+
+class PositionNode:
+    """Publishes each position at every change, and at 10 Hz; what is stale turns UNKNOWN by itself."""
+
+    def __init__(self, node: NodeTransport) -> None:
+        description = node.description()
+        codec = get_codec(description.link.codec)
+        self._log, self._kinds = node.log, codec.channels
+        self._senses = Senses(description, codec)
+        self._lock = threading.Lock()
+        order = {name: index for index, name in enumerate(description.sequence)}
+        self._outputs = [
+            _Output(name, node.publisher(topic), CylinderPlace, self._cylinder(order[name]))
+            for name, topic in position_topics(description).items()
+        ]
+        if changer := description.tool_changer:
+            publish = node.publisher(POSITION_TOOL_CHANGER)
+            self._outputs += [
+                _Output("tool_changer", publish, ChangerPlace, self._tool_changer(changer)),
+                _Output("tool_stand", node.publisher(POSITION_TOOL_STAND), ToolPlace, self._stand(changer)),
+            ]
+        self._known: dict[str, IntEnum] = {}
+        node.subscribe(SENSOR_FRAME, self._on_frame)
+        node.every(STATE_HZ, self._tick)
+        publish_health(node, description.name, self._health)
+
+    def _on_frame(self, message: FrameMessage) -> None:
+        frame = frame_from_message(message, self._kinds)
+        with self._lock:
+            if self._senses.accepts(frame, now_us()):
+                self._senses.frame(frame)
+                self._publish(frame.at, every=False)
+
+    def _tick(self) -> None:
+        with self._lock:
+            at = now_us()
+            self._senses.advance(at)
+            self._publish(at, every=True)
+
+    def _publish(self, at: int, *, every: bool) -> None:
+        for output in self._outputs:
+            position = output.places(output.read(at))
+            before = self._known.get(output.name)
+            if every or before != position:
+                self._known[output.name] = position
+                output.publish(PositionMessage(position, Header(at)))
+                old = before if before is not None else output.places(0)
+                if old is not position:
+                    self._log.info("%s: %s -> %s", output.name, old.name, position.name)
+
+    def _cylinder(self, index: int) -> Callable[[int], int]:
+        return lambda _at: _CYLINDER[self._senses.evidence[index]]
+
+    def _tool_changer(self, changer: ToolChanger) -> Callable[[int], int]:
+        def read(at: int) -> int:
+            locked = self._senses.readings.get(changer.locked_bit, at)
+            unlocked = self._senses.readings.get(changer.unlocked_bit, at)
+            if locked is None or unlocked is None:
+                return ChangerPlace.UNKNOWN
+            return _CHANGER[bool(locked), bool(unlocked)]
+
+        return read
+
+    def _stand(self, changer: ToolChanger) -> Callable[[int], int]:
+        return lambda at: tool_place(changer, self._senses.readings, at)
+
+    def _health(self) -> Health:
+        values = {
+            output.name: self._known.get(output.name, output.places(0)).name for output in self._outputs
+        }
+        unknown = [name for name, position in values.items() if position == "UNKNOWN"]
+        with self._lock:
+            refused = self._senses.refusals(now_us())
+            values["sensor frames refused"] = str(self._senses.refused)
+        said = " ".join(([f"Not known: {', '.join(unknown)}."] if unknown else []) + [*refused])
+        return Health(WARN if said else OK, said or "All positions are known.", values)
+
+
+@dataclass(frozen=True)
+class _Output:
+    """One position: its name, its publisher, its enumeration, and how it is read at a time in µs."""
+
+    name: str
+    publish: Callable[[Any], None]
+    places: type[IntEnum]
+    read: Callable[[int], int]

@@ -1,0 +1,106 @@
+"""Node Pressure: reads the sensor link; publishes every frame, and its pressures in ROS's units."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.runtime import Witness
+from end_effector_hal.sensing import Senses
+from end_effector_hal.signals import Frame, Value
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState
+
+from .interface import SENSOR_FRAME, STATE_HZ, pressure_topics
+from .report import ERROR, OK, WARN, Health, publish_health
+from .transport import (
+    Header,
+    NodeTransport,
+    PressureMessage,
+    absolute_pa,
+    frame_to_message,
+)
+
+
+class PressureNode:
+    """Publishes what the link brings, in the thread of the link: the frame first, for the reaction depends on it.
+
+    Before it, and only when a frame proves something else than before, the line arbiter gets what it proves: this
+    node reads the sensors on which the interlocks IL-01, IL-02, IL-05 and IL-13 depend.
+
+    A pressure that is invalid, doubted or stale is NaN, never the last value; NaN is published once.
+    """
+
+    def __init__(self, node: NodeTransport) -> None:
+        description, self._log = node.description(), node.log
+        self._frame = node.publisher(SENSOR_FRAME)
+        self._pressures: list[tuple[str, Callable[[Any], None]]] = [
+            (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
+        ]
+        link = description.link
+        self._senses = Senses(description, get_codec(link.codec))
+        self._lock = threading.Lock()
+        self._silent = False
+        self._witness = Witness(description)
+        node.on_close(self._witness.close)
+        self._witness.start()
+        self._reader = LinkReader(
+            link.port, link.codec, link.baudrate, on_frame=self._on_frame, on_change=self._on_change
+        )
+        publish_health(node, link.port, self._health)
+        node.on_close(self._reader.close)
+        self._reader.start()
+        node.every(STATE_HZ, self._tick)
+
+    def _on_frame(self, frame: Frame) -> None:
+        self._witness.frame(frame)
+        self._frame(frame_to_message(frame))
+        with self._lock:
+            if not self._senses.accepts(frame, now_us()):
+                return
+            self._silent = False
+            self._senses.frame(frame)
+            readings = self._senses.readings
+            self._publish_pressures(
+                frame.at,
+                lambda channel: readings.get(channel, frame.at) if readings.arrived(channel) else None,
+            )
+
+    def _tick(self) -> None:
+        with self._lock:
+            at = now_us()
+            self._senses.advance(at)
+            if self._silent or self._senses.readings.fresh(at):
+                return
+            self._silent = True
+            self._publish_pressures(at, lambda _: None)
+
+    def _publish_pressures(self, at_us: int, value: Callable[[str], Value]) -> None:
+        for channel, publish in self._pressures:
+            publish(PressureMessage(absolute_pa(value(channel)), Header(at_us, channel)))
+
+    def _on_change(self, health: LinkHealth) -> None:
+        if health.state is LinkState.DOWN:
+            self._log.error("%s", health.error)
+        else:
+            self._log.info("the sensor link is %s", health.state.value)
+
+    def _health(self) -> Health:
+        health, at = self._reader.health, now_us()
+        with self._lock:
+            up, notices = self._senses.readings.link_up(at), self._senses.notices(at, held=False)
+        counters = {name: getattr(health, name) for name in ("opened", "bytes", "frames", "lost", "reboots")}
+        errors = {f"errors, {kind}": count for kind, count in health.errors.items()}
+        values = counters | errors
+        if health.state is not LinkState.UP:
+            level = ERROR if health.state is LinkState.DOWN else WARN
+            return Health(level, health.error or f"The link is {health.state.value}.", values)
+        if not up:
+            return Health(ERROR, f"The port is open, but no frame comes ({_since(health, at)}).", values)
+        return Health(WARN if notices else OK, " ".join(notices) or "The link is up.", values)
+
+
+def _since(health: LinkHealth, at: int) -> str:
+    return f"for {(at - (health.last_frame or health.since)) / 1e6:.1f} s"

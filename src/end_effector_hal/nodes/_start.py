@@ -1,0 +1,34 @@
+"""Starts a node by its name; only the modules of that node are imported."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from .interface import DATA_LOGGER, GRIP, HAL_MAIN, POSITION, PRESSURE, SUPERVISOR, TOOL_CHANGE
+from .transport import NodeTransport
+
+_NODES = {
+    HAL_MAIN: ("hal_main", "HalMainNode"),
+    GRIP: ("programs", "GripNode"),
+    TOOL_CHANGE: ("programs", "ToolChangeNode"),
+    PRESSURE: ("_pressure", "PressureNode"),
+    POSITION: ("_position", "PositionNode"),
+    DATA_LOGGER: ("data_logger", "DataLogger"),
+    SUPERVISOR: ("_supervisor", "run_supervisor"),
+}
+
+
+def start_node(name: str, node: NodeTransport) -> int | None:
+    """Start a node of the table.
+
+    Args:
+        name: of the node in the table.
+        node: its transport.
+
+    Returns:
+        None: the node works in the threads of its transport, until that ends. Only the Supervisor works in this
+        thread; once it has come to its end, its exit code.
+    """
+    module, what = _NODES[name]
+    started = getattr(import_module(f"{__package__}.{module}"), what)(node)
+    return started if name == SUPERVISOR else None

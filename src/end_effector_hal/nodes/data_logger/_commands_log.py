@@ -1,0 +1,55 @@
+"""``commands.csv``: the commands of the Supervisor, written as they are given."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import Command
+
+HEADER = "time_s,command\n"
+
+
+class CommandsLog:
+    """Writes a row per command: seconds since the start of the recording, the integer of Table II.
+
+    Args:
+        folder: of the recording; a file that is there is continued.
+        seconds: from µs on the monotonic clock to the recording's time.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+
+    def __init__(self, folder: Path, seconds: Callable[[int], float]) -> None:
+        path = folder / "commands.csv"
+        self._seconds, self._lock = seconds, threading.Lock()
+        try:
+            self._file = path.open("a", encoding="utf-8", buffering=1)  # a kill loses the last row at most
+            if self._file.tell() == 0:
+                self._file.write(HEADER)
+        except OSError as error:
+            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(path)) from None
+
+    def write(self, at: int, command: Command) -> None:
+        """A command was given at ``at`` (µs); raises OSError, and it is written with the next one that can be."""
+        with self._lock:
+            self._file.write(f"{self._seconds(at):.6f},{int(command)}\n")
+
+    def close(self) -> None:
+        """Close the file; what cannot be written any more is lost."""
+        with self._lock, suppress(OSError):
+            self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

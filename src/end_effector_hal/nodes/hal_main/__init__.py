@@ -1,0 +1,5 @@
+"""The node HALMain: the only interface of applications."""
+
+from ._hal_main import HalMainNode
+
+__all__ = ["HalMainNode"]

@@ -1,0 +1,81 @@
+"""From the messages of the nodes to one state of the end-effector."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from end_effector_hal.description import Description
+from end_effector_hal.nodes.interface import GRIP, TOOL_CHANGE
+from end_effector_hal.nodes.transport import StateMessage, StatusMessage
+from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
+
+from ._margins import Margins
+from ._positions import Positions
+from ._silence import Silence
+
+_SILENT = "The node {} is silent: what it left active is held or released as the description declares."
+_AWAITED = "The node {} has not reported yet."
+
+CHANGER, STAND = "tool_changer", "tool_stand"
+
+
+class Aggregate:
+    """Puts the latest statuses of both programs together.
+
+    While the node Grip is silent the state is OFF, the evidence UNKNOWN, and nothing may be lifted. Its outputs and
+    ``held`` stay as they were last known: the line arbiter holds what was held.
+    """
+
+    def __init__(self, description: Description, margins: Margins, positions: Positions) -> None:
+        self._description, self._margins, self._positions = description, margins, positions
+        self._kinds = [part.kind for _, part in description.ordered]
+        count = len(description.sequence)
+        nothing = StatusMessage(actuators=[0] * count, outputs=[False] * count, evidence=[0] * count)
+        self.grip = self.tool_change = nothing
+
+    def message(self, at_us: int, now_us: int, silence: Silence, notices: Sequence[str] = ()) -> StateMessage:
+        """The state after a change at ``at_us``; ``notices`` are alarms of HALMain itself."""
+        gone = silence.silent(now_us)
+        grip, change, sequence = self.grip, self.tool_change, self._description.sequence
+        lost = GRIP in gone
+        alarms = dict.fromkeys((*notices, *grip.alarms, *change.alarms))
+        absent = [(_SILENT if silence.has_reported(name) else _AWAITED).format(name) for name in gone]
+        deadline = grip.deadline_us
+        return StateMessage(
+            at_us=at_us,
+            state=EndEffectorState.OFF if lost else grip.state,
+            command=self._command(gone),
+            actuator_names=sequence,
+            actuator_kinds=self._kinds,
+            actuators=grip.actuators,
+            outputs=grip.outputs,
+            evidence=[Evidence.UNKNOWN] * len(sequence) if lost else grip.evidence,
+            margins=self._margins.values(grip.stale if grip.link_up and not lost else None),
+            actuator="" if lost or grip.step < 0 else sequence[grip.step],
+            attempt=grip.attempt,
+            attempts_allowed=grip.attempts_allowed,
+            time_left_s=float("nan") if lost or deadline < 0 else max(0, deadline - now_us) / 1e6,
+            steps=grip.steps,
+            cause=grip.cause,
+            cause_actuator=sequence[grip.cause_at] if grip.cause_at >= 0 else "",
+            reason=grip.reason,
+            held=grip.held,
+            lift_allowed=grip.lift_allowed and not lost,
+            secure=grip.secure and not lost,
+            maintenance=grip.maintenance and not lost,
+            tool_changer=0 if TOOL_CHANGE in gone else change.tool_changer,
+            unlock_output=change.unlock_output,
+            tool_position=self._positions.value(CHANGER, now_us),
+            tool_stand=self._positions.value(STAND, now_us),
+            link_up=grip.link_up and not lost,
+            stale=grip.stale,
+            missed=grip.missed + change.missed,
+            worst_late_us=max(grip.worst_late_us, change.worst_late_us),
+            alarms=[*absent, *alarms],
+        )  # fmt: skip
+
+    def _command(self, gone: Sequence[str]) -> int:
+        """One command runs at a time: gripping and the tool changer exclude each other (IL-01, IL-05)."""
+        if GRIP not in gone and self.grip.command != Command.NONE:
+            return int(self.grip.command)
+        return int(Command.NONE if TOOL_CHANGE in gone else self.tool_change.command)

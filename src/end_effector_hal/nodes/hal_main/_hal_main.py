@@ -1,0 +1,167 @@
+"""Node HALMain: the only interface of applications; four actions, and the aggregated state."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+
+from end_effector_hal.nodes.interface import (
+    END_EFFECTOR_STATE,
+    GRIP,
+    GRIP_STATE,
+    POSITION_TOOL_CHANGER,
+    POSITION_TOOL_STAND,
+    STATE_HZ,
+    TOOL_CHANGE,
+    TOOL_CHANGE_STATE,
+    position_topics,
+    pressure_topics,
+)
+from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_health, transition
+from end_effector_hal.nodes.transport import (
+    ChangerPlace,
+    CylinderPlace,
+    Header,
+    NodeTransport,
+    PositionMessage,
+    PressureMessage,
+    StampCheck,
+    StatusMessage,
+)
+from end_effector_hal.sensing import ToolPlace
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.wires import now_us
+
+from ._aggregate import CHANGER, STAND, Aggregate
+from ._margins import Margins
+from ._positions import Positions
+from ._silence import Silence
+
+_ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
+
+
+class HalMainNode:
+    """Publishes one EndEffectorState for every status of a program, in order, and one at 10 Hz."""
+
+    def __init__(self, node: NodeTransport) -> None:
+        description = node.description()
+        cylinders = position_topics(description)
+        self._margins = Margins(description)
+        self._positions = Positions(
+            {CHANGER: ChangerPlace, STAND: ToolPlace, **dict.fromkeys(cylinders, CylinderPlace)}
+        )
+        self._aggregate = Aggregate(description, self._margins, self._positions)
+        self._silence = Silence((GRIP, TOOL_CHANGE) if description.tool_changer else (GRIP,))
+        self._known: dict[str, tuple[int, int]] = {}
+        self._stamps = StampCheck("Internal states", node.log)
+        self._gone: tuple[str, ...] = ()
+        self._lock = threading.Lock()
+        self._closed = False
+        self._log, self._unknown_senders = node.log, node.unknown_senders
+        self._publish = node.publisher(END_EFFECTOR_STATE)
+        self._at_us = now_us()
+        self._state = self._aggregate.message(self._at_us, self._at_us, self._silence)
+        self._goals = node.serve_goals(lambda: self._state)
+        node.subscribe(GRIP_STATE, self._on_status(GRIP))
+        node.subscribe(TOOL_CHANGE_STATE, self._on_status(TOOL_CHANGE))
+        for channel, topic in pressure_topics(description):
+            node.subscribe(topic, self._on_pressure(channel))
+        for name, topic in cylinders.items():
+            node.subscribe(topic, self._on_position(name))
+        if description.tool_changer:
+            node.subscribe(POSITION_TOOL_CHANGER, self._on_position(CHANGER))
+            node.subscribe(POSITION_TOOL_STAND, self._on_position(STAND))
+        node.every(STATE_HZ, self._tick)
+        publish_health(node, description.name, self._health)
+        node.on_close(self._close)
+        node.on_close(self._goals.close)
+
+    def _on_status(self, name: str) -> Callable[[StatusMessage], None]:
+        return lambda status: self._update(name, status)
+
+    def _update(self, name: str, status: StatusMessage) -> None:
+        known = (status.since_us, status.count)
+        with self._lock:
+            if self._closed:
+                return  # OFF is the last state
+            if not self._stamps.accepts(status.since_us, status.at_us):
+                return  # it would show a state that has not come yet
+            self._silence.reported(name, now_us())
+            if self._known.get(name) == known:
+                return  # repeated: the periodic state says it
+            self._known[name] = known
+            if name == GRIP:
+                self._aggregate.grip = status
+            else:
+                self._aggregate.tool_change = status
+            # the exact time of the program that changed: the other one, over its own connection, may be a little ahead
+            self._at_us = status.at_us
+            self._publish_state(self._at_us)
+        self._goals.on_status(name, status)
+
+    def _publish_state(self, stamp_us: int | None = None) -> None:
+        now, before = now_us(), self._gone
+        self._gone = self._silence.silent(now)
+        if self._gone != before:
+            self._at_us = now
+        notices = (*self._unknown_senders.alarms(), *self._stamps.notices(now))
+        state = self._aggregate.message(self._at_us, now, self._silence, notices)
+        state.header = Header(stamp_us)
+        earlier, self._state = self._state, state
+        self._publish(state)
+        if state.state != earlier.state:
+            old, new = (EndEffectorState(each.state).name for each in (earlier, state))
+            why = next(iter(state.alarms), "") if GRIP in self._gone else state.reason
+            self._log.info("%s", transition(old, new, state.command, why))
+
+    def _tick(self) -> None:
+        with self._lock:
+            if self._closed:
+                return
+            before = self._gone
+            self._publish_state()
+        for name in self._gone:
+            if name not in before and self._silence.has_reported(name):
+                self._log.error("the node %s is silent", name)
+        self._goals.tick(self._gone)
+
+    def _on_pressure(self, channel: str) -> Callable[[PressureMessage], None]:
+        return lambda message: self._margins.store(channel, message.fluid_pressure)
+
+    def _on_position(self, name: str) -> Callable[[PositionMessage], None]:
+        return lambda message: self._positions.store(name, message.position, now_us())
+
+    def _close(self) -> None:
+        with self._lock:
+            self._closed = True
+            self._state = replace(
+                self._state,
+                state=EndEffectorState.OFF,
+                command=Command.NONE,
+                lift_allowed=False,
+                secure=False,
+                at_us=now_us(),
+                header=Header(),
+            )
+            self._publish(self._state)
+
+    def _health(self) -> Health:
+        state = self._state
+        bad = self._gone or not state.link_up or state.state in _ERRORS
+        level = ERROR if bad else WARN if state.alarms or state.missed else OK
+        return Health(
+            level,
+            " ".join(state.alarms) or "As it should be.",
+            {
+                "state": EndEffectorState(state.state).name,
+                "reason": state.reason,
+                "held": state.held,
+                "secure": state.secure,
+                "lift allowed": state.lift_allowed,
+                **{
+                    f"position of {name}": position
+                    for name, position in self._positions.names(now_us()).items()
+                },
+            },
+        )

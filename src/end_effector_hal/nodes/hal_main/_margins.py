@@ -1,0 +1,38 @@
+"""How far the pressure of each actuator is from the threshold that matters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+
+from end_effector_hal.description import Actuator, Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.nodes.transport import AMBIENT_PA
+
+
+class Margins:
+    """The margin of each actuator in Pa, from the absolute pressures of the channels."""
+
+    def __init__(self, description: Description) -> None:
+        self._description = description
+        self._supply = description.supply
+        self._absolute: dict[str, float] = {}
+
+    def store(self, channel: str, absolute_pa: float) -> None:
+        """A reading was received; NaN: invalid."""
+        self._absolute[channel] = absolute_pa
+
+    def values(self, stale: Collection[str] | None) -> list[float]:
+        """In the order of the sequence, NaN where nothing is known; ``stale``: channels, None: all."""
+        return [self._margin(part, stale) for _, part in self._description.ordered]
+
+    def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
+        supply = self._gauge(self._supply.channel, stale)
+        gauge = self._gauge(part.channel, stale)
+        supply = self._supply.nominal_kpa * 1000 if math.isnan(supply) else supply
+        return kind_of(part).margin_pa(part, gauge, supply)
+
+    def _gauge(self, channel: str, stale: Collection[str] | None) -> float:
+        if stale is None or channel in stale:
+            return math.nan
+        return self._absolute.get(channel, math.nan) - AMBIENT_PA

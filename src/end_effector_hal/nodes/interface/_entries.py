@@ -1,0 +1,70 @@
+"""What an entry of the interface is: a topic, a service, an action, a parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from end_effector_hal.vocabulary import Command
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic: who publishes it, when, and how.
+
+    Attributes:
+        name: relative (``/diagnostics`` is global by REP-107).
+        type: of its messages.
+        publishers: nodes of this package; the subscribers drop what any other node publishes here.
+        subscribers: nodes of this package; others are free to subscribe.
+        on: what causes a message: ``change``, ``frame`` or ``command``; empty: only the clock.
+        rate_hz: of the periodic messages besides these; None: there are none.
+        latched: a new subscriber gets the last message at once (ROS 2: transient local, depth 1).
+        queue: messages kept for a slow subscriber; beyond it the oldest is dropped.
+        internal: only for nodes of this package; may change with any version.
+        public: the subscribers accept the messages of every node.
+    """
+
+    name: str
+    type: str
+    publishers: tuple[str, ...]
+    subscribers: tuple[str, ...] = ()
+    on: str = "change"
+    rate_hz: float | None = None
+    latched: bool = False
+    queue: int = 10
+    internal: bool = False
+    public: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """A service, the node that serves it, and the nodes of this package that may call it; empty: every node may."""
+
+    name: str
+    type: str
+    server: str
+    callers: tuple[str, ...] = ()
+
+    @property
+    def internal(self) -> bool:
+        """Whether it is only for nodes of this package; it may change with any version."""
+        return bool(self.callers)
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """An action, its server, and the command of Table II that a goal gives."""
+
+    name: str
+    type: str
+    server: str
+    command: Command
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A private parameter (``~name``): a string."""
+
+    name: str
+    nodes: tuple[str, ...]
+    about: str

@@ -1,0 +1,121 @@
+"""The table of the ROS interface: every topic, service, action and parameter, named once.
+
+Names are relative, so that a namespace or a remap works. Types are ``package/Name``, in ROS 1 and ROS 2 alike.
+"""
+
+from __future__ import annotations
+
+from end_effector_hal.vocabulary import Command
+
+from ._entries import Action, Parameter, Service, Topic
+
+HAL_MAIN, GRIP, TOOL_CHANGE = "HALMain", "Grip", "ToolChange"
+PRESSURE, POSITION = "Pressure", "Position"
+SUPERVISOR, DATA_LOGGER = "Supervisor", "DataLogger"
+HAL_NODES = (HAL_MAIN, GRIP, TOOL_CHANGE, PRESSURE, POSITION)
+NODES = (*HAL_NODES, SUPERVISOR, DATA_LOGGER, "LineOwner")
+OF_ROS = ("rosout", "rosout_agg", "clock")
+"""Global topics of ROS itself."""
+
+STATE_HZ, DIAGNOSTICS_HZ = 10.0, 1.0
+GONE_AFTER_S = 1.0
+"""A periodic internal state that is silent for longer: its node has gone."""
+COMMAND_VALID_S = 0.5
+"""How long a command of the internal services may be begun, counted from when it is asked for."""
+GIVE_UP_S = 30.0
+"""How long a client waits for the actions."""
+PATIENCE_S = 10.0
+"""How long a client waits for a silent HALMain, which is back 2 to 3 s after it was killed; a busy machine takes
+longer."""
+
+
+def pressure(name: str) -> Topic:
+    """A pressure of that name."""
+    return Topic(name, "sensor_msgs/FluidPressure", (PRESSURE,), (HAL_MAIN,), on="frame", queue=10)
+
+
+# A second of changes is kept: nothing of a run is lost when a subscriber stumbles.
+SENSOR_FRAME = Topic(
+    "sensor_frame", "end_effector_msgs/SensorFrame", (PRESSURE,), (GRIP, TOOL_CHANGE, POSITION, DATA_LOGGER),
+    on="frame", queue=50, internal=True,
+)  # fmt: skip
+GRIP_STATE = Topic(
+    "grip/state", "end_effector_msgs/UnitStatus", (GRIP,), (TOOL_CHANGE, HAL_MAIN),
+    rate_hz=STATE_HZ, latched=True, queue=100, internal=True,
+)  # fmt: skip
+TOOL_CHANGE_STATE = Topic(
+    "tool_change/state", "end_effector_msgs/UnitStatus", (TOOL_CHANGE,), (GRIP, HAL_MAIN),
+    rate_hz=STATE_HZ, latched=True, queue=100, internal=True,
+)  # fmt: skip
+POSITION_TOOL_CHANGER = Topic(
+    "PositionToolChanger", "end_effector_msgs/ToolChangerPosition", (POSITION,), (HAL_MAIN,),
+    rate_hz=STATE_HZ, latched=True,
+)  # fmt: skip
+POSITION_TOOL_STAND = Topic(
+    "PositionToolStand", "end_effector_msgs/ToolStandPosition", (POSITION,), (HAL_MAIN,),
+    rate_hz=STATE_HZ, latched=True,
+)  # fmt: skip
+END_EFFECTOR_STATE = Topic(
+    "EndEffectorState", "end_effector_msgs/EndEffectorState", (HAL_MAIN,), (DATA_LOGGER, SUPERVISOR),
+    rate_hz=STATE_HZ, latched=True, queue=100,
+)  # fmt: skip
+SUPERVISOR_COMMANDS = Topic(
+    "supervisor_commands", "end_effector_msgs/SupervisorCommand", (SUPERVISOR,), (DATA_LOGGER,), on="command",
+    queue=100, public=True,
+)  # fmt: skip
+DIAGNOSTICS = Topic(
+    "/diagnostics", "diagnostic_msgs/DiagnosticArray", (*HAL_NODES, DATA_LOGGER),
+    on="", rate_hz=DIAGNOSTICS_HZ, queue=10,
+)  # fmt: skip
+
+GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, (HAL_MAIN,))
+TOOL_CHANGE_COMMAND = Service(
+    "tool_change/command", "end_effector_msgs/HalCommand", TOOL_CHANGE, (HAL_MAIN, GRIP)
+)
+
+PRESSURE_SUPPLY = pressure("PressureSupply")
+FIXED_TOPICS = (
+    END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
+    POSITION_TOOL_CHANGER, POSITION_TOOL_STAND, PRESSURE_SUPPLY,
+)  # fmt: skip
+"""Topics that are called the same for every tool."""
+
+ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
+RESET = 100
+"""A command of the internal services besides those of Table II."""
+RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
+FIXED_SERVICES = (ARM_TOOL_CHANGER, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+"""Services that are called the same for every tool."""
+
+LOCK_TOOL_CHANGER = Action("LockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.LOCK)
+UNLOCK_TOOL_CHANGER = Action("UnlockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.UNLOCK)
+TRIGGER_GRIP = Action("TriggerGrip", "end_effector_msgs/EndEffector", HAL_MAIN, Command.GRIP)
+DROP = Action("Drop", "end_effector_msgs/EndEffector", HAL_MAIN, Command.RELEASE)
+ACTIONS = (LOCK_TOOL_CHANGER, UNLOCK_TOOL_CHANGER, TRIGGER_GRIP, DROP)
+
+DESCRIPTION = Parameter(
+    "description",
+    (*HAL_NODES, DATA_LOGGER),
+    "path of the YAML file, never its content; required, or a profile",
+)
+PROFILE = Parameter("profile", DESCRIPTION.nodes, "name of a shipped tool, instead of a description")
+SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; grip; wait 2; release; quit`")
+DIRECTORY = Parameter(
+    "directory",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "run folder that it writes; Grip, ToolChange: empty, no trace",
+)
+PATIENCE = Parameter(
+    "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
+)
+SEGMENT_MB = Parameter(
+    "segment_mb",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "files of a recording are cut into such segments, MB; default: 64",
+)
+KEEP_MB = Parameter(
+    "keep_mb",
+    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    "the folder keeps so much, MB, the oldest segments are removed; default: 1000",
+)
+PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE, SEGMENT_MB, KEEP_MB)

@@ -1,0 +1,83 @@
+"""Topics and services whose names or number depend on the tool."""
+
+from __future__ import annotations
+
+from end_effector_hal.description import Description, camel_case
+from end_effector_hal.kinds import kind_of
+
+from ._entries import Service, Topic
+from ._table import (
+    ARM_TOOL_CHANGER,
+    DIAGNOSTICS,
+    END_EFFECTOR_STATE,
+    GRIP,
+    GRIP_COMMAND,
+    GRIP_STATE,
+    HAL_MAIN,
+    POSITION,
+    POSITION_TOOL_CHANGER,
+    POSITION_TOOL_STAND,
+    PRESSURE_SUPPLY,
+    RESET_FAULTS,
+    SENSOR_FRAME,
+    STATE_HZ,
+    SUPERVISOR_COMMANDS,
+    TOOL_CHANGE,
+    TOOL_CHANGE_COMMAND,
+    TOOL_CHANGE_STATE,
+    pressure,
+)
+
+
+def pressure_topic(description: Description, actuator: str) -> Topic:
+    """The absolute pressure of an actuator; raises KeyError for an unknown one."""
+    return pressure(description.topic_of(actuator))
+
+
+def pressure_topics(description: Description) -> tuple[tuple[str, Topic], ...]:
+    """Channel of the link and its topic: the actuators in sequence order, then the supply."""
+    own = ((part.channel, pressure_topic(description, name)) for name, part in description.ordered)
+    return (*own, (description.supply.channel, PRESSURE_SUPPLY))
+
+
+def position_topics(description: Description) -> dict[str, Topic]:
+    """What moves between two end positions, to the topic of its position."""
+    return {
+        name: Topic(
+            "Position" + camel_case(name), "end_effector_msgs/CylinderPosition", (POSITION,), (HAL_MAIN,),
+            rate_hz=STATE_HZ, latched=True,
+        )
+        for name, part in description.ordered
+        if kind_of(part).moves
+    }  # fmt: skip
+
+
+def set_services(description: Description) -> dict[str, Service]:
+    """Actuator to its ``/Set*`` service."""
+    return {name: _set(description.service_of(name), GRIP) for name in description.sequence}
+
+
+def set_tool_changer(description: Description) -> Service | None:
+    """The service of the tool changer, if one is fitted."""
+    return _set(description.tool_changer.service, TOOL_CHANGE) if description.tool_changer else None
+
+
+def topics(description: Description) -> tuple[Topic, ...]:
+    """Every topic of a tool."""
+    changer = (POSITION_TOOL_CHANGER, POSITION_TOOL_STAND) if description.tool_changer else ()
+    return (
+        END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, *(topic for _, topic in pressure_topics(description)),
+        *position_topics(description).values(), *changer,
+        SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
+    )  # fmt: skip
+
+
+def services(description: Description) -> tuple[Service, ...]:
+    """Every service of a tool."""
+    changer = set_tool_changer(description)
+    own = (*set_services(description).values(), *((changer, ARM_TOOL_CHANGER) if changer else ()))
+    return (*own, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+
+
+def _set(name: str, server: str) -> Service:
+    return Service(name, "std_srvs/SetBool", server)

@@ -1,0 +1,6 @@
+"""The nodes that execute automata: Grip and ToolChange."""
+
+from ._grip import GripNode
+from ._tool_change import ToolChangeNode
+
+__all__ = ["GripNode", "ToolChangeNode"]

@@ -1,0 +1,60 @@
+"""Node Grip: the gripping automata and their detectors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from end_effector_hal.control import Answer
+from end_effector_hal.nodes.interface import (
+    GRIP_COMMAND,
+    GRIP_STATE,
+    RESET,
+    RESET_FAULTS,
+    TOOL_CHANGE_COMMAND,
+    TOOL_CHANGE_STATE,
+    set_services,
+)
+from end_effector_hal.nodes.transport import NodeTransport, StampCheck, StatusMessage
+from end_effector_hal.runtime import reset
+
+from ._program_node import ProgramNode
+
+
+class GripNode:
+    """Serves the actuators and the reset beside the program, which it gives the output of the tool changer."""
+
+    def __init__(self, node: NodeTransport) -> None:
+        self._description = node.description()
+        self._node = ProgramNode(node, self._description, "grip", GRIP_STATE, GRIP_COMMAND)
+        self._unit = self._node.unit
+        self._unlock: bool | None = None
+        self._stamps = StampCheck("States of ToolChange", node.log)
+        fitted = self._description.tool_changer is not None
+        self._changer = node.command_client(TOOL_CHANGE_COMMAND) if fitted else None
+        node.subscribe(TOOL_CHANGE_STATE, self._on_tool_change)
+        for name, service in set_services(self._description).items():
+            node.serve(service, self._setter(name))
+        node.serve(RESET_FAULTS, self._reset)
+
+    def _reset(self, _request: Any) -> Answer:
+        changer = [self._changer.ask(RESET)] if self._changer else []  # first: see EndEffector.reset
+        answer = reset(self._description, self._unit, *changer)
+        if not answer.accepted:
+            self._node.log_refusal("reset", answer.reason)
+        return answer
+
+    def _on_tool_change(self, message: StatusMessage) -> None:
+        accepted = self._stamps.accepts(message.since_us, message.at_us)
+        if accepted and message.unlock_output != self._unlock:
+            self._unlock = message.unlock_output
+            self._unit.tell(unlock_valve=int(message.unlock_output))
+
+    def _setter(self, name: str) -> Callable[[Any], Answer]:
+        def answer(request: Any) -> Answer:
+            done = self._unit.set_actuator(name, bool(request.data))
+            if not done.accepted:
+                self._node.log_refusal(f"{name} {'on' if request.data else 'off'}", done.reason)
+            return done
+
+        return answer

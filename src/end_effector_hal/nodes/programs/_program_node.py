@@ -1,0 +1,159 @@
+"""What the nodes Grip and ToolChange have in common: one program with a topic and a service."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.codecs import get_codec
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.nodes._recording_limits import recording_limits
+from end_effector_hal.nodes.interface import (
+    COMMAND_VALID_S,
+    DIRECTORY,
+    RESET,
+    SENSOR_FRAME,
+    STATE_HZ,
+    Service,
+    Topic,
+)
+from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, StatusLines, publish_health
+from end_effector_hal.nodes.transport import (
+    FrameMessage,
+    Header,
+    NodeTransport,
+    StatusMessage,
+    frame_from_message,
+)
+from end_effector_hal.runtime import open_unit
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.wires import now_us
+
+from ._status_message import status_to_message
+
+_ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
+
+
+class ProgramNode:
+    """Connects a program with a topic and a service; the program lives as long as the node.
+
+    Args:
+        node: the connection to ROS.
+        description: the tool.
+        program: ``grip`` or ``tool_change``.
+        state: the topic of its statuses: at each step, and at 10 Hz.
+        command: the service that gives it commands.
+    """
+
+    def __init__(
+        self, node: NodeTransport, description: Description, program: str, state: Topic, command: Service
+    ) -> None:
+        self._program, self._node, self._log = program, node, node.log
+        self._service = command
+        self._kinds = get_codec(description.link.codec).channels
+        self._publish = node.publisher(state)
+        self._lines = StatusLines(description, program)
+        self._since_us, self._count = now_us(), 0
+        self._lock = threading.Lock()
+        self._last: StatusMessage | None = None
+        self._alarms: tuple[str, ...] = ()
+        folder = node.parameter(DIRECTORY)
+        traces = Path(folder).expanduser() if folder else None
+        limits = recording_limits(node)
+        self.unit = open_unit(description, program, self._on_status, traces=traces, limits=limits)
+        node.serve(command, self._on_command)
+        node.every(STATE_HZ, self._repeat)
+        publish_health(node, description.name, self._health)
+        node.on_close(self._close)
+        self.unit.start()
+        node.subscribe(SENSOR_FRAME, self._on_frame)
+
+    def _on_frame(self, message: FrameMessage) -> None:
+        self.unit.frame(frame_from_message(message, self._kinds))
+
+    def _on_status(self, status: Status) -> None:
+        with self._lock:
+            self._count += 1
+            self._last = status_to_message(status, self._since_us, self._count)
+            self._last.alarms = (*status.alarms, *self._node.unknown_senders.alarms())
+            self._publish(self._last)
+            before, self._alarms = self._alarms, status.alarms
+        for line in self._lines.of(status):
+            self._log.info("%s", line)
+        for alarm in status.alarms:
+            if alarm not in before:
+                self._log.warning("%s", alarm)
+
+    def _repeat(self) -> None:
+        if not self.unit.alive:
+            self._node.fail(ReportedError(f"The program {self._program} does not work any more."))
+            return
+        with self._lock:
+            if self._last is not None:
+                self._last.header = Header()
+                alarms = (*self._alarms, *self._node.unknown_senders.alarms())
+                if alarms != tuple(self._last.alarms):
+                    self._count += 1
+                    self._last.alarms, self._last.count = alarms, self._count
+                self._publish(self._last)
+
+    def _on_command(self, request: Any) -> Answer:
+        answer = self._decide(request)
+        if not answer.accepted:
+            known = request.command in PROGRAM_COMMANDS[self._program]
+            word = CHANNELS[Command(request.command)] if known else f"command {request.command}"
+            self.log_refusal("reset" if request.command == RESET else word, answer.reason)
+        with self._lock:
+            return replace(answer, count=self._count)
+
+    def log_refusal(self, what: str, why: str) -> None:
+        """Write one line for what was not done."""
+        self._log.info("refused: %s. %s", what, why)
+
+    def _decide(self, request: Any) -> Answer:
+        if why := self._node.refuse_unknown_caller(self._service, request):
+            return Answer(False, why)
+        if request.command == RESET:
+            latched = bool(self.unit.status.changer_fault)
+            return self.unit.command("reset") if latched else Answer(True)
+        if request.command not in PROGRAM_COMMANDS[self._program]:
+            known = ", ".join(
+                f"{command.name} ({command.value})" for command in PROGRAM_COMMANDS[self._program]
+            )
+            return Answer(False, f"{request.command} is no command here; there are {known}.")
+        if request.until_us and now_us() > request.until_us:
+            return Answer(False, "The command came too late and was not executed.")
+        if request.until_us > now_us() + round(COMMAND_VALID_S * 1e6):
+            why = f"The command may wait for more than {COMMAND_VALID_S:g} s and was not executed: its time is wrong."
+            return Answer(False, why)
+        return self.unit.command(CHANNELS[Command(request.command)])
+
+    def _close(self) -> None:
+        self.unit.close("sigterm")
+        with self._lock:
+            if self._last is not None:
+                self._last.state, self._last.count = EndEffectorState.OFF, self._count + 1
+                self._publish(self._last)
+
+    def _health(self) -> Health:
+        status = self.unit.status
+        bad = not status.link_up or status.ee in _ERRORS
+        level = ERROR if bad else WARN if status.alarms or status.missed else OK
+        late = f"{status.missed} edges were taken later than the reaction bound." if status.missed else ""
+        return Health(
+            level,
+            " ".join((*status.alarms, late)).strip() or "As it should be.",
+            {
+                "link up": status.link_up,
+                "stale channels": ", ".join(status.stale) or "none",
+                "edges later than the reaction bound": status.missed,
+                "sensor frames refused": status.refused_frames,
+                "worst lateness (ms)": f"{status.worst_late_us / 1000:.3f}",
+                "reason": status.reason,
+            },
+        )

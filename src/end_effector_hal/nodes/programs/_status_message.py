@@ -1,0 +1,40 @@
+"""From the status of a program to its message."""
+
+from __future__ import annotations
+
+from end_effector_hal.control import Status
+from end_effector_hal.nodes.transport import Header, StatusMessage, StepMessage
+
+
+def status_to_message(status: Status, since_us: int, count: int) -> StatusMessage:
+    """The message of a status; ``since_us`` is the start of the program, ``count`` the number of this status."""
+    return StatusMessage(
+        header=Header(status.at),
+        since_us=since_us,
+        count=count,
+        at_us=status.at,
+        state=status.ee,
+        command=status.command,
+        actuators=status.actuators,
+        outputs=status.outputs,
+        evidence=status.evidence,
+        step=status.step,
+        attempt=status.attempt,
+        attempts_allowed=status.attempts_allowed,
+        deadline_us=-1 if status.deadline is None else status.deadline,
+        cause=status.cause,
+        cause_at=status.cause_at,
+        reason=status.reason,
+        held=status.held,
+        lift_allowed=status.lift_allowed,
+        secure=status.secure,
+        maintenance=status.maintenance,
+        tool_changer=status.changer,
+        unlock_output=status.unlock_output,
+        link_up=status.link_up,
+        stale=status.stale,
+        missed=status.missed,
+        worst_late_us=status.worst_late_us,
+        alarms=status.alarms,
+        steps=[StepMessage(step.name, step.attempts, step.seconds, step.confirmed) for step in status.steps],
+    )

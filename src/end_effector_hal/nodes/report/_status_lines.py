@@ -1,0 +1,80 @@
+"""Lines of the log for what changed from one status of a program to the next: transitions and time-outs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence, display_name
+
+_QUIET = (EndEffectorState.GRIPPING, EndEffectorState.GRIPPED)
+"""In these states the reason of an earlier end says nothing."""
+
+
+def transition(old: str, new: str, command: int, reason: str) -> str:
+    """``STAND_BY -> GRIPPING (GRIP)``, with the reason if there is one."""
+    doing = f" ({Command(command).name})" if command != Command.NONE else ""
+    return f"{old} -> {new}{doing}{f': {reason}' if reason else ''}"
+
+
+class StatusLines:
+    """Compares each status with the one before.
+
+    Args:
+        description: the tool.
+        program: ``grip`` or ``tool_change``.
+    """
+
+    def __init__(self, description: Description, program: str) -> None:
+        self._parts, self._grips = description.ordered, program == "grip"
+        self._last: Status | None = None
+        self._timed_out: set[tuple[int, int]] = set()
+        self._released: int | None = None
+
+    def of(self, status: Status) -> list[str]:
+        """The lines of a status, in the order of what happened."""
+        last, self._last = self._last, status
+        return list((self._gripping if self._grips else self._changing)(last, status))
+
+    def _changing(self, last: Status | None, now: Status) -> Iterator[str]:
+        old, new = ChangerState(last.changer if last else 0), ChangerState(now.changer)
+        if old is not new:
+            reason = now.reason if new is ChangerState.FAULT else ""
+            yield f"tool changer: {transition(old.name, new.name, now.command, reason)}"
+
+    def _gripping(self, last: Status | None, now: Status) -> Iterator[str]:
+        old, new = EndEffectorState(last.ee if last else 0), EndEffectorState(now.ee)
+        if last is not None:
+            yield from self._time_outs(last, now)
+            yield from self._release_time_outs(last, now)
+        if old is not new:
+            yield transition(old.name, new.name, now.command, "" if new in _QUIET else now.reason)
+
+    def _time_outs(self, last: Status, now: Status) -> Iterator[str]:
+        """Attempts that were not confirmed in time: deactivated for the next one, or the last one."""
+        if last.ee != EndEffectorState.GRIPPING:
+            self._timed_out.clear()
+            return
+        gave_up = now.ee != last.ee and now.cause == Cause.TIMED_OUT
+        for index, (name, part) in enumerate(self._parts):
+            attempt = last.steps[index].attempts if index < len(last.steps) else 0
+            again = now.ee == last.ee and not now.steps[index].confirmed and last.outputs[index]
+            again = again and (not now.outputs[index] or now.steps[index].attempts > attempt)
+            if (again or (gave_up and now.cause_at == index)) and (index, attempt) not in self._timed_out:
+                self._timed_out.add((index, attempt))
+                yield (
+                    f"{display_name(name)} was not confirmed within {part.timeout_s:g} s: "
+                    f"attempt {attempt} of {part.attempts}."
+                )
+
+    def _release_time_outs(self, last: Status, now: Status) -> Iterator[str]:
+        """Feedback that is still there when its time is over, and the release goes on."""
+        off = [i for i in range(len(now.outputs)) if last.outputs[i] and not now.outputs[i]]
+        releasing = EndEffectorState.RELEASING in (last.ee, now.ee)
+        before, goes_on = self._released, bool(off) or now.ee != EndEffectorState.RELEASING
+        if releasing and before is not None and goes_on and now.evidence[before] != Evidence.GONE:
+            name, part = self._parts[before]
+            yield f"{display_name(name)} was not gone within {part.release_s:g} s."
+        if goes_on:
+            self._released = off[-1] if off and now.ee == EndEffectorState.RELEASING else None

@@ -1,0 +1,45 @@
+"""From sensor frames to messages and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from end_effector_hal.signals import Frame, Kind
+
+from ._messages import FrameMessage
+
+AMBIENT_PA = 101_325
+"""FluidPressure is absolute, a frame is gauge: the standard atmosphere stands between them."""
+
+
+def frame_to_message(frame: Frame) -> FrameMessage:
+    """The message of a frame."""
+    values = frame.values.values()
+    return FrameMessage(
+        at_us=frame.at,
+        seq=-1 if frame.seq is None else frame.seq,
+        device_ms=-1 if frame.device_ms is None else frame.device_ms,
+        channels=list(frame.values),
+        values=[0 if value is None else int(value) for value in values],
+        valid=[value is not None for value in values],
+    )
+
+
+def frame_from_message(message: FrameMessage, kinds: Mapping[str, Kind]) -> Frame:
+    """The frame of a message; ``kinds`` are the channels of the codec, others are left out."""
+    values: dict[str, int | bool | None] = {}
+    for channel, value, valid in zip(message.channels, message.values, message.valid, strict=False):
+        if channel in kinds:
+            plain = bool(value) if kinds[channel] is Kind.BIT else value
+            values[channel] = plain if valid else None
+    return Frame(
+        at=message.at_us,
+        seq=None if message.seq < 0 else message.seq,
+        device_ms=None if message.device_ms < 0 else message.device_ms,
+        values=values,
+    )
+
+
+def absolute_pa(value: int | bool | None) -> float:
+    """Absolute pressure of a gauge pressure in Pa; NaN when it is invalid, or when only a bit is carried."""
+    return float("nan") if value is None or isinstance(value, bool) else float(AMBIENT_PA + value)

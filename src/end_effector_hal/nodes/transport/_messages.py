@@ -1,0 +1,164 @@
+"""The messages that the nodes publish, with the field names of ``end_effector_msgs``; a transport converts them.
+
+What a node receives has the same fields, in whatever class the generation has for it. Times in µs are of the
+monotonic clock of this machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from end_effector_hal.vocabulary import Command
+
+
+@dataclass(slots=True)
+class Header:
+    """When a message was true, in µs; None: when it is published. The transport makes ROS time of it."""
+
+    at_us: int | None = None
+    frame_id: str = ""
+
+
+@dataclass(slots=True)
+class FrameMessage:
+    """``SensorFrame``: see its definition for the fields, as for all that follow."""
+
+    at_us: int = 0
+    seq: int = -1
+    device_ms: int = -1
+    channels: Sequence[str] = ()
+    values: Sequence[int] = ()
+    valid: Sequence[bool] = ()
+
+
+@dataclass(slots=True)
+class PressureMessage:
+    """``FluidPressure``: absolute, in Pa; NaN: not known."""
+
+    fluid_pressure: float
+    header: Header
+
+
+@dataclass(slots=True)
+class PositionMessage:
+    """``CylinderPosition``, ``ToolChangerPosition`` or ``ToolStandPosition``: an integer, 0 is UNKNOWN."""
+
+    position: int
+    header: Header
+
+
+@dataclass(slots=True)
+class CommandMessage:
+    """``SupervisorCommand``: an integer of Table II."""
+
+    command: int
+    header: Header = field(default_factory=Header)
+
+
+@dataclass(slots=True)
+class StepMessage:
+    """``StepReport``."""
+
+    actuator: str
+    attempts: int
+    seconds: float
+    confirmed: bool
+
+
+@dataclass(slots=True)
+class StatusMessage:
+    """``UnitStatus``: what one program does."""
+
+    header: Header = field(default_factory=Header)
+    since_us: int = 0
+    count: int = 0
+    at_us: int = 0
+    state: int = 0
+    command: int = Command.NONE
+    actuators: Sequence[int] = ()
+    outputs: Sequence[bool] = ()
+    evidence: Sequence[int] = ()
+    step: int = -1
+    attempt: int = 0
+    attempts_allowed: int = 0
+    deadline_us: int = -1
+    cause: int = 0
+    cause_at: int = -1
+    reason: str = ""
+    held: bool = False
+    lift_allowed: bool = False
+    secure: bool = False
+    maintenance: bool = False
+    tool_changer: int = 0
+    unlock_output: bool = False
+    link_up: bool = False
+    stale: Sequence[str] = ()
+    missed: int = 0
+    worst_late_us: int = 0
+    alarms: Sequence[str] = ()
+    steps: Sequence[StepMessage] = ()
+
+
+@dataclass(slots=True)
+class StateMessage:
+    """``EndEffectorState``: the aggregated state."""
+
+    at_us: int
+    state: int
+    command: int
+    actuator_names: Sequence[str]
+    actuator_kinds: Sequence[str]
+    actuators: Sequence[int]
+    outputs: Sequence[bool]
+    evidence: Sequence[int]
+    margins: Sequence[float]
+    actuator: str
+    attempt: int
+    attempts_allowed: int
+    time_left_s: float
+    steps: Sequence[StepMessage]
+    cause: int
+    cause_actuator: str
+    reason: str
+    held: bool
+    lift_allowed: bool
+    secure: bool
+    maintenance: bool
+    tool_changer: int
+    unlock_output: bool
+    tool_position: int
+    tool_stand: int
+    link_up: bool
+    stale: Sequence[str]
+    missed: int
+    worst_late_us: int
+    alarms: Sequence[str]
+    header: Header = field(default_factory=Header)
+
+
+@dataclass(slots=True)
+class KeyValueMessage:
+    """``diagnostic_msgs/KeyValue``."""
+
+    key: str
+    value: str
+
+
+@dataclass(slots=True)
+class DiagnosticMessage:
+    """``diagnostic_msgs/DiagnosticStatus``."""
+
+    level: int
+    name: str
+    message: str
+    hardware_id: str
+    values: Sequence[KeyValueMessage]
+
+
+@dataclass(slots=True)
+class DiagnosticsMessage:
+    """``diagnostic_msgs/DiagnosticArray``."""
+
+    status: Sequence[DiagnosticMessage]
+    header: Header = field(default_factory=Header)

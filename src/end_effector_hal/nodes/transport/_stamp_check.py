@@ -1,0 +1,34 @@
+"""Messages between the nodes count only with a stamp that is not ahead of now."""
+
+from __future__ import annotations
+
+import logging
+
+from end_effector_hal.signals import StampGate
+from end_effector_hal.wires import now_us
+
+
+class StampCheck:
+    """Checks the stamps of one kind of message, and logs when it begins to refuse; not thread-safe.
+
+    Args:
+        what: the messages, for a sentence; plural.
+        log: of the node.
+    """
+
+    def __init__(self, what: str, log: logging.Logger) -> None:
+        self._gate, self._log = StampGate(what), log
+
+    def accepts(self, *stamps: int) -> bool:
+        """Whether no stamp of a message (µs, monotonic clock of this machine) is ahead of now."""
+        now = now_us()
+        before = self._gate.notices(now)
+        accepted = all(self._gate.passes(stamp, now) for stamp in stamps)
+        for text in self._gate.notices(now):
+            if text not in before:
+                self._log.error("%s", text)
+        return accepted
+
+    def notices(self, at_us: int) -> tuple[str, ...]:
+        """A sentence for what was refused lately."""
+        return self._gate.notices(at_us)

@@ -1,0 +1,154 @@
+"""What a node needs of a ROS generation.
+
+Rule 1. A message that goes out is one of `_messages`. The transport makes the type of the table from it, field by
+field, and keeps nothing of it: the node may change it and publish it again.
+
+Rule 2. A message or a request that comes in is any object with the fields of its definition.
+
+Rule 3. Publishing never waits for a subscriber. Beyond the queue of the table the oldest message is dropped; of a
+latched topic a new subscriber gets the last message at once, and only that one.
+
+Rule 4. A subscriber gets the messages of the nodes that the table names, in the order in which each of them sent
+them. The transport drops all others and counts them in ``unknown_senders``.
+
+Rule 5. Callbacks come in any thread, also two at a time: a node locks what they share. A callback of a topic returns
+at once. A service handler may block for as long as its command takes; nothing else waits for it.
+
+Rule 6. What a callback raises is logged, and ends neither the transport nor the callbacks that follow.
+
+Rule 7. ``log`` never waits for a file, a terminal or a subscriber; it keeps the order of the lines, and all of them
+are written before the process ends.
+
+Rule 8. A node ends once: first its periodic callbacks stop, then ``on_close`` is called, while topics are open, then
+the topics close, then ``on_end`` is called. Both in the reverse order of their registration.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.nodes.interface import Parameter, Service, Topic
+from end_effector_hal.vocabulary import Command
+
+from ._messages import StateMessage
+from ._unknown_senders import UnknownSenders
+
+
+class CommandClient(Protocol):
+    """Gives commands to the program of another node."""
+
+    def ask(self, command: int) -> Answer:
+        """Give a command of Table II and wait for the answer, at most 4 s; a node that is silent is refused."""
+
+
+class GoalService(Protocol):
+    """The four actions: goals from clients, given to the programs and followed to their end."""
+
+    def on_status(self, node: str, status: Any) -> None:
+        """A program has published a status."""
+
+    def tick(self, gone: tuple[str, ...]) -> None:
+        """Send feedback, at 10 Hz; ``gone``: names of the nodes that are silent."""
+
+    def close(self) -> None:
+        """Answer every goal, and reject those that still come."""
+
+
+class SentGoal(Protocol):
+    """A goal that a client has sent."""
+
+
+class GoalClient(Protocol):
+    """The four actions, from the side of the client."""
+
+    @property
+    def any_failed(self) -> bool:
+        """Whether any goal has ended otherwise than in success."""
+
+    def wait_for_servers(self) -> None:
+        """Wait until every action is up; raises RosError after 30 s."""
+
+    def send(self, command: Command) -> SentGoal:
+        """Send a goal; what becomes of it is said when it is known."""
+
+    def wait(self, goal: Any) -> None:
+        """Wait until a goal has ended, or its server was silent for too long."""
+
+    def wait_for_all(self) -> None:
+        """Wait until none of the goals runs."""
+
+    def cancel(self) -> bool:
+        """Cancel whatever runs, whoever sent it; returns whether a goal of this client is running."""
+
+
+class NodeTransport(Protocol):
+    """One node of the graph; see the rules of this module.
+
+    Attributes:
+        name: of the node, without a leading slash.
+        log: its logger.
+        unknown_senders: messages and calls that were dropped.
+    """
+
+    name: str
+    log: logging.Logger
+    unknown_senders: UnknownSenders
+
+    def description(self) -> Description:
+        """The tool that the parameters name; raises DescriptionError."""
+
+    def parameter(self, parameter: Parameter, default: str = "") -> str:
+        """A parameter of this node."""
+
+    def parameter_once(self, parameter: Parameter) -> str:
+        """A parameter that the next node of this name does not find."""
+
+    def publisher(self, topic: Topic) -> Callable[[Any], None]:
+        """A function that publishes a message on a topic (rules 1 and 3)."""
+
+    def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+        """Call ``callback`` for every message of a topic (rules 2, 4 and 5)."""
+
+    def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
+        """Answer the calls of a service; the transport makes its response from the answer."""
+
+    def refuse_unknown_caller(self, service: Service, request: Any) -> str:
+        """Why a call of an internal service is refused; empty: it comes from a node that the table names."""
+
+    def call(self, service: Service) -> Answer | None:
+        """Call a service without arguments; None: its node cannot be reached."""
+
+    def command_client(self, service: Service) -> CommandClient:
+        """A client that gives commands to another node."""
+
+    def serve_goals(self, state: Callable[[], StateMessage]) -> GoalService:
+        """Serve the four actions; ``state`` gives the latest state."""
+
+    def goal_client(self, say: Callable[[str], None], patience_s: float) -> GoalClient:
+        """A client of the four actions.
+
+        Args:
+            say: gets each sentence about a goal, in any thread.
+            patience_s: a goal is given up when its server does not list it for so long.
+        """
+
+    def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
+        """Call ``callback`` at a rate; after a pause of the machine ticks are left out, not made up for."""
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` at the end, while the node can still publish (rule 8)."""
+
+    def on_end(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` at the very end, when no message comes any more (rule 8)."""
+
+    @property
+    def ending(self) -> bool:
+        """Whether the end has begun."""
+
+    def fail(self, error: ReportedError) -> None:
+        """End the node with an error, so that its launcher starts it again; in any thread."""

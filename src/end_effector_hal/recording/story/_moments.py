@@ -1,0 +1,77 @@
+"""The instants of a story that a figure marks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from end_effector_hal.recording.story._story import Cause, Decision, Grip, Moment, Story
+from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
+from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
+
+_TOGETHER_S = 0.2
+_TOLD = ("Over", "GRIP_ERROR", "RELEASE_ERROR")
+"""Alarms that a figure leaves out: what is over, and what the states show."""
+
+
+def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
+    """Commands, time-outs, aborts, GRIPPED, losses, drops and failed releases, in order of time."""
+    named = len({attempt.actuator for attempt in story.timeouts}) > 1
+    found = _commands(log)
+    cancels = {moment.time_s for moment in found if moment.text == Command.CANCEL.label}
+    for grip in story.grips:
+        found += _of_grip(grip, named)
+        end_s = grip.decided_s if grip.decision is Decision.CANCELLED else None
+        if end_s is not None and not any(grip.start_s <= at <= end_s for at in cancels):
+            # a cancel that holds leaves no command to be seen
+            found.append(Moment(end_s, "command", Command.CANCEL.label))
+    found += [
+        Moment(loss.time_s, "lost", ": ".join(filter(None, ("grip lost", loss.who)))) for loss in story.losses
+    ]
+    found += _warnings(alarms)
+    for release in story.releases:
+        if release.cause is Cause.DROP:
+            found.append(Moment(release.start_s, "command", "DROP"))
+        if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
+            found.append(Moment(release.end_s, "lost", "release error"))
+    return tuple(sorted(found, key=lambda moment: moment.time_s))
+
+
+def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:
+    """What began, once for what began of several actuators together."""
+    found: dict[str, Moment] = {}
+    moments = []
+    for row in alarms:
+        last = found.get(row.title)
+        if row.event != BEGUN or row.title.startswith(_TOLD):
+            continue
+        if last is None or row.time_s - last.time_s > _TOGETHER_S:
+            found[row.title] = Moment(row.time_s, "alarm", row.title)
+            moments.append(found[row.title])
+    return moments
+
+
+def _commands(log: StatesLog) -> list[Moment]:
+    """What was commanded. RELEASE is left to the releases: on an abort nobody commands it."""
+    commands = [(0.0, Command.NONE), *((row.time_s, row.command) for row in log.rows)]
+    return [
+        Moment(at, "command", command.label)
+        for (_, before), (at, command) in pairwise(commands)
+        if command is not before and command not in (Command.NONE, Command.RELEASE)
+    ]
+
+
+def _of_grip(grip: Grip, named: bool) -> list[Moment]:
+    found = []
+    for attempt in grip.timeouts:
+        name = f"{display_name(attempt.actuator)} " if named else ""
+        of = f"/{attempt.of}" if attempt.of else ""
+        last = attempt.actuator == grip.culprit and attempt is grip.of(attempt.actuator)[-1]
+        text = f"{name}time-out {attempt.number}{of}{' – abort' if last else ''}"
+        found.append(Moment(attempt.end_s or 0.0, "abort" if last else "timeout", text))
+    if grip.decided_s is not None:
+        if grip.decision is Decision.GRIPPED:
+            found.append(Moment(grip.decided_s, "gripped", "GRIPPED"))
+        elif grip.decision is Decision.ABORTED and grip.culprit is None:
+            found.append(Moment(grip.decided_s, "abort", "abort"))
+    return found

@@ -1,0 +1,232 @@
+"""From a recording to its story, in one pass over the rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+from end_effector_hal.recording._run import RunInfo
+from end_effector_hal.recording.story._moments import moments_of
+from end_effector_hal.recording.story._story import (
+    Attempt,
+    Cause,
+    Decision,
+    Grip,
+    Loss,
+    Outcome,
+    Release,
+    Reset,
+    Story,
+)
+from end_effector_hal.recording.story._verdict import verdict_of
+from end_effector_hal.recording.tables import AlarmRow, StatesLog, StatesRow
+from end_effector_hal.vocabulary import INACTIVE, PENDING, Command, EndEffectorState
+
+_FULL = 0.9
+"""An attempt this much shorter than the actuator's other time-outs did not time out."""
+
+
+_INSTANT_S = 0.05
+"""A time-out this long before an abort is the reason of it; earlier, and a reset was running."""
+
+
+def _timed_out_at(attempt: Attempt, at: float) -> bool:
+    return attempt.outcome is Outcome.TIMED_OUT and at - (attempt.end_s or 0.0) <= _INSTANT_S
+
+
+@dataclass
+class _Gripping:
+    """A grip while it is read."""
+
+    start_s: float
+    commanded: bool = False
+    cancelled: bool = False
+    attempts: list[Attempt] = field(default_factory=list)
+    resets: list[Reset] = field(default_factory=list)
+
+    def begin(self, actuator: str, at: float) -> None:
+        before = [attempt for attempt in self.attempts if attempt.actuator == actuator]
+        if before and before[-1].outcome is Outcome.TIMED_OUT and before[-1].end_s is not None:
+            self.resets.append(Reset(actuator, before[-1].end_s, at))
+        self.attempts.append(Attempt(actuator, len(before) + 1, at, None, Outcome.PENDING))
+
+    def end(self, actuator: str, at: float, outcome: Outcome) -> None:
+        for index, attempt in enumerate(self.attempts):
+            if attempt.actuator == actuator and attempt.outcome is Outcome.PENDING:
+                self.attempts[index] = replace(attempt, end_s=at, outcome=outcome)
+
+    def culprit(self, at: float, allowed: Mapping[str, int]) -> Attempt | None:
+        """The attempt whose time-out was the abort; None: the abort had another reason, a loss.
+
+        It was pending until then, or timed out in that instant; it was as long as the time-outs before it;
+        and it was the last one that ``allowed`` grants, where that is known.
+        """
+        latest = {attempt.actuator: attempt for attempt in self.attempts}.values()
+        ended = [a for a in latest if a.outcome is Outcome.PENDING or _timed_out_at(a, at)]
+        suspect = max(ended, key=lambda attempt: attempt.start_s, default=None)
+        if suspect is None or suspect.number < allowed.get(suspect.actuator, 1):
+            return None
+        others = [a.length_s for a in self.attempts if a.actuator == suspect.actuator and a is not suspect]
+        length = (suspect.end_s if suspect.end_s is not None else at) - suspect.start_s
+        return None if any(other is not None and length < _FULL * other for other in others) else suspect
+
+
+@dataclass
+class _Releasing:
+    """An unwinding while it is read."""
+
+    cause: Cause
+    start_s: float
+    groups: list[tuple[str, ...]] = field(default_factory=list)
+
+    def done(self, end_s: float | None, ended: EndEffectorState | None) -> Release:
+        return Release(self.cause, self.start_s, end_s, tuple(self.groups), ended)
+
+
+class _Reader:
+    """Goes through the rows once; see `tell`."""
+
+    def __init__(self, log: StatesLog, allowed: Mapping[str, int]) -> None:
+        self.names, self.allowed = log.actuators, allowed
+        self.grips: list[Grip] = []
+        self.releases: list[Release] = []
+        self.lost: list[Loss] = []
+        self.adopted: EndEffectorState | None = None
+        self.grip: _Gripping | None = None
+        self.release: _Releasing | None = None
+        blank = (INACTIVE,) * len(self.names)
+        before_start = StatesRow(0.0, EndEffectorState.OFF, Command.NONE, blank)
+        for before, row in pairwise((before_start, *log.rows)):
+            self.read(before, row)
+        if self.grip is not None:
+            self.decide(self.grip, None, Decision.UNFINISHED)
+        if self.release is not None:
+            self.releases.append(self.release.done(None, None))
+
+    def read(self, before: StatesRow, row: StatesRow) -> None:
+        was, now, at = before.end_effector, row.end_effector, row.time_s
+        if now is EndEffectorState.GRIPPING and self.grip is None:
+            self.finish(at, now)
+            self.grip = _Gripping(at)
+        if self.grip is not None:
+            self.grip.commanded |= row.command is Command.GRIP
+            self.grip.cancelled |= row.command is Command.CANCEL and before.command is not Command.CANCEL
+        self.actuate(before, row)
+        if was is not now:
+            self.enter(was, now, before, row)
+        self.deactivate(before, row)
+        # an unwinding that leaves something active, as declared, ends in a latched error
+        latched = now is EndEffectorState.GRIP_ERROR and row.command is Command.NONE is not before.command
+        if now not in (EndEffectorState.RELEASING, EndEffectorState.GRIP_ERROR) or latched:
+            self.finish(at, now)
+
+    def actuate(self, before: StatesRow, row: StatesRow) -> None:
+        """Attempts begin and end; the one that ends together with the grip is left to `decide`."""
+        if self.grip is None:
+            return
+        timed_out = Outcome.DEACTIVATED if self.grip.cancelled else Outcome.TIMED_OUT
+        for name, old, new in zip(self.names, before.actuators, row.actuators, strict=True):
+            if new == old:
+                continue
+            if new == PENDING:
+                self.grip.begin(name, row.time_s)
+            elif new != INACTIVE:
+                self.grip.end(name, row.time_s, Outcome.CONFIRMED)
+            elif row.end_effector is EndEffectorState.GRIPPING:
+                self.grip.end(name, row.time_s, timed_out)
+
+    def enter(self, was: EndEffectorState, now: EndEffectorState, before: StatesRow, row: StatesRow) -> None:
+        state, at = EndEffectorState, row.time_s
+        if self.grip is not None and now is not state.GRIPPING:
+            self.leave(self.grip, row)
+        elif was is state.GRIPPED and now is state.GRIP_ERROR:
+            changes = zip(self.names, before.actuators, row.actuators, strict=True)
+            self.lost.append(Loss(at, tuple(name for name, old, new in changes if new == PENDING != old)))
+        elif was is state.OFF and now in (state.GRIPPED, state.GRIP_ERROR):
+            self.adopted = now
+        elif now is state.RELEASING and self.release is None:
+            self.release = _Releasing(Cause.DROP, at)
+
+    def leave(self, grip: _Gripping, row: StatesRow) -> None:
+        """GRIPPING has ended."""
+        now, at = row.end_effector, row.time_s
+        error = now is EndEffectorState.GRIP_ERROR
+        # with the ending `hold` a cancel ends in an error without a command, and a Drop unwinds it
+        held = error and (grip.cancelled or (grip.commanded and row.command is Command.NONE))
+        suspect = grip.culprit(at, self.allowed)
+        if now is EndEffectorState.GRIPPED:
+            self.decide(grip, at, Decision.GRIPPED)
+        elif grip.cancelled or held:
+            self.decide(grip, at, Decision.CANCELLED)
+            self.release = None if held else _Releasing(Cause.CANCEL, at)
+        elif error or (suspect is not None and suspect.number > 1):
+            self.decide(grip, at, Decision.ABORTED)
+            self.release = _Releasing(Cause.ABORT, at)
+        else:
+            self.decide(grip, at, Decision.STOPPED)
+            self.release = _Releasing(Cause.STOP, at)
+
+    def decide(self, grip: _Gripping, at: float | None, decision: Decision) -> None:
+        aborted = decision is Decision.ABORTED
+        suspect = grip.culprit(at, self.allowed) if aborted and at is not None else None
+        waiting = [a for a in grip.attempts if a.outcome in (Outcome.PENDING, Outcome.DEACTIVATED)]
+        for attempt in waiting if at is not None else ():
+            last = suspect is not None and suspect.actuator == attempt.actuator
+            grip.end(attempt.actuator, at or 0.0, Outcome.TIMED_OUT if last else Outcome.DEACTIVATED)
+        self.grips.append(
+            Grip(
+                grip.start_s,
+                at,
+                decision,
+                tuple(grip.attempts),
+                tuple(grip.resets),
+                culprit=suspect.actuator if suspect else None,
+                waiting=waiting[-1].actuator if waiting and suspect is None else None,
+            )
+        )
+        self.grip = None
+
+    def deactivate(self, before: StatesRow, row: StatesRow) -> None:
+        if self.release is None:
+            return
+        changes = zip(self.names, before.actuators, row.actuators, strict=True)
+        group = tuple(name for name, old, new in changes if old != INACTIVE and new == INACTIVE)
+        if group:
+            self.release.groups.append(group)
+
+    def finish(self, at: float, ended: EndEffectorState) -> None:
+        if self.release is not None:
+            self.releases.append(self.release.done(at, ended))
+            self.release = None
+
+
+def tell(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[AlarmRow] = ()) -> Story:
+    """The story of a recording.
+
+    ``alarms`` become moments of it, and nothing else. ``info`` adds only how many attempts an actuator may fail;
+    without it that number is known once a grip was aborted. An attempt begins at PENDING and ends at ON or OFF; it
+    timed out when it went OFF while the end-effector was GRIPPING, or when its end was the abort (paper, section
+    III.C).
+    """
+    known = {name: info.attempts(name) for name in log.actuators} if info else {}
+    allowed = {name: number for name, number in known.items() if number is not None}
+    reader = _Reader(log, allowed)
+    grips = tuple(reader.grips)
+    seen = {grip.culprit: grip.of(grip.culprit)[-1].number for grip in grips if grip.culprit is not None}
+    limits = seen | allowed
+    grips = tuple(
+        replace(grip, attempts=tuple(replace(a, of=limits.get(a.actuator)) for a in grip.attempts))
+        for grip in grips
+    )
+    story = Story(
+        log.actuators,
+        grips,
+        tuple(reader.releases),
+        tuple(reader.lost),
+        reader.adopted,
+        log.rows[-1].end_effector if log.rows else None,
+        moments=(),
+        verdict="",
+    )
+    return replace(story, moments=moments_of(log, story, alarms), verdict=verdict_of(log, story))

@@ -1,0 +1,110 @@
+"""A story in one sentence."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from end_effector_hal.recording.story._story import Cause, Decision, Grip, Release, Story
+from end_effector_hal.recording.tables import StatesLog
+from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
+
+_LATCHED = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
+
+
+def verdict_of(log: StatesLog, story: Story) -> str:
+    """For example ``Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order``."""
+    if story.final is None:
+        return "Nothing was recorded"
+    if not story.grips:
+        return _without_grip(log, story)
+    if len(story.grips) > 1:
+        return _of_many(story)
+    grip = story.grips[0]
+    parts = [_of_grip(grip, story), *_aftermath(story)]
+    return ", ".join(part for part in parts if part)
+
+
+def _without_grip(log: StatesLog, story: Story) -> str:
+    assert story.final is not None
+    if story.adopted is not None:
+        return ", ".join([f"Adopted as {story.adopted.label}", *_aftermath(story)])
+    commands: list[str] = []
+    for row in log.rows:
+        if row.command is not Command.NONE and row.command.label not in commands[-1:]:
+            commands.append(row.command.label)
+    done = f"{', '.join(commands)}: no grip" if commands else "No grip"
+    return f"{done}, {'ends' if len(log.rows) > 1 else 'stays'} in {story.final.label}"
+
+
+def _of_many(story: Story) -> str:
+    count = Counter(grip.decision for grip in story.grips)
+    culprits = (grip.culprit for grip in story.grips if grip.culprit is not None)
+    reasons = [f"{display_name(name)} never confirmed" for name in culprits]
+    why = f" ({'; '.join(dict.fromkeys(reasons))})" if reasons else ""
+    parts = [f"{number} {decision}" for decision, number in count.items()]
+    extra = [f"{len(story.lost_s)} lost"] if story.lost_s else []
+    if story.final in _LATCHED and story.final is not None:
+        extra.append(f"ends in {story.final.label}")
+    return f"{len(story.grips)} grips: {', '.join(parts)}{why}{''.join(f', {text}' for text in extra)}"
+
+
+def _of_grip(grip: Grip, story: Story) -> str:
+    while_pending = f" while {display_name(grip.waiting)} was pending" if grip.waiting else ""
+    match grip.decision:
+        case Decision.GRIPPED:
+            return _gripped(grip, story)
+        case Decision.ABORTED if grip.culprit is not None:
+            number = grip.of(grip.culprit)[-1].number
+            attempts = "1 attempt" if number == 1 else f"{number} attempts"
+            return f"{display_name(grip.culprit)} never confirmed: grip ABORTED after {attempts}"
+        case Decision.ABORTED:
+            return f"Grip ABORTED{while_pending}"
+        case Decision.UNFINISHED:
+            waiting = f": {display_name(grip.waiting)} still pending at the end" if grip.waiting else ""
+            return f"Grip UNFINISHED{waiting}"
+        case _:
+            return f"Grip {grip.decision}{while_pending}"
+
+
+def _gripped(grip: Grip, story: Story) -> str:
+    late = [(name, number) for name, number in grip.attempts_by_actuator.items() if number > 1]
+    if late:
+        first, *others = [(display_name(name), number) for name, number in late]
+        more = "".join(f", {name} on attempt {number}" for name, number in others)
+        return f"{first[0]} confirmed on attempt {first[1]}{more}: GRIPPED"
+    failed = story.lost_s or any(release.ended in _LATCHED for release in story.releases)
+    return "GRIPPED" if failed else "Nominal: GRIPPED"
+
+
+def _aftermath(story: Story) -> list[str]:
+    """What came after the grip was decided, in order of time."""
+    parts = [(loss.time_s, f"then {loss.who} LOST: outputs held".replace("  ", " ")) for loss in story.losses]
+    held = story.grips and story.grips[0].decision is Decision.CANCELLED and not _unwound(story)
+    if held and story.grips[0].decided_s is not None:
+        parts.append((story.grips[0].decided_s, "outputs held"))
+    parts += [(release.start_s, _of_release(release, story)) for release in story.releases]
+    return [text for _, text in sorted(parts, key=lambda part: part[0])]
+
+
+def _unwound(story: Story) -> bool:
+    return any(release.cause is Cause.CANCEL for release in story.releases)
+
+
+def _of_release(release: Release, story: Story) -> str:
+    done = "then dropped" if release.cause is Cause.DROP else "released"
+    if release.ended is EndEffectorState.RELEASE_ERROR:
+        return f"{'then ' if release.cause is Cause.DROP else ''}release failed: RELEASE ERROR"
+    if release.ended is None:
+        return "still releasing at the end"
+    if release.ended is EndEffectorState.GRIP_ERROR:  # the rest stays active, as declared
+        return "partly released: GRIP ERROR" if release.deactivated else "outputs held: GRIP ERROR"
+    if release.in_reverse(story.actuators):
+        # the last time-out may have deactivated its actuator before the unwinding began
+        culprits = [
+            grip.culprit for grip in story.grips if grip.culprit and grip.decided_s == release.start_s
+        ]
+        before = [name for name in culprits if (name,) not in release.deactivated]
+        several = len(before) + len(release.deactivated) > 1
+        return f"{done} in reverse order" if several and release.cause is not Cause.DROP else done
+    order = [" and ".join(display_name(name) for name in group) for group in release.deactivated]
+    return f"{done} in the order {', '.join(order)}"

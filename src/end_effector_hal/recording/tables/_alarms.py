@@ -1,0 +1,101 @@
+"""``alarms.csv``: a row when a sentence becomes an alarm, and one when it is one no longer."""
+
+from __future__ import annotations
+
+import csv
+import io
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._limits import RecordingLimits
+from end_effector_hal.recording.tables._rows import RowFile, read_lines
+
+COLUMNS = ("time_s", "event", "alarm")
+BEGUN, ENDED = "begun", "ended"
+
+
+@dataclass(frozen=True, slots=True)
+class AlarmRow:
+    """``event`` is ``begun`` or ``ended``; seconds since the start of the recording."""
+
+    time_s: float
+    event: str
+    text: str
+
+    @property
+    def title(self) -> str:
+        """Its first words, for a figure."""
+        return self.text.split(":")[0].split(" (")[0].rstrip(".")
+
+
+class AlarmsWriter:
+    """Writes what is new in the alarms of a state; safe to use from several threads.
+
+    Raises:
+        UsageError: the file cannot be written, or is something else.
+    """
+
+    def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
+        self._shown: tuple[str, ...] = ()
+        self._last_s = 0.0
+        self._file, self._lock = RowFile(path, COLUMNS, limits, self._opening), threading.Lock()
+
+    def write(self, time_s: float, alarms: Sequence[str]) -> bool:
+        """The alarms that stand from ``time_s`` on; whether there is something new.
+
+        Raises:
+            ReportedError: that cannot be written; it is written with the next call that can.
+        """
+        with self._lock:
+            rows = [(ENDED, text) for text in self._shown if text not in alarms]
+            rows += [(BEGUN, text) for text in alarms if text not in self._shown]
+            self._last_s = max(time_s, self._last_s)
+            if not rows:
+                return False
+            self._file.append("".join(self._text(event, text) for event, text in rows))
+            self._shown = tuple(alarms)
+        return True
+
+    def _opening(self) -> str:
+        return "".join(self._text(BEGUN, text) for text in self._shown)
+
+    def _text(self, event: str, text: str) -> str:
+        line = io.StringIO()
+        csv.writer(line, lineterminator="\n").writerow((f"{self._last_s:.6f}", event, " ".join(text.split())))
+        return line.getvalue()
+
+    def close(self) -> None:
+        """Close the file; may be called again."""
+        self._file.close()
+
+
+def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
+    """The alarms of a recording, in order; a recording without the file has none.
+
+    Raises UsageError with ``file:line`` for a row that is none; a last one that was cut off is left out.
+    """
+    if not Path(path).exists():
+        return ()
+    rows: list[AlarmRow] = []
+    standing: set[str] = set()
+    first = ""
+    for line in read_lines(path):
+        if not line.complete:
+            break
+        first = first or line.path
+        fields = next(csv.reader([line.text]), [])
+        if line.number == 1 and tuple(fields) == COLUMNS:
+            continue
+        try:
+            time_s, event, text = fields
+            row = AlarmRow(line.seconds(time_s, rows[-1].time_s if rows else 0.0), event, text)
+        except (ValueError, UsageError):
+            raise line.fault(f"This is no row of {','.join(COLUMNS)}.") from None
+        repeated = line.path != first and event == BEGUN and text in standing
+        if not repeated:  # a segment begins with what stands then
+            rows.append(row)
+        (standing.add if event == BEGUN else standing.discard)(text)
+    return tuple(rows)

@@ -1,0 +1,163 @@
+"""``pressures.csv``: gauge pressures in kPa, thinned to what a figure needs."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._limits import RecordingLimits
+from end_effector_hal.recording.tables._rows import LONGEST_S, Line, RowFile, read_header, read_lines
+
+FIXED = ("time_s",)
+PERIOD_S, JITTER_S = 0.02, 0.005
+LONGEST_GAP_S = 0.5
+STEP_KPA = 0.2
+
+Sample = tuple[float, tuple[float | None, ...]]
+
+
+@dataclass(frozen=True)
+class PressuresLog:
+    """Samples in order of time: seconds since start, gauge kPa per channel, None = invalid or stale."""
+
+    channels: tuple[str, ...]
+    samples: tuple[Sample, ...]
+    source: str = ""
+    note: str = ""
+
+    @property
+    def times_s(self) -> tuple[float, ...]:
+        """The time of each sample, seconds since start."""
+        return tuple(time_s for time_s, _ in self.samples)
+
+    def curve(self, channel: str) -> tuple[float | None, ...]:
+        """The values of one channel, kPa."""
+        index = self.channels.index(channel)
+        return tuple(values[index] for _, values in self.samples)
+
+
+class PressuresWriter:
+    """Writes at most 50 samples a second, and of a steady pressure two a second.
+
+    A sample is left out while every channel stays within 0.2 kPa of the last written one, for at most 0.5 s.
+    When a pressure moves again the last sample left out is written too, so that the edge keeps its steepness.
+    A channel that becomes invalid or valid is written at once. After samples that could not be written a row without
+    values comes first, at the time of the first of them. Safe to use from several threads.
+    """
+
+    def __init__(
+        self, path: str | Path, channels: Sequence[str], limits: RecordingLimits | None = None
+    ) -> None:
+        self._channels = tuple(channels)
+        self._gap: Sample | None = None
+        self._file = RowFile(path, (*FIXED, *self._channels), limits, self._opening)
+        self._lock = threading.Lock()
+        self._last: Sample | None = None
+        self._left_out: Sample | None = None
+        self._due_s = 0.0
+        if self._file.last is not None:
+            line = Line(str(path), 0, ",".join(self._file.last), complete=True)
+            try:
+                self._last = _sample(line, self._channels, 0.0)
+            except UsageError:
+                self._file.close()
+                raise UsageError(
+                    "The last row cannot be read.", where=str(path), todo="Choose another name."
+                ) from None
+
+    def write(self, time_s: float, kpa: Mapping[str, float | None]) -> bool:
+        """Offer a sample (seconds since start, gauge kPa, missing or None = invalid); True when written."""
+        if not 0 <= time_s <= LONGEST_S:
+            raise UsageError(f"{time_s} is no time since the start in seconds.", where=str(self._file.path))
+        values = tuple(_finite(kpa.get(channel)) for channel in self._channels)
+        with self._lock:
+            sample: Sample = (max(time_s, self._last[0] if self._last else 0.0), values)
+            changed = self._last is None or not self._same_validity(values)
+            if sample[0] < self._due_s - JITTER_S and not changed:
+                return False
+            # counted from when it was due, so that a late sample does not cost the next one its place
+            self._due_s = max(self._due_s + PERIOD_S, sample[0])
+            if self._last is None or changed:
+                self._append(sample, with_left_out=True)
+                return True
+            steady = self._steady(values)
+            if steady and sample[0] - self._last[0] < LONGEST_GAP_S:
+                self._left_out = sample
+                return False
+            self._append(sample, with_left_out=not steady)
+        return True
+
+    def _same_validity(self, values: Sequence[float | None]) -> bool:
+        assert self._last is not None
+        return all((old is None) == (new is None) for old, new in zip(self._last[1], values, strict=True))
+
+    def _steady(self, values: Sequence[float | None]) -> bool:
+        assert self._last is not None
+        pairs = zip(self._last[1], values, strict=True)
+        return all(old is None or new is None or abs(new - old) < STEP_KPA for old, new in pairs)
+
+    def _append(self, sample: Sample, *, with_left_out: bool) -> None:
+        rows = [self._left_out] if with_left_out and self._left_out is not None else []
+        rows += [self._gap] if self._gap is not None else []
+        self._gap = self._gap or (sample[0], (None,) * len(self._channels))
+        self._file.append("".join(map(_text, [*rows, sample])))
+        self._last, self._left_out, self._gap = sample, None, None
+
+    def _opening(self) -> str:
+        return _text(self._last) if self._last is not None else ""
+
+    def close(self) -> None:
+        """Write the last sample left out and close the file; may be called again."""
+        with self._lock:
+            try:
+                if self._left_out is not None:
+                    self._append(self._left_out, with_left_out=False)
+            finally:
+                self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def read_pressures(path: str | Path) -> PressuresLog:
+    """Read a recording of pressures; raises UsageError with ``file:line`` for anything that is not one.
+
+    A last line without its end is dropped and reported in ``note``: its last number may have lost digits.
+    """
+    lines = read_lines(path)
+    channels = read_header(lines, path, FIXED)
+    samples: list[Sample] = []
+    note = ""
+    for line in lines:
+        if not line.complete:
+            note = f"{line.where}: the last line is cut off and was dropped."
+            break
+        sample = _sample(line, channels, samples[-1][0] if samples else 0.0)
+        if not samples or sample != samples[-1]:  # a segment begins with the last row of the one before it
+            samples.append(sample)
+    return PressuresLog(channels, tuple(samples), str(path), note)
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) and abs(value) < 1e9 else None
+
+
+def _text(sample: Sample) -> str:
+    time_s, values = sample
+    return ",".join([f"{time_s:.6f}", *("" if value is None else f"{value:.2f}" for value in values)]) + "\n"
+
+
+def _sample(line: Line, channels: tuple[str, ...], earliest_s: float) -> Sample:
+    time, *values = line.fields((*FIXED, *channels))
+    pairs = zip(values, channels, strict=True)
+    return line.seconds(time, earliest_s), tuple(
+        line.number_of(text, name) if text else None for text, name in pairs
+    )

@@ -1,0 +1,184 @@
+"""``states.csv``: a row per change, in the integers of Table II."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._limits import RecordingLimits
+from end_effector_hal.recording.tables._rows import LONGEST_S, Line, RowFile, read_header, read_lines
+from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
+
+FIXED = ("time_s", "end_effector", "command")
+
+
+@dataclass(frozen=True, slots=True)
+class StatesRow:
+    """The states that hold from ``time_s`` (seconds since start) until the next row."""
+
+    time_s: float
+    end_effector: EndEffectorState
+    command: Command
+    actuators: tuple[int, ...]
+
+    @property
+    def states(self) -> tuple[int, ...]:
+        """Every column but the time."""
+        return (self.end_effector, self.command, *self.actuators)
+
+
+@dataclass(frozen=True)
+class StatesLog:
+    """What was recorded: names in sequence order, rows in order of time; ``note`` tells what was dropped."""
+
+    actuators: tuple[str, ...]
+    rows: tuple[StatesRow, ...]
+    source: str = ""
+    note: str = ""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The header."""
+        return (*FIXED, *self.actuators)
+
+    @property
+    def times_s(self) -> tuple[float, ...]:
+        """The time of each row, seconds since start."""
+        return tuple(row.time_s for row in self.rows)
+
+
+class StatesWriter:
+    """Writes a row whenever a state has changed; safe to use from several threads.
+
+    Args:
+        path: the file; continued when it has the same header, refused (UsageError) when it has another.
+        actuators: their names, in sequence order.
+        limits: of the folder; None: the file may become as long as it will.
+    """
+
+    def __init__(
+        self, path: str | Path, actuators: Sequence[str], limits: RecordingLimits | None = None
+    ) -> None:
+        self._actuators = tuple(actuators)
+        self._lacking = False
+        self._file = RowFile(path, (*FIXED, *self._actuators), limits, self._opening)
+        self._lock = threading.Lock()
+        self._last: StatesRow | None = None
+        if self._file.last is not None:
+            # the row after it must differ from it and not be earlier
+            line = Line(str(path), 0, ",".join(self._file.last), complete=True)
+            try:
+                self._last = _row(line, self._actuators, 0.0)
+            except UsageError:
+                self._file.close()
+                raise UsageError(
+                    "The last row cannot be read.", where=str(path), todo="Choose another name."
+                ) from None
+
+    @property
+    def last(self) -> StatesRow | None:
+        """The row written last, also by whoever wrote this file before; its time is where to go on from."""
+        return self._last
+
+    def write(
+        self, time_s: float, end_effector: int, command: int, actuators: Sequence[int] | Mapping[str, int]
+    ) -> bool:
+        """Write the states that hold from ``time_s`` on (seconds since start); False when nothing changed.
+
+        A time before that of the last row is written as that of the last row: rows stand in the order of
+        arrival. After a row that could not be written the next one is written even if it is as the last: between
+        the two there was another state.
+
+        Raises:
+            UsageError: a value is none of Table II.
+            ReportedError: the row cannot be written.
+        """
+        values = (
+            [actuators[name] for name in self._actuators]
+            if isinstance(actuators, Mapping)
+            else list(actuators)
+        )
+        if len(values) != len(self._actuators):
+            raise UsageError(
+                f"{len(values)} values for {len(self._actuators)} actuators.", where=str(self._file.path)
+            )
+        if not 0 <= time_s <= LONGEST_S:
+            raise UsageError(f"{time_s} is no time since the start in seconds.", where=str(self._file.path))
+        try:
+            states = (EndEffectorState(end_effector), Command(command))
+            row = tuple(int(ActuatorState(value)) for value in values)
+        except ValueError as error:
+            raise UsageError(f"Not in Table II: {error}.", where=str(self._file.path)) from None
+        with self._lock:
+            if not self._lacking and self._last is not None and self._last.states == (*states, *row):
+                return False
+            time_s = max(round(time_s, 6), self._last.time_s if self._last else 0.0)
+            new = StatesRow(time_s, *states, row)
+            self._lacking = True
+            self._file.append(_text(new))
+            self._last, self._lacking = new, False
+        return True
+
+    def _opening(self) -> str:
+        return _text(self._last) if self._last is not None else ""
+
+    def close(self) -> None:
+        """Close the file; may be called again."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def read_states(path: str | Path) -> StatesLog:
+    """Read a recording; raises UsageError with ``file:line`` for anything that is not one.
+
+    A last line that was cut off is dropped and reported in ``note``; everything before it is kept.
+    """
+    lines = read_lines(path)
+    actuators = read_header(lines, path, FIXED)
+    rows: list[StatesRow] = []
+    note = ""
+    for line in lines:
+        try:
+            row = _row(line, actuators, rows[-1].time_s if rows else 0.0)
+            if not rows or row != rows[-1]:  # a segment begins with the last row of the one before it
+                rows.append(row)
+        except UsageError:
+            if line.complete:
+                raise
+            note = f"{line.where}: the last line is cut off and was dropped."
+    return StatesLog(actuators, tuple(rows), str(path), note)
+
+
+def _text(row: StatesRow) -> str:
+    return ",".join((f"{row.time_s:.6f}", *(str(int(value)) for value in row.states))) + "\n"
+
+
+def _row(line: Line, actuators: tuple[str, ...], earliest_s: float) -> StatesRow:
+    time, end_effector, command, *values = line.fields((*FIXED, *actuators))
+    return StatesRow(
+        line.seconds(time, earliest_s),
+        EndEffectorState(_state(line, end_effector, "end_effector", EndEffectorState)),
+        Command(_state(line, command, "command", Command)),
+        tuple(_state(line, text, name, ActuatorState) for text, name in zip(values, actuators, strict=True)),
+    )
+
+
+def _state(
+    line: Line, text: str, column: str, table: type[EndEffectorState | Command | ActuatorState]
+) -> int:
+    digits = text.removeprefix("-")
+    if not (digits.isascii() and digits.isdigit() and len(digits) < 10):
+        raise line.fault(f"{column} is {text[:40]!r}, expected is an integer of Table II.")
+    if int(text) not in set(table):
+        known = f"{min(table):d} to {max(table):d}"
+        raise line.fault(f"{column} is {int(text)}, which Table II does not have.", f"Expected is {known}.")
+    return int(text)

@@ -1,0 +1,174 @@
+"""One file of a trace: made, written batch by batch, and closed with its checksum."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from time import time_ns
+from typing import TYPE_CHECKING
+
+from pydantic_core import to_json
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._limits import MEGABYTE, lock, next_number, numbered, still_there
+from end_effector_hal.recording.trace._json_schema import plain_schema
+
+if TYPE_CHECKING:
+    from mcap.writer import Writer
+
+SUFFIX = ".mcap"
+LEAST_ROOM = MEGABYTE // 2
+"""Bytes that must be free before a file is begun: with less it would be full at once."""
+
+
+class SegmentFile:
+    """One MCAP file, being written; whatever is in it is whole batches.
+
+    Args:
+        folder: made if it is missing; the file gets the next free number of its program.
+        program: whose trace it is; topics are ``program/kind``.
+        kinds: name of each kind of record, and the dataclass of its content.
+        attachments: name and content of files that belong to the run.
+        day_us: what is added to a time of a record to have the time of day, µs.
+
+    Raises:
+        UsageError: the folder is none.
+        OSError: the file cannot be made, or the disk has no room for it; nothing is left behind.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        program: str,
+        kinds: Mapping[str, type],
+        *,
+        attachments: Mapping[str, bytes],
+        day_us: int,
+    ) -> None:
+        from mcap.writer import CompressionType, Writer
+
+        self.path, self._fd = _create(folder, program)
+        self.size = 0
+        """Bytes that were written."""
+        self._day_us = day_us
+        self._sink = _Sink()
+        # without chunks: each record stands alone; a checksum of all of them comes last
+        self._writer = Writer(
+            self._sink, use_chunking=False, compression=CompressionType.NONE, enable_data_crcs=True
+        )
+        try:
+            lock(self._fd)
+            _ask_room(self._fd)
+            self._channels = _begin(self._writer, program, kinds, attachments)
+            self.write()
+        except BaseException:
+            self.discard()
+            raise
+
+    def add(self, kind: str, at: int, content: object) -> None:
+        """A record of what happened at ``at`` µs on the monotonic clock; :meth:`write` brings it to the file."""
+        data = to_json(content, fallback=_plain)
+        time = (at + self._day_us) * 1000
+        self._writer.add_message(self._channels[kind], time, data, time)
+
+    def write(self) -> None:
+        """Write what was added, all of it or nothing; raises OSError."""
+        data = self._sink.take()
+        written = 0
+        still_there(self.path, self._fd)
+        try:
+            while written < len(data):
+                written += os.write(self._fd, data[written:])
+        except OSError:
+            # what is cut off here would be a torn record at the end
+            with suppress(OSError):
+                os.ftruncate(self._fd, self.size)
+            raise
+        self.size += len(data)
+
+    def finish(self) -> None:
+        """Write the index and the checksum, and close; raises OSError, and is closed all the same."""
+        try:
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self.write()
+        finally:
+            self.leave()
+
+    def leave(self) -> None:
+        """Close the file as it is, without its checksum; may be called again."""
+        fd, self._fd = self._fd, -1
+        if fd >= 0:
+            with suppress(OSError):
+                os.close(fd)
+
+    def discard(self) -> None:
+        """Close the file, and remove it: there is nothing in it."""
+        with suppress(OSError):
+            self.path.unlink()
+        self.leave()
+
+
+class _Sink(BytesIO):
+    """What the library writes to: forgets what was taken away, and still knows how much there was."""
+
+    _taken = 0
+
+    def tell(self) -> int:
+        return self._taken + super().tell()
+
+    def take(self) -> bytes:
+        data = self.getvalue()
+        self._taken += len(data)
+        self.seek(0)
+        self.truncate()
+        return data
+
+
+def _begin(
+    writer: Writer, program: str, kinds: Mapping[str, type], attachments: Mapping[str, bytes]
+) -> dict[str, int]:
+    writer.start(profile="", library="end-effector-hal")
+    for name, content in attachments.items():
+        media = "application/json" if name.endswith(".json") else "application/xml"
+        writer.add_attachment(time_ns(), time_ns(), name, media, content)
+    channels = {}
+    for kind, type_ in kinds.items():
+        schema = _schema(type_)
+        number = writer.register_schema(f"end_effector_hal.{type_.__name__}", "jsonschema", schema)
+        channels[kind] = writer.register_channel(f"/{program}/{kind}", "json", number)
+    return channels
+
+
+@cache
+def _schema(kind: type) -> bytes:
+    return json.dumps(plain_schema(kind)).encode()
+
+
+def _ask_room(fd: int) -> None:
+    found = os.fstatvfs(fd)
+    if found.f_blocks and found.f_bavail * found.f_frsize < LEAST_ROOM:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def _plain(value: object) -> object:
+    return dict(value) if isinstance(value, Mapping) else str(value)
+
+
+def _create(folder: Path, program: str) -> tuple[Path, int]:
+    if folder.exists() and not folder.is_dir():
+        raise UsageError("This is no folder.", where=str(folder))
+    folder.mkdir(parents=True, exist_ok=True)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
+    number = next_number(folder, program, SUFFIX)
+    while True:
+        path = numbered(folder, program, SUFFIX, number)
+        try:
+            return path, os.open(path, flags, 0o644)
+        except FileExistsError:
+            number += 1

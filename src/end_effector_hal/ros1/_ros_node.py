@@ -1,0 +1,215 @@
+"""A node of ROS 1: how it starts, talks and ends with rospy."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any, Self
+
+import rospy
+
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError, RosError, UsageError
+from end_effector_hal.nodes.interface import DESCRIPTION, Parameter, Service, Topic, load_for_nodes
+from end_effector_hal.nodes.transport import (
+    CommandClient,
+    GoalClient,
+    GoalService,
+    StateMessage,
+    UnknownSenders,
+)
+from end_effector_hal.wires import be_steady, now_us
+
+from ._logging import node_log
+from ._name_taken import node_name, private_parameter, refuse_taken_name
+from ._ticker import Ticker
+from ._tool_named import tool_named
+from .actions import goal_client, serve_goals
+from .connections import (
+    Commander,
+    KnownPublishers,
+    answer_of,
+    caller_of,
+    message_class,
+    nodes_of,
+    publisher,
+    response_maker,
+    send_directly,
+    service_class,
+)
+from .master import MasterWatch
+
+LAST_MESSAGES_S = 0.05
+"""For the last messages to leave the queues."""
+LONGEST_END_S = 5.0
+
+
+class RosNode:
+    """The transport of one node. Callbacks of topics and services come in rospy's threads, one per connection.
+
+    Raises:
+        RosError: there is no master, or a node of this name runs already.
+        UsageError: no tool is named, where the node needs one; or an argument is none of a node.
+    """
+
+    def __init__(self, name: str, argv: Sequence[str]) -> None:
+        self._failed: ReportedError | None = None
+        self._watch = MasterWatch(lambda why: self.fail(RosError(why)))
+        full = node_name(name)
+        needs_tool = name in DESCRIPTION.nodes
+        self._tool = tool_named(argv, private_parameter(full)) if needs_tool else None
+        refuse_taken_name(full, str(self._tool or ""))
+        send_directly()
+        try:
+            rospy.init_node(name, argv=list(argv))
+        except rospy.ROSInitException as error:
+            raise UsageError(f"{error}.", todo="Private parameters are given as _name:=value.") from None
+        self.name = rospy.get_name().lstrip("/")
+        self.log, self._log_handler = node_log(name)
+        self.unknown_senders = UnknownSenders(lambda alarm: self.log.warning("%s", alarm), now_us)
+        self._ended = threading.Event()
+        self._closing = False
+        self._closers: list[Callable[[], None]] = []
+        self._at_end = ExitStack()
+        self._tickers: list[Ticker] = []
+        rospy.on_shutdown(self._close)
+        rospy.core.add_shutdown_hook(lambda reason: self._ended.set())
+
+    def description(self) -> Description:
+        """The tool that ``~description`` or ``~profile`` names; raises DescriptionError."""
+        assert self._tool is not None, "the table says which nodes have a description"
+        return load_for_nodes(self._tool)
+
+    def parameter(self, parameter: Parameter, default: str = "") -> str:
+        """A private parameter."""
+        return str(rospy.get_param("~" + parameter.name, default))
+
+    def parameter_once(self, parameter: Parameter) -> str:
+        """A private parameter, which is removed from the parameter server."""
+        if text := self.parameter(parameter):
+            rospy.delete_param(f"~{parameter.name}")
+        return text
+
+    def publisher(self, topic: Topic) -> Callable[[Any], None]:
+        """A function that publishes a message on a topic."""
+        return publisher(topic, lambda: self._closing)
+
+    def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+        """Call back for every message of a topic that comes from a node that the table names."""
+        kind, options = message_class(topic.type), {"queue_size": topic.queue, "tcp_nodelay": True}
+        if topic.public:
+            rospy.Subscriber(topic.name, kind, callback, **options)
+            return
+
+        def admitted(message: Any) -> None:
+            if publishers.admit(message):
+                callback(message)
+
+        # the callback only once it is known whose messages count
+        subscriber = rospy.Subscriber(topic.name, kind, **options)
+        publishers = KnownPublishers(
+            subscriber.resolved_name,
+            nodes_of(topic.name, topic.publishers),
+            self.unknown_senders,
+            lambda: subscriber.impl.connections,
+        )
+        subscriber.impl.add_callback(admitted, None)
+
+    def refuse_unknown_caller(self, service: Service, request: Any) -> str:
+        """Why a call of an internal service is refused; empty: it comes from a node that the table names."""
+        caller, known = caller_of(request), nodes_of(service.name, service.callers)
+        if caller in known:
+            return ""
+        return self.unknown_senders.drop(
+            str(rospy.resolve_name(service.name)), caller, " and ".join(sorted(known))
+        )
+
+    def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
+        """Answer the calls of a service."""
+        kind = service_class(service.type)
+        respond = response_maker(kind)
+        rospy.Service(service.name, kind, lambda request: respond(handler(request)))
+
+    def call(self, service: Service) -> Answer | None:
+        """Call a service without arguments; None: its node cannot be reached."""
+        try:
+            return answer_of(rospy.ServiceProxy(service.name, service_class(service.type))())
+        except rospy.ServiceException:
+            return None
+
+    def command_client(self, service: Service) -> CommandClient:
+        """A client that gives commands to another node."""
+        return Commander(service)
+
+    def serve_goals(self, state: Callable[[], StateMessage]) -> GoalService:
+        """Serve the four actions."""
+        return serve_goals(state, self.log)
+
+    def goal_client(self, say: Callable[[str], None], patience_s: float) -> GoalClient:
+        """A client of the four actions."""
+        return goal_client(say, patience_s)
+
+    def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
+        """Call back at a rate, in a thread of its own."""
+        self._tickers.append(Ticker(1 / rate_hz, callback, self.log))
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Call back at the end, while the node can still publish; the last added comes first."""
+        self._closers.insert(0, callback)
+
+    def on_end(self, callback: Callable[[], None]) -> None:
+        """Call back when this object is left as a context manager; the last added comes first."""
+        self._at_end.callback(callback)
+
+    @property
+    def ending(self) -> bool:
+        """Whether rospy has begun to end."""
+        return bool(rospy.is_shutdown())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._at_end.close()
+
+    def end(self) -> None:
+        """End the node, for its work is done."""
+        rospy.signal_shutdown("quit")
+
+    def spin(self) -> int:
+        """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
+        be_steady()
+        self._ended.wait()
+        if self._failed is not None:
+            raise self._failed
+        return 0
+
+    def fail(self, error: ReportedError) -> None:
+        """End the node with an error, so that roslaunch starts it again; may be called in any thread."""
+        if self._failed is None:
+            self._failed = error
+            # without its master, or with a thread that hangs, rospy may not come to its end
+            threading.Thread(target=_leave_by_force, args=(error,), daemon=True).start()
+            rospy.signal_shutdown(str(error))
+
+    def _close(self) -> None:
+        self._closing = True
+        self._watch.close()
+        for ticker in self._tickers:
+            ticker.close()
+        for callback in self._closers:
+            callback()
+        self._log_handler.end()
+        time.sleep(LAST_MESSAGES_S)
+
+
+def _leave_by_force(error: ReportedError) -> None:
+    time.sleep(LONGEST_END_S)
+    os._exit(error.exit_code)

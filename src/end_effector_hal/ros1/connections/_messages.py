@@ -1,0 +1,69 @@
+"""From the messages and answers of the nodes to those of ROS 1."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import rospy
+
+from end_effector_hal.control import Answer
+from end_effector_hal.nodes.transport import Header
+
+from ._types import message_class
+
+_RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
+"""Fields of ``std_srvs`` that :class:`Answer` calls otherwise."""
+
+
+class MessageMaker:
+    """Makes messages of one type from objects with its fields.
+
+    Args:
+        kind: the class of the message.
+    """
+
+    def __init__(self, kind: Any) -> None:
+        self._kind = kind
+        made = ((name, _converter(of)) for name, of in zip(kind.__slots__, kind._slot_types, strict=True))
+        self._converters = {name: convert for name, convert in made if convert is not None}
+
+    def __call__(self, source: Any) -> Any:
+        """A message with the fields that ``source`` has; the others keep their defaults."""
+        message = self._kind()
+        for name in source.__slots__:
+            value, convert = getattr(source, name), self._converters.get(name)
+            setattr(message, name, value if convert is None else convert(value))
+        return message
+
+
+def response_maker(service: Any) -> Callable[[Answer], Any]:
+    """A function that makes the response of a service (its class) from an answer."""
+    response = service._response_class
+    names = [_RESPONSE_FIELDS.get(name, name) for name in response.__slots__]
+    return lambda answer: response(*(getattr(answer, name) for name in names))
+
+
+def answer_of(response: Any) -> Answer:
+    """The answer in a response of ``std_srvs``."""
+    return Answer(response.success, response.message)
+
+
+def _converter(of: str) -> Callable[[Any], Any] | None:
+    if of == "std_msgs/Header":
+        kind = message_class(of)
+        return lambda header: kind(stamp=_stamp(header), frame_id=header.frame_id)
+    if "/" not in of:
+        return None
+    make = MessageMaker(message_class(of.removesuffix("[]")))
+    return (lambda values: [make(each) for each in values]) if of.endswith("[]") else make
+
+
+def _stamp(header: Header) -> Any:
+    """ROS time of a moment on the monotonic clock."""
+    before, now, after = time.monotonic_ns(), rospy.Time.now(), time.monotonic_ns()
+    if header.at_us is None or not rospy.rostime.is_wallclock():
+        return now
+    past = (before + after) // 2 - 1000 * header.at_us
+    return now - rospy.Duration(0, max(past, 0))

@@ -1,0 +1,84 @@
+"""Calls of the ROS master and of nodes by XML-RPC, each with a time-out, which ROS's own library does not have."""
+
+from __future__ import annotations
+
+import http.client
+import os
+import xmlrpc.client
+from typing import Any
+from urllib.parse import urlsplit
+from xml.parsers.expat import ExpatError
+
+from end_effector_hal.errors import RosError
+
+CALLER = "/end_effector_hal"
+TIMEOUT_S = 2.0
+
+NoSuchMethod = xmlrpc.client.Fault
+"""What :func:`ask_node` raises for a method that the node does not have."""
+
+
+def master_uri() -> str:
+    """The address of the master; raises RosError if the variable is missing or is no URI."""
+    uri = os.environ.get("ROS_MASTER_URI", "")
+    if not uri:
+        raise RosError(
+            "ROS_MASTER_URI is not set.", todo="Source the workspace: . build/catkin/devel/setup.sh"
+        )
+    try:
+        valid = urlsplit(uri).scheme == "http" and urlsplit(uri).port is not None
+    except ValueError:
+        valid = False
+    if not valid:
+        raise RosError(f"ROS_MASTER_URI is no address: {uri!r}.", todo="Such as http://localhost:11311.")
+    return uri
+
+
+def ask_pid() -> int:
+    """The process id of the master, which tells one from the next; raises RosError when it cannot be reached."""
+    pid = ask_master("getPid")
+    if not isinstance(pid, int):
+        raise RosError(f"What answers at {master_uri()} is no ROS master.")
+    return pid
+
+
+def ask_master(method: str, *arguments: str) -> Any:
+    """The answer of the master; None: it knows no such thing. Raises RosError when it cannot be reached."""
+    uri = master_uri()
+    try:
+        return ask_node(uri, method, *arguments)
+    except (OSError, xmlrpc.client.Error) as error:
+        why = "it does not answer" if isinstance(error, TimeoutError) else str(error)
+        raise RosError(
+            f"The ROS master at {uri} cannot be reached ({why}).",
+            todo="Start roscore, or use roslaunch.",
+        ) from None
+
+
+def ask_node(uri: str, method: str, *arguments: str) -> Any:
+    """The answer of a node within 2 s; None: it refuses.
+
+    Raises:
+        TimeoutError: the node does not answer.
+        OSError: there is no node at this address.
+        NoSuchMethod: it has no such method.
+    """
+    try:
+        with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as proxy:
+            code, _, value = getattr(proxy, method)(CALLER, *arguments)
+    except (
+        http.client.HTTPException,
+        xmlrpc.client.ProtocolError,
+        ExpatError,
+        ValueError,
+        TypeError,
+    ) as error:
+        raise ConnectionError(str(error) or type(error).__name__) from None
+    return value if code == 1 else None
+
+
+class _Transport(xmlrpc.client.Transport):
+    def make_connection(self, host: tuple[str, dict[str, str]] | str) -> http.client.HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = TIMEOUT_S
+        return connection

@@ -1,0 +1,63 @@
+"""Who sends and who receives on each channel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from timed_automata.network import Edge, Network
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelEnds:
+    """A channel or an array of channels as declared, and the templates at its ends.
+
+    Attributes:
+        name: with the number of its elements: ``confirmed[3]``.
+        broadcast, urgent: as declared.
+        senders, receivers: names of templates, in the order of the system line.
+        unsent, unreceived: the single channels of it that no edge sends on, or receives.
+    """
+
+    name: str
+    broadcast: bool
+    urgent: bool
+    senders: tuple[str, ...]
+    receivers: tuple[str, ...]
+    unsent: tuple[str, ...]
+    unreceived: tuple[str, ...]
+
+
+def channel_ends(network: Network) -> tuple[ChannelEnds, ...]:
+    """The ends of all channels, in the order in which they are declared."""
+    groups: dict[str, list[int]] = {}
+    for number, channel in enumerate(network.channels):
+        groups.setdefault(channel.name.partition("[")[0], []).append(number)
+    sides = [
+        (edge.direction, network.processes[edge.process].template, set(edge.channels))
+        for edge in _edges(network)
+    ]
+
+    def templates(numbers: list[int], direction: str) -> tuple[str, ...]:
+        found = [name for side, name, channels in sides if side == direction and channels & set(numbers)]
+        return tuple(dict.fromkeys(found))
+
+    def missing(numbers: list[int], direction: str) -> tuple[str, ...]:
+        used = {n for side, _, channels in sides if side == direction for n in channels}
+        return tuple(network.channels[n].name for n in numbers if n not in used)
+
+    return tuple(
+        ChannelEnds(
+            name=name if network.channels[numbers[0]].name == name else f"{name}[{len(numbers)}]",
+            broadcast=network.channels[numbers[0]].broadcast,
+            urgent=network.channels[numbers[0]].urgent,
+            senders=templates(numbers, "!"),
+            receivers=templates(numbers, "?"),
+            unsent=missing(numbers, "!"),
+            unreceived=missing(numbers, "?"),
+        )
+        for name, numbers in groups.items()
+    )
+
+
+def _edges(network: Network) -> list[Edge]:
+    return [edge for process in network.processes for edge in process.edges]

@@ -1,0 +1,145 @@
+"""Compiled values and the operators on them: source, interval, and the result itself where it is known.
+
+The interval shows which checks cannot fail; they are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+WIDE = 2**31  # what UPPAAL computes with
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """An integer: Python source and the interval that it lies in."""
+
+    source: str
+    low: int = -WIDE
+    high: int = WIDE - 1
+    truth: bool = False  # only whether it is zero is meaningful: a Python bool, or any operand of and/or
+    known: int | None = None
+
+    @classmethod
+    def of(cls, number: int) -> Value:
+        """A number."""
+        return cls(str(number) if number >= 0 else f"({number})", number, number, known=number)
+
+    @property
+    def integer(self) -> Value:
+        """The same as a number, 0 or 1 for a truth."""
+        return Value(f"(1 if {self.source} else 0)", 0, 1) if self.truth else self
+
+    @property
+    def boolean(self) -> Value:
+        """0 or 1."""
+        if self.known is not None:
+            return Value.of(int(self.known != 0))
+        return (
+            self
+            if not self.truth and self.low >= 0 and self.high <= 1
+            else Value(self.source, truth=True).integer
+        )
+
+    def within(self, low: int, high: int) -> bool:
+        """Whether it can never be outside."""
+        return low <= self.low and self.high <= high
+
+
+COMPARISONS = {
+    "==": lambda a, b: a == b,
+    "!=": lambda a, b: a != b,
+    "<": lambda a, b: a < b,
+    "<=": lambda a, b: a <= b,
+    ">": lambda a, b: a > b,
+    ">=": lambda a, b: a >= b,
+}
+
+
+def negation(operand: Value) -> Value:
+    """``!a``."""
+    if operand.known is not None:
+        return Value.of(int(not operand.known))
+    return Value(f"(not {operand.source})", 0, 1, truth=True)
+
+
+def signed(op: str, operand: Value) -> Value:
+    """``-a``, ``+a``."""
+    number = operand.integer
+    if op == "+":
+        return number
+    if number.known is not None:
+        return Value.of(-number.known)
+    return Value(f"(-{number.source})", -number.high, -number.low)
+
+
+def logical(op: str, left: Value, right: Value) -> Value:
+    """``&&``, ``||``, ``imply``; the right operand is not evaluated where the left decides."""
+    if op == "imply":
+        left = negation(left)
+    decisive = op != "&&"  # the truth of an operand that decides the whole
+    if left.known is not None:
+        return Value.of(int(decisive)) if bool(left.known) == decisive else right.boolean
+    if right.known is not None and bool(right.known) != decisive:
+        return left.boolean
+    word = "or" if decisive else "and"
+    return Value(f"({left.source} {word} {right.source})", 0, 1, truth=True)
+
+
+def comparison(op: str, left: Value, right: Value) -> Value:
+    """``==`` and its like."""
+    a, b = left.integer, right.integer
+    if a.known is not None and b.known is not None:
+        return Value.of(int(COMPARISONS[op](a.known, b.known)))
+    return Value(f"({a.source} {op} {b.source})", 0, 1, truth=True)
+
+
+def conditional(test: Value, yes: Value, no: Value) -> Value:
+    """``test ? yes : no``."""
+    yes, no = yes.integer, no.integer
+    if test.known is not None:
+        return yes if test.known else no
+    source = f"({yes.source} if {test.source} else {no.source})"
+    return Value(source, min(yes.low, no.low), max(yes.high, no.high))
+
+
+def interval(op: str, left: Value, right: Value) -> tuple[int, int]:
+    """Where the result of an arithmetic operation lies."""
+    if op == "+":
+        return left.low + right.low, left.high + right.high
+    if op == "-":
+        return left.low - right.high, left.high - right.low
+    if op == "*":
+        corners = [a * b for a in (left.low, left.high) for b in (right.low, right.high)]
+        return min(corners), max(corners)
+    if op == "<?":
+        return min(left.low, right.low), min(left.high, right.high)
+    if op == ">?":
+        return max(left.low, right.low), max(left.high, right.high)
+    if op == "/":
+        most = max(abs(left.low), abs(left.high))
+        return (0 if left.low >= 0 and right.low >= 0 else -most), most
+    if op == "%":
+        most = max(abs(right.low), abs(right.high)) - 1
+        return (0 if left.low >= 0 else -most), most
+    if op in ("&", "|", "^") and left.low >= 0 and right.low >= 0:
+        return 0, (1 << max(left.high, right.high).bit_length()) - 1
+    return -WIDE, WIDE - 1
+
+
+def arithmetic(op: str, left: Value, right: Value, site: Callable[[], int]) -> Value:
+    """An arithmetic operation; ``site`` is asked for a place only where the operation can fail."""
+    left, right = left.integer, right.integer
+    low, high = interval(op, left, right)
+    a, b = left.source, right.source
+    if op in ("+", "-", "*", "&", "|", "^"):
+        source = f"({a} {op} {b})"
+    elif op in ("<?", ">?"):
+        source = f"{'min' if op == '<?' else 'max'}({a}, {b})"
+    elif op in ("/", "%") and left.low >= 0 and right.low > 0:
+        source = f"({a} {'//' if op == '/' else '%'} {b})"
+    else:
+        name = {"/": "_div", "%": "_mod", "<<": "_shl", ">>": "_shr"}[op]
+        source = f"{name}({a}, {b}, {site()})"
+    return Value(source, low, high)

@@ -1,0 +1,76 @@
+"""The queries of a file that can be judged on a run: ``A[] p`` where p is about the executed side alone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+
+from timed_automata.compiler import ClockSymbol, Function, Scope, Storage
+from timed_automata.network import Network, Process, State, effects_of
+from timed_automata.queries import Case, Formula, compile_formula, parse_query
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True, slots=True)
+class MonitoredQuery:
+    """One query.
+
+    Attributes:
+        text: as it stands in the file.
+        comment: its sentence.
+    """
+
+    text: str
+    comment: str
+    _violation: Formula = field(repr=False)
+
+    def violations(self, state: State) -> list[Case]:
+        """Conjunctions of clock constraints; the query does not hold where one of them does."""
+        return self._violation.cases(state)
+
+
+def monitored_queries(network: Network, executed: Collection[int]) -> tuple[MonitoredQuery, ...]:
+    """Those queries of the file that speak of nothing but the processes with these indices.
+
+    Raises:
+        ModelError: a query is outside of the supported subset.
+    """
+    found = []
+    for stored in network.document.queries:
+        content = stored.formula.content
+        if not content.strip() or not _speaks_of(network, executed, content):
+            continue
+        query = parse_query(stored.formula)
+        if query.kind == "A[]" and query.condition is not None:
+            violation = compile_formula(network, query.condition, negated=True)
+            found.append(MonitoredQuery(str(query), stored.comment, violation))
+    return tuple(found)
+
+
+def _speaks_of(network: Network, executed: Collection[int], content: str) -> bool:
+    """Whether all that a query names is executed, or read or written by what is."""
+    words = set(_WORD.findall(content))
+    ours = [process for process in network.processes if process.index in executed]
+    theirs = {_plain(process) for process in network.processes} - {_plain(process) for process in ours}
+    if "deadlock" in words or words & theirs:
+        return False
+    effects = effects_of(ours)
+    names = set(_variables(network.scope, words))
+    return names <= effects.reads | effects.writes and bool(
+        names or words & {_plain(process) for process in ours}
+    )
+
+
+def _plain(process: Process) -> str:
+    return process.name.partition("(")[0]
+
+
+def _variables(scope: Scope, words: set[str]) -> Iterator[str]:
+    for word in words & scope.symbols.keys():
+        symbol = scope.symbols[word]
+        if isinstance(symbol, Storage | ClockSymbol):
+            yield symbol.name
+        elif isinstance(symbol, Function):
+            yield from symbol.effects.reads

@@ -1,0 +1,180 @@
+"""One end-effector in this process: real line owner on a real socket, real programs, simulated sensors."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import CHANNELS
+from end_effector_hal.description import Description, EStop, load, profile_path
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.kinds.vacuum import BlowOff, VacuumActuator
+from end_effector_hal.runtime import (
+    GoalRunner,
+    Unit,
+    Witness,
+    arbiter_policy,
+    open_unit,
+    output_lines,
+)
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import ChangerState
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import VirtualChip, VirtualLines
+
+UNLOCK, BOTTOM, CYLINDER, TOP = "SODIMM_206", "SODIMM_208", "SODIMM_210", "SODIMM_212"
+BLOW_OFF = "SODIMM_214"
+LONGEST_S = 15.0
+COMMANDS = {channel: command for command, channel in CHANNELS.items()}
+
+
+def quick() -> Description:
+    """The shipped tool with short times, a blow-off valve and an e-stop: whatever an interlock can need."""
+    tool = load(profile_path())
+    short = {"timeout_s": 0.5, "reset_s": 0.05, "release_s": 0.5, "attempts": 1}
+    actuators = {name: part.model_copy(update=short) for name, part in tool.actuators.items()}
+    bottom = actuators["bottom_vacuum"]
+    assert isinstance(bottom, VacuumActuator)
+    actuators["bottom_vacuum"] = bottom.model_copy(update={"blow_off": BlowOff(line=BLOW_OFF)})
+    changer = tool.tool_changer.model_copy(update={"prove_s": 0.5, "unlock_max_s": 0.8})
+    return tool.model_copy(update={"actuators": actuators, "tool_changer": changer, "e_stop": EStop()})
+
+
+class Rig:
+    """Answers every line as its device would; ``odd`` are channels that show something else.
+
+    ``silent``: no frame comes. ``programs``: Grip and ToolChange; without them the lines are free for a hand.
+    """
+
+    def __init__(self, folder: Path, *, programs: bool = True) -> None:
+        self.description = quick().with_virtual(folder / "chip", "none", folder / "owner.sock")
+        self.chip = VirtualChip.create(folder / "chip", output_lines(self.description)).path
+        self.socket = folder / "owner.sock"
+        self.odd: dict[str, int | bool | None] = {}
+        self.silent = False
+        self._programs, self._frames = programs, 0
+        self._ended = threading.Event()
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Rig:
+        self.owner = ArbiterServer(VirtualLines(self.chip), self.socket, arbiter_policy(self.description))
+        serving = threading.Thread(target=self.owner.run)
+        serving.start()
+        self._stack.callback(self.owner.close)
+        self._stack.callback(serving.join)
+        self._stack.callback(self.owner.stop)
+        self._stack.callback(self.owner.stop)
+        self.witness = Witness(self.description)
+        self._stack.callback(self.witness.close)
+        self.units: list[Unit] = []
+        if self._programs:
+            self.grip = open_unit(self.description, "grip", self._gripper_moved)
+            self.change = open_unit(self.description, "tool_change", self._changer_moved)
+            self.units = [self.grip, self.change]
+            self._goals = GoalRunner(
+                {"grip": self.grip, "tool_change": self.change}, lambda: self.grip.status
+            )
+            for unit in self.units:
+                unit.start()
+                self._stack.callback(unit.close)
+        feeding = threading.Thread(target=self._feed)
+        feeding.start()
+        self._stack.callback(feeding.join)
+        self._stack.callback(self._ended.set)
+        with ArbiterClient(self.socket, "look") as look:
+            self.until(
+                lambda: bool(told := look.status()["told"]) and all(one["holds"] for one in told.values())
+            )
+        if self._programs:
+            self.until(lambda: self.grip.status.ee == State.STAND_BY)
+            self.until(lambda: self.change.status.changer == ChangerState.LOCKED)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.silent = False
+        self._stack.close()
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        end = time.monotonic() + LONGEST_S
+        while not condition():
+            assert time.monotonic() < end, f"it did not happen; {self.told()}"
+            time.sleep(0.01)
+
+    def show(self, **odd: int | bool | None) -> None:
+        """What some channels show from now on, for ten frames at least."""
+        self.odd |= odd
+        shown = self._frames + 10
+        self.until(lambda: self._frames >= shown)
+
+    def told(self) -> list[Status]:
+        return [unit.status for unit in self.units]
+
+    @contextmanager
+    def hand(self, *lines: str) -> Iterator[ArbiterClient]:
+        """A client of the socket that is none of ours."""
+        with ArbiterClient(self.socket, "hand", lines) as client:
+            yield client
+
+    def faults(self) -> dict[str, str]:
+        with ArbiterClient(self.socket, "look") as look:
+            return dict(look.status()["faults"])
+
+    # The action door, as HALMain and `EndEffector` open it.
+
+    def action(self, command: str) -> str:
+        """The reason of a goal that failed; empty: it succeeded."""
+        if command == "cancel":
+            return self.grip.command(command).reason
+        return self._goals.begin(COMMANDS[command]).wait().reason
+
+    # The service door: the /Set* services.
+
+    def service(self, actuator: str, active: bool) -> Answer:
+        if actuator == "tool_changer":
+            why = self.action("unlock" if active else "lock")
+            return Answer(not why, why)
+        return self.grip.set_actuator(actuator, active)
+
+    def gripped(self) -> None:
+        assert self.action("grip") == ""
+
+    def _gripper_moved(self, status: Status) -> None:
+        if len(self.units) > 1:
+            self.change.tell(ee=status.ee)
+
+    def _changer_moved(self, status: Status) -> None:
+        self.grip.tell(unlock_valve=int(status.unlock_output))
+
+    def _feed(self) -> None:
+        while not self._ended.wait(0.02):
+            seq = self._frames = self._frames + 1
+            if not self.silent:
+                frame = Frame(now_us(), seq, seq * 20, self._values())
+                self.witness.frame(frame)
+                for unit in self.units:
+                    unit.frame(frame)
+
+    def _values(self) -> dict[str, int | bool | None]:
+        on = self.owner.levels()
+        return {
+            "bottom": -80_000 if on[BOTTOM] else 0, "top": -80_000 if on[TOP] else 0,
+            "cylinder": 600_000 if on[CYLINDER] else 0, "supply": 600_000,
+            "cylinder_extended": on[CYLINDER], "cylinder_retracted": not on[CYLINDER],
+            "locked": not on[UNLOCK], "unlocked": on[UNLOCK],
+            "tool_present": True, "in_stand": True, "estop_ok": True,
+        } | self.odd  # fmt: skip
+
+
+def refusal(client: ArbiterClient, line: str, **more: object) -> str:
+    """The sentence of the owner; it must refuse."""
+    try:
+        client.set({line: True}, **more)  # type: ignore[arg-type]
+    except ReportedError as error:
+        return str(error)
+    raise AssertionError(f"{line} was activated")

@@ -1,0 +1,67 @@
+"""The driver's side of the client: gives goals, and knows what was heard."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from end_effector_lab.demo._child import Child
+from end_effector_lab.demo._children import Children
+from tests.acceptance.kill_matrix.waiting import until
+
+SUCCEEDED = 5
+
+
+class Hands:
+    """Talks with one client process; everything it said is in its log file."""
+
+    def __init__(self, children: Children, log: Path, env: dict[str, str]) -> None:
+        command = [sys.executable, str(Path(__file__).with_name("client.py"))]
+        log.unlink(missing_ok=True)
+        self.process: Child = children.start("client", command, log=log, env=env, commands=True)
+        self._file = log.open(encoding="utf-8")
+        self._rest = ""
+        self._number = 0
+        self.heard: dict[str, float] = {}
+        self.state: dict[str, Any] = {}
+        self.changes: list[dict[str, Any]] = []
+        self.ended: dict[int, dict[str, Any]] = {}
+
+    def look(self) -> dict[str, Any]:
+        """The newest EndEffectorState; empty: none yet."""
+        *lines, self._rest = (self._rest + self._file.read()).split("\n")
+        for line in lines:
+            try:
+                said = json.loads(line)
+            except ValueError:
+                continue  # a warning of rospy
+            self.heard = said.get("heard", self.heard)
+            self.state = said.get("change") or said.get("state") or self.state
+            if "change" in said:
+                self.changes.append(said["change"])
+            if "goal" in said:
+                self.ended[said["goal"]] = said
+        return self.state
+
+    def send(self, name: str) -> int:
+        """Send a goal; returns its number."""
+        self._number += 1
+        self.process.tell(f"{self._number} {name}")
+        return self._number
+
+    def result(self, number: int) -> dict[str, Any] | None:
+        """How it ended, None: it has not."""
+        self.look()
+        return self.ended.get(number)
+
+    def run(self, name: str, timeout_s: float = 20.0) -> dict[str, Any]:
+        """Send a goal, and wait for its end."""
+        number = self.send(name)
+        return until(f"the end of {name}", lambda: self.result(number), timeout_s)
+
+    def close(self) -> None:
+        """End the client."""
+        self.process.end(patience_s=1.0)
+        self._file.close()

@@ -1,0 +1,129 @@
+"""The declared endings, spelled out for the shipped tool."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.vocabulary import EndEffectorState as State
+from tests.acceptance.kill_matrix.cells import PROCESSES, SIGNALS, Cell, full, states, telling
+from tests.acceptance.kill_matrix.expected import expected
+from tests.support.declared import declared
+from tests.support.places import ROOT
+
+UNLOCK, BOTTOM, CYLINDER, TOP = "SODIMM_206", "SODIMM_208", "SODIMM_210", "SODIMM_212"
+
+
+@pytest.fixture(scope="module")
+def description() -> Description:
+    return load(profile_path())
+
+
+@pytest.mark.parametrize(
+    ("cell", "state", "moved", "active"),
+    [
+        ("Grip:SIGKILL:STAND_BY", State.STAND_BY, [], []),
+        ("Grip:SIGKILL:GRIPPING cylinder", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
+        ("Grip:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("Grip:SIGTERM:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("Grip:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
+        ("HALMain:SIGKILL:GRIPPING cylinder", State.GRIPPED, [(TOP, True)], [BOTTOM, CYLINDER, TOP]),
+        ("LineOwner:SIGKILL:GRIPPING top_vacuum", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("LineOwner:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("roscore:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+    ],
+)
+def test_endings(description: Description, cell: str, state: State, moved: list, active: list) -> None:
+    want = expected(description, Cell(*cell.split(":")))
+    assert want.states == {state}
+    assert [*want.unlock, *want.gripping] == moved
+    assert want.active == set(active)
+
+
+def test_what_is_declared_is_expected(description: Description) -> None:
+    endings = description.endings.gripping.model_copy(update={"process_death": "hold"})
+    other = description.model_copy(
+        update={"endings": description.endings.model_copy(update={"gripping": endings})}
+    )
+    want = expected(other, Cell("Grip", "SIGKILL", "GRIPPING cylinder"))
+    assert (want.gripping, want.active, want.states) == ((), {BOTTOM, CYLINDER}, {State.GRIP_ERROR})
+    assert expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder")).states == {State.STAND_BY}
+
+
+def test_each_actuator_has_its_own_ending() -> None:
+    other = declared(
+        {"gripping": {"sigterm": "leave"}},
+        il_09=False,
+        bottom_vacuum={"gripping": {"process_death": "hold"}, "power_up": "release"},
+        cylinder={"held": {"process_death": "release"}},
+    )
+    dies = expected(other, Cell("Grip", "SIGKILL", "GRIPPING top_vacuum"))
+    assert [line for line, _ in dies.gripping] == [TOP, CYLINDER, BOTTOM]
+    assert (dies.states, dies.active) == ({State.STAND_BY}, set())
+    held = expected(other, Cell("Grip", "SIGKILL", "GRIPPED"))
+    assert [line for line, _ in held.gripping] == [CYLINDER, BOTTOM]
+    assert (held.states, held.active) == ({State.GRIP_ERROR}, {TOP})
+    told = expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder"))
+    assert (told.gripping, told.first_s, told.states) == (((BOTTOM, False),), None, {State.GRIP_ERROR})
+
+
+@pytest.mark.parametrize(
+    ("cell", "state", "moved", "active"),
+    [
+        ("Grip:SIGKILL:GRIPPING cylinder", State.GRIP_ERROR, [CYLINDER], [BOTTOM]),
+        ("Grip:SIGTERM:GRIPPING cylinder", State.GRIP_ERROR, [], [BOTTOM, CYLINDER]),
+        ("Grip:SIGTERM:GRIPPING top_vacuum", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
+        ("Grip:SIGSTOP:GRIPPED", State.GRIP_ERROR, [CYLINDER, TOP], [BOTTOM]),
+        ("Grip:SIGTERM:GRIPPED", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
+        ("LineOwner:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [UNLOCK], []),
+    ],
+)
+def test_mixed_endings(cell: str, state: State, moved: list[str], active: list[str]) -> None:
+    """Of the description that the matrix is played with by hand."""
+    mixed = load(Path(__file__).with_name("mixed_endings.yaml"))
+    want = expected(mixed, Cell(*cell.split(":")))
+    assert (want.states, want.active) == ({state}, set(active))
+    assert [*want.unlock, *want.gripping] == [(line, False) for line in moved]
+
+
+def test_what_is_held_whole_may_be_confirmed_by_the_next_start() -> None:
+    holds = declared({"gripping": {"process_death": "hold"}})
+    want = expected(holds, Cell("Grip", "SIGKILL", "GRIPPING top_vacuum"))
+    assert want.states == {State.GRIPPED, State.GRIP_ERROR}
+    assert want.gripping == ()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nobody"], "No cell is nobody."),
+        (["--description", "changerless.yaml"], "it takes a tool with a tool changer"),
+        (["--description", "none.yaml"], "none.yaml"),
+    ],
+)
+def test_what_cannot_be_played_is_a_sentence(tmp_path: Path, arguments: list[str], said: str) -> None:
+    text = Path(__file__).with_name("mixed_endings.yaml").read_text()
+    changer = text.index("tool_changer:")
+    (tmp_path / "changerless.yaml").write_text(text[:changer] + text[text.index("interlocks:") :])
+    arguments = [str(tmp_path / word) if word.endswith(".yaml") else word for word in arguments]
+    program = [sys.executable, "-m", "tests.acceptance.kill_matrix.run", *arguments]
+    run = subprocess.run(program, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert said in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+def test_every_cell_is_there_once_and_enough_are_told_in_five_minutes(description: Description) -> None:
+    cells = list(full(description))
+    assert len(cells) == len(set(cells)) == len(PROCESSES) * len(SIGNALS) * len(states(description)) == 189
+    chosen = list(telling(description))
+    assert len(chosen) >= 40
+    assert {cell.process for cell in chosen} == set(PROCESSES)
+    assert {cell.signal for cell in chosen} == set(SIGNALS)
+    assert {cell.state for cell in chosen} >= set(states(description)) - {"GRIPPING cylinder"}

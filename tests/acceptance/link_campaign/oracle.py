@@ -1,0 +1,45 @@
+"""How it really is: the state of the simulated devices, remembered for as long as a reading may live."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+
+from end_effector_hal.description import Description
+from end_effector_hal.kinds.vacuum import VacuumActuator
+from end_effector_lab.testbench import Bench
+
+MARGIN_KPA = 1.5
+"""Noise and lag of a sensor: so far may a truthful one be off."""
+
+
+class Oracle:
+    """Whether something was really so within the last moments."""
+
+    def __init__(self, description: Description, bench: Bench, longest_us: int) -> None:
+        self._description, self._bench, self._longest_us = description, bench, longest_us
+        self._seen: deque[tuple[int, dict[str, tuple[bool, bool]]]] = deque()
+
+    def look(self, at: int) -> None:
+        """Remember how it is at ``at`` µs; the bench is there already."""
+        self._seen.append((at, {name: self._truth(name) for name in self._description.sequence}))
+        while self._seen[0][0] < at - self._longest_us:
+            self._seen.popleft()
+
+    def confirmed(self, names: Iterable[str], since: int) -> bool:
+        """Whether each of them was really there at some time since then."""
+        return all(any(seen[name][0] for at, seen in self._seen if at >= since) for name in names)
+
+    def gone(self, names: Iterable[str], since: int) -> bool:
+        """Whether each of them was really gone at some time since then."""
+        return all(any(seen[name][1] for at, seen in self._seen if at >= since) for name in names)
+
+    def _truth(self, name: str) -> tuple[bool, bool]:
+        part, device = self._description.actuators[name], self._bench.devices[name]
+        kpa = device.pressure_kpa or 0.0
+        if isinstance(part, VacuumActuator):
+            return -kpa >= part.lost_kpa - MARGIN_KPA, -kpa < part.gone_kpa + MARGIN_KPA
+        supply = self._description.supply
+        least = part.extended_fraction * supply.refuse_kpa - supply.hysteresis_kpa
+        extended = device.bits["extended"]
+        return extended or kpa >= least, not extended and kpa < part.retracted_kpa + 20 * MARGIN_KPA

@@ -1,0 +1,92 @@
+"""A text that nobody can encode ends no node: the message goes out with that text repaired."""
+
+from __future__ import annotations
+
+import io
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from zlib import crc32
+
+import pytest
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.demo._world import World
+from tests.support.patience import PATIENCE_S
+
+pytestmark = pytest.mark.ros
+OLD = (
+    rb'{"faults":{"x\ud800":"IL-04: \ud800 both\nbits."},'
+    rb'"clients":[["gr\ud800p",7,["\ud800"],[],false]],"clean":false}'
+)
+"""What an owner before this version took from anybody, and wrote down."""
+
+
+def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.MonkeyPatch) -> None:
+    import rospy
+
+    from end_effector_hal.nodes.interface import GRIP_STATE
+    from end_effector_hal.nodes.transport import StatusMessage, StepMessage
+    from end_effector_hal.ros1.connections import publisher
+
+    sent: list[Any] = []
+
+    class Publisher:
+        def __init__(self, *_: object, **__: object) -> None:
+            """As rospy's, which writes a message down when it is published."""
+
+        def publish(self, message: Any) -> None:
+            message.serialize(io.BytesIO())
+            sent.append(message)
+
+    monkeypatch.setattr(rospy, "Publisher", Publisher)
+    monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
+    publish = publisher(GRIP_STATE, lambda: False)
+    message = StatusMessage(
+        reason="a\ud800b", alarms=["fine µ", "\udfff"], steps=[StepMessage("\ud800", 1, 0.5, True)]
+    )
+    publish(message)
+    (repaired,) = sent
+    assert (repaired.reason, repaired.alarms, repaired.steps[0].actuator) == ("a?b", ["fine µ", "?"], "?")
+    assert message.reason == "a\ud800b", "the message itself is left as it is"
+    publish(StatusMessage(reason="as it is\n"))
+    assert sent[1].reason == "as it is\n"
+
+
+@pytest.fixture
+def old(system: Any, tmp_path: Path) -> Iterator[World]:
+    """A tool whose owner starts on the journal of an older one."""
+    world = World(load(profile_path()), "nominal", tmp_path)
+    journal = world.socket.with_name(f"{world.socket.name}.journal")
+    journal.write_bytes(b"%08x %s\n" % (crc32(OLD), OLD))
+    with world:
+        launch = system.launch(world, name="old", env={"ROS_NAMESPACE": "/old"})
+        try:
+            yield world
+        finally:
+            launch.end(signal_number=signal.SIGINT, patience_s=20.0)
+
+
+def test_the_hal_starts_on_a_journal_that_holds_such_a_text(system: Any, old: World) -> None:
+    import rospy
+    from end_effector_msgs.msg import EndEffectorState as Message
+    from std_srvs.srv import Trigger
+
+    states: list[Any] = []
+    subscriber = rospy.Subscriber("/old/EndEffectorState", Message, states.append)
+    try:
+        system.until(
+            "STAND_BY with the fault shown",
+            lambda: (
+                states
+                and states[-1].state == EndEffectorState.STAND_BY
+                and "IL-04: ? both bits." in states[-1].alarms
+            ),
+        )
+        rospy.wait_for_service("/old/ResetFaults", PATIENCE_S)
+        assert rospy.ServiceProxy("/old/ResetFaults", Trigger)().success
+        system.until("no alarm", lambda: not states[-1].alarms)
+    finally:
+        subscriber.unregister()

@@ -1,0 +1,147 @@
+"""A unit that the line owner took for dead, or that does not reach it: it claims nothing that it does not know."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from end_effector_hal.errors import ArbiterError, LineBusyError
+from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_hal.vocabulary import Evidence
+from tests.support.lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
+
+pytestmark = pytest.mark.wall
+
+
+@pytest.fixture
+def tool() -> Iterator[Tool]:
+    made = Tool()
+    made.unit.start()
+    yield made
+    made.owner.error = None
+    made.unit.close()
+
+
+def overtake(tool: Tool) -> None:
+    """The will was executed, all of it, at once."""
+    tool.owner.active = dict.fromkeys(LINES, OFF)
+    tool.confirmed = dict.fromkeys(LINES, OFF)
+    tool.unit.lost(ArbiterError("the lease ended."))
+
+
+def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_finds(tool: Tool) -> None:
+    tool.grip_to(2)
+    overtake(tool)
+    status = tool.until(lambda status: status.ee == State.STAND_BY)
+    assert tool.states() == [State.OFF, State.STAND_BY, State.GRIPPING, State.OFF, State.STAND_BY]
+    assert status.reason.startswith("The line owner took this program for dead")
+    assert status.outputs == (OFF, OFF, OFF)
+    assert tool.owner.active == dict.fromkeys(LINES, OFF), "nothing is activated by itself (IL-11)"
+    tool.grip_to(0)
+    assert tool.unit.status.reason == ""
+
+
+def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
+    tool.grip_to(1)
+    tool.owner.error = LineBusyError("the will of grip is being executed.")
+    tool.unit.lost(ArbiterError("the lease ended."))
+    status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarms))
+    assert "the will of grip is being executed." in status.alarms
+    assert not tool.unit.command("grip").accepted
+    tool.owner.error = None
+    overtake(tool)
+    assert tool.until(lambda status: status.ee == State.STAND_BY).alarms == ()
+
+
+def test_lines_that_did_not_move_change_nothing(tool: Tool) -> None:
+    tool.grip_to(2)
+    tool.unit.lost(ArbiterError("the line owner was lost."))
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: status.ee == State.GRIPPED)
+    assert State.OFF not in tool.states()[1:]
+    assert tool.owner.will == ()
+
+
+def test_a_program_that_was_taken_for_dead_does_not_go_on_with_its_grip(tool: Tool) -> None:
+    """Also where its will has left every line as it was: the goal was given up meanwhile."""
+    tool.grip_to(1)
+    tool.owner.took_for_dead = True
+    tool.unit.lost(ArbiterError("the lease ended."))
+    status = tool.until(lambda status: status.ee == State.GRIP_ERROR)
+    assert tool.states()[-2:] == [State.OFF, State.GRIP_ERROR]
+    tool.confirmed[CYLINDER] = ON
+    tool.until(lambda status: status.evidence[1] == Evidence.CONFIRMED)
+    assert tool.owner.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}, "nothing is activated by itself (IL-11)"
+    assert status.held
+
+
+def test_what_is_held_is_held_also_by_a_program_that_was_taken_for_dead(tool: Tool) -> None:
+    tool.grip_to(2)
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: status.ee == State.GRIPPED)
+    tool.owner.took_for_dead = True
+    tool.unit.lost(ArbiterError("the lease ended."))
+    tool.until(lambda status: not tool.owner.took_for_dead and not status.alarms)
+    assert tool.states()[-1] == State.GRIPPED
+    assert State.OFF not in tool.states()[1:]
+
+
+def test_gripped_is_not_claimed_before_the_owner_has_the_will_that_holds(tool: Tool) -> None:
+    """Else it might unwind, with the will from before, what is held already."""
+    tool.grip_to(2)
+    assert tool.owner.will
+    tool.owner.error = ArbiterError("the line owner does not answer.")
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: any("does not answer" in alarm for alarm in status.alarms))
+    for _ in range(30):
+        tool.frame()
+        threading.Event().wait(0.01)
+    assert State.GRIPPED not in tool.states()
+    tool.owner.error = None
+    status = tool.until(lambda status: status.ee == State.GRIPPED)
+    assert tool.owner.will == ()
+    assert status.alarms == ()
+
+
+def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
+    tool.grip_to(2)
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: status.ee == State.GRIPPED)
+    tool.owner.error = ArbiterError("the line owner cannot be reached.")
+    tool.unit.lost(ArbiterError("the line owner was lost."))
+    assert tool.until(lambda status: bool(status.alarms)).held
+    tool.owner.error = None
+    assert tool.until(lambda status: not status.alarms).ee == State.GRIPPED
+    assert tool.states()[-1] == State.GRIPPED
+    assert State.OFF not in tool.states()[1:]
+
+
+def test_a_deactivation_that_found_no_owner_is_done_when_it_is_back(tool: Tool) -> None:
+    tool.grip_to(1)
+    tool.owner.error = ArbiterError("the line owner cannot be reached.")
+    assert tool.unit.command("cancel").accepted
+    tool.confirmed = dict.fromkeys(LINES, OFF)
+    tool.until(lambda status: bool(status.alarms))
+    assert tool.owner.active[BOTTOM]
+    tool.owner.error = None
+    tool.until(lambda status: status.ee == State.STAND_BY and not status.alarms)
+    assert tool.owner.active == dict.fromkeys(LINES, OFF)
+
+
+def test_a_frame_that_waited_too_long_proves_nothing(tool: Tool) -> None:
+    tool.grip_to(2)
+    tool.confirmed[TOP] = ON
+    for _ in range(5):
+        tool.frame(age_us=200_000)
+    assert not tool.unit.wait(lambda status: status.ee == State.GRIPPED, 0.3)
+    tool.until(lambda status: status.ee == State.GRIPPED)
+
+
+def test_what_the_owner_has_latched_is_an_alarm_until_it_is_reset(tool: Tool) -> None:
+    tool.until(lambda status: status.ee == State.STAND_BY)
+    tool.unit.latched(("IL-13: the emergency stop was opened.",))
+    tool.until(lambda status: "IL-13: the emergency stop was opened." in status.alarms)
+    tool.unit.latched(())
+    tool.until(lambda status: not status.alarms)

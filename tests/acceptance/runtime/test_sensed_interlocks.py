@@ -1,0 +1,153 @@
+"""Interlocks that need a sensor, at the line owner: real owner, real testbench; no program can pass them by."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.description import Description, EStop, load, profile_path
+from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.runtime import EndEffector, Witness
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.lines import read_chip
+from end_effector_lab.demo._world import World
+from tests.support.patience import wait_until
+
+pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
+UNLOCK, BOTTOM = "SODIMM_206", "SODIMM_208"
+STAND_BY = EndEffectorState.STAND_BY
+LATE_US = 100_000
+"""Frames come every 20 ms; what they prove counts for 150 ms."""
+
+
+def quick() -> Description:
+    """The shipped tool with one short attempt per step, and an e-stop."""
+    tool = load(profile_path())
+    short = {"timeout_s": 1.0, "attempts": 1}
+    actuators = {name: part.model_copy(update=short) for name, part in tool.actuators.items()}
+    return tool.model_copy(update={"actuators": actuators, "e_stop": EStop()})
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with World(quick(), "nominal", tmp_path_factory.mktemp("world")) as running:
+        yield running
+
+
+def active(world: World, line: str) -> bool:
+    return bool(read_chip(world.chip).lines[line].level)
+
+
+def refusal(client: ArbiterClient, line: str) -> str:
+    with pytest.raises(LineRefusedError) as caught:
+        client.set({line: True})
+    return str(caught.value)
+
+
+def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
+    with ArbiterClient(world.socket, "hand", [UNLOCK, BOTTOM]) as hand:
+        assert "nobody who reads the sensors has said yet whether nothing is gripped" in refusal(hand, UNLOCK)
+        assert "nobody who reads the sensors has said yet whether the tool is locked" in refusal(hand, BOTTOM)
+    with EndEffector.open(world.description) as tool:
+        tool.wait_ready(30.0)
+        wait_until("it", lambda: tool.lock().succeeded)
+        assert tool.grip().succeeded
+        os.kill(world.testbench.pid, signal.SIGSTOP)
+        try:
+            with ArbiterClient(world.socket, "look") as look:
+                wait_until("it", lambda: look.status()["told"]["locked"]["age_us"] > 150_000)
+            assert active(world, BOTTOM), "a predicate that expires deactivates nothing"
+            assert tool.status.ee == EndEffectorState.GRIPPED
+        finally:
+            os.kill(world.testbench.pid, signal.SIGCONT)
+        wait_until("it", lambda: tool.drop().succeeded)
+
+
+class Rhythm:
+    """How regularly frames come: where they do not, the programs rightly refuse to work."""
+
+    def __init__(self, tool: EndEffector) -> None:
+        self._last_us, self.regular, self.breaks = now_us(), 0, 0
+        tool.subscribe_frames(self._came)
+
+    def _came(self, frame: Frame) -> None:
+        at = now_us()
+        late = max(at - frame.at, at - self._last_us) > LATE_US
+        self._last_us, self.regular = at, 0 if late else self.regular + 1
+        self.breaks += late
+
+
+def test_what_one_command_has_proven_the_next_may_rest_on_at_once(tmp_path: Path) -> None:
+    """The owner knows of a frame before the program that decides by it, and so does the other program.
+
+    A machine that stands still makes frames late, and then a refusal is right: only rounds without such a break count.
+    """
+    with (
+        World(load(profile_path()), "nominal", tmp_path) as world,
+        EndEffector.open(world.description) as tool,
+    ):
+        rhythm, rounds = Rhythm(tool), 0
+        tool.wait_ready(30.0)
+        while rounds < 5:
+            wait_until("the tool is locked", lambda: tool.lock().succeeded)
+            wait_until("a second of regular frames", lambda: rhythm.regular > 50)
+            before = rhythm.breaks
+            reasons = [command().reason for command in (tool.grip, tool.drop, tool.unlock, tool.lock)]
+            if rhythm.breaks == before:
+                assert reasons == ["", "", "", ""]
+                rounds += 1
+            wait_until("nothing is held", lambda: tool.status.ee == STAND_BY or tool.drop().succeeded)
+
+
+def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    with EndEffector.open(world.description) as tool:
+        tool.wait_ready(30.0)
+        wait_until("it", lambda: tool.lock().succeeded)
+        monkeypatch.setattr(Witness, "frame", lambda *_: None)
+        time.sleep(0.7)  # the claims expire, and IL-01 has its half second
+        outcome = tool.unlock()
+        assert not outcome.succeeded
+        assert f"IL-01: {UNLOCK} (unlock) is not activated: for " in outcome.reason
+        wait_until("it", lambda: tool.lock().succeeded)
+        outcome = tool.grip()
+        assert (outcome.succeeded, outcome.state) == (False, STAND_BY)
+        assert outcome.reason.startswith("The line owner refused to activate Bottom vacuum.")
+        assert f"IL-05: {BOTTOM} (bottom_vacuum) is not activated: for " in outcome.reason
+        by_hand = tool.set_actuator("cylinder", True)
+        assert not by_hand.accepted
+        assert by_hand.reason.startswith("IL-05: SODIMM_210 (cylinder) is not activated: for ")
+        monkeypatch.undo()
+        wait_until("it", lambda: tool.grip().succeeded)
+        assert tool.status.reason == ""
+        assert tool.drop().succeeded
+
+
+def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> None:
+    with EndEffector.open(world.description) as tool, ArbiterClient(world.socket, "look") as look:
+        tool.wait_ready(30.0)
+        wait_until("it", lambda: tool.lock().succeeded)
+        assert tool.grip().succeeded
+        world.choose("estop-open")
+        wait_until("it", lambda: "e_stop_closed" in look.status()["faults"])
+        wait_until("it", lambda: "IL-13: the emergency stop was opened." in tool.status.alarms)
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        assert tool.drop().succeeded, "a deactivation is never refused"
+        outcome = tool.grip()
+        assert "is not activated: the emergency stop is open." in outcome.reason
+        with pytest.raises(LineRefusedError, match="stop is open: this fault stays"):
+            look.reset()
+        assert "stop is open: this fault stays" in tool.reset().reason
+        world.choose("nominal")
+        wait_until("it", lambda: look.status()["told"]["e_stop_closed"]["holds"])
+        assert "the emergency stop was opened; reset the faults first." in tool.grip().reason
+        assert tool.reset().accepted
+        wait_until("it", lambda: not tool.status.alarms)
+        assert tool.grip().succeeded

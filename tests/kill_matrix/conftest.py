@@ -1,6 +1,0 @@
-"""The program's modules are found as it finds them itself."""
-
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))

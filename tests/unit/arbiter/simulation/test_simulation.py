@@ -1,0 +1,101 @@
+"""The line owner with its disk, its client and the gripping program: whoever dies when, and whatever the disk does."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from end_effector_hal.arbiter.client import _client
+from end_effector_hal.arbiter.records import _session_store
+from end_effector_hal.arbiter.rules import _predicates
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
+from tests.unit.arbiter.simulation.simulation import Met, play, table
+from tests.unit.arbiter.simulation.world import FAULTS
+
+RUNS, PARTS = 2_000, 4
+EACH = RUNS // PARTS
+"""`make nightly` plays 100,000 with run.py."""
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("part", range(PARTS))
+def test_nothing_falls_no_latch_is_lost_and_the_next_program_can_work(part: int) -> None:
+    met: Met = Counter()
+    violated = play(range(part * EACH, (part + 1) * EACH), met)
+    sys.stdout.write(f"{table(met)}\n")
+    assert not violated, violated
+    assert {fault for fault, _ in met} == set(FAULTS)
+    assert len(met) > 150
+
+
+def test_a_seed_replays_its_run() -> None:
+    first: Met = Counter()
+    second: Met = Counter()
+    for met in (first, second):
+        play([1234], met)
+    assert first == second
+
+
+# Repairs undone: each must be found within the runs of `make test`
+
+Patch = Callable[[Any, str, Any], None]
+
+
+def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
+    """It stays as it is and looks valid: what the journal once did."""
+    whole = _session_store.SessionStore.keep
+
+    def keep(self: Any, memory: Any) -> None:
+        if not self.trouble:
+            whole(self, memory)
+
+    def fail(self: Any, error: OSError) -> None:
+        self.trouble = str(error)
+
+    patch(_session_store.SessionStore, "keep", keep)
+    patch(_session_store.SessionStore, "_fail", fail)
+    patch(_session_store.SessionStore, "begin", lambda _: None)
+    patch(LineArbiter, "_differing", lambda *_: "")
+
+
+def a_token_that_two_programs_share(patch: Patch) -> None:
+    """As the pid 0 of all who come from other PID namespaces."""
+    patch(_client, "make_token", lambda: "0" * 32)
+
+
+def a_table_of_faults_that_clients_can_fill(patch: Patch) -> None:
+    """One place in all, which the first fault takes."""
+
+    def latch(self: Any, name: str, why: str) -> None:
+        if not self.faults:
+            self.faults[name] = why
+
+    patch(_predicates.SensorPredicates, "latch", latch)
+
+
+def a_last_will_that_is_executed_in_doubt(patch: Patch) -> None:
+    whole = LineArbiter._resume
+    patch(LineArbiter, "_resume", lambda self, memory, at: whole(self, _certain(memory), at))
+
+
+def _certain(memory: Any) -> Any:
+    return replace(memory, doubt="", levels={})
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize(
+    "undo",
+    [
+        a_record_that_is_switched_off_after_a_failure,
+        a_token_that_two_programs_share,
+        a_table_of_faults_that_clients_can_fill,
+        a_last_will_that_is_executed_in_doubt,
+    ],
+)
+def test_a_repair_that_is_undone_is_found(undo: Callable[[Patch], None]) -> None:
+    assert play(range(2_000), Counter(), most=1, undo=undo)

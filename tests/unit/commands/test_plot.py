@@ -1,0 +1,157 @@
+"""eehal plot: figures beside the recording, errors as sentences with exit code 2."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from end_effector_hal.cli import main
+from end_effector_hal.recording import PressuresWriter, StatesWriter
+from tests.support.trace_recordings import FAILS_ONCE, INFO, NEVER, PRESSURES
+
+
+@pytest.fixture
+def run(tmp_path):
+    """A run folder."""
+    folder = tmp_path / "never"
+    folder.mkdir()
+    with StatesWriter(folder / "states.csv", NEVER.actuators) as writer:
+        for row in NEVER.rows:
+            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
+    with PressuresWriter(folder / "pressures.csv", PRESSURES.channels) as writer:
+        for time_s, values in PRESSURES.samples:
+            writer.write(time_s, dict(zip(PRESSURES.channels, values, strict=True)))
+    INFO.write(folder)
+    return folder
+
+
+@pytest.fixture
+def plot(capsys, monkeypatch):
+    """Runs the command; returns its exit code, output and error output."""
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["eehal", "plot", *map(str, arguments)])
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code
+        else:
+            code = 0
+        out, err = capsys.readouterr()
+        return code or 0, out, err
+
+    return call
+
+
+def made(folder):
+    return sorted(file.name for file in folder.iterdir() if file.suffix in (".png", ".svg"))
+
+
+@pytest.mark.parametrize("where", ["states.csv", "."])
+def test_a_file_or_a_folder_gives_the_timeline_beside_it(plot, run, where):
+    code, out, err = plot(run / where)
+    assert (code, err) == (0, "")
+    assert out.splitlines() == [
+        "Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order",
+        str(run / "timeline.png"),
+        str(run / "timeline.svg"),
+    ]
+    assert made(run) == ["timeline.png", "timeline.svg"]
+    svg = (run / "timeline.svg").read_text()
+    assert "scenario never-confirms:cylinder" in svg
+    assert "≤ −55 kPa" in svg
+
+
+def test_both_styles(plot, run):
+    assert plot(run, "--style", "both")[0] == 0
+    assert made(run) == ["paper.png", "paper.svg", "timeline.png", "timeline.svg"]
+
+
+def test_one_file(plot, run, tmp_path):
+    assert plot(run, "--style", "paper", "-o", tmp_path / "fig9.svg")[0] == 0
+    assert made(tmp_path) == ["fig9.svg"]
+    assert "Supervisor command" in (tmp_path / "fig9.svg").read_text()
+    assert made(run) == []
+
+
+def test_another_folder_is_made(plot, run, tmp_path):
+    assert plot(run, "-o", tmp_path / "out" / "figures")[0] == 0
+    assert made(tmp_path / "out" / "figures") == ["timeline.png", "timeline.svg"]
+
+
+def test_json(plot, run):
+    code, out, _ = plot(run, "--json", "-o", run / "a.png")
+    answer = json.loads(out)
+    assert code == 0
+    assert answer["verdict"].startswith("Cylinder never confirmed")
+    assert answer["files"] == [str(run / "a.png")]
+    assert answer["final"] == "STAND_BY"
+    assert answer["notes"] == []
+    (grip,) = answer["grips"]
+    assert (grip["decision"], grip["culprit"]) == ("ABORTED", "cylinder")
+    assert [(a["actuator"], a["number"], a["of"], a["outcome"]) for a in grip["attempts"][1:]] == [
+        ("cylinder", number, 3, "timed out") for number in (1, 2, 3)
+    ]
+    assert answer["releases"][0]["ended"] == "STAND_BY"
+
+
+def test_the_states_alone_are_enough(plot, run):
+    (run / "run.json").unlink()
+    (run / "pressures.csv").unlink()
+    assert plot(run)[0] == 0
+    assert "no run.json: source unknown" in (run / "timeline.svg").read_text()
+
+
+def test_what_is_cut_off_or_damaged_is_noted_and_the_rest_drawn(plot, run):
+    with (run / "states.csv").open("a") as file:
+        file.write("20.0,6,")
+    (run / "pressures.csv").write_text("time_s,bottom\nx,y\n")
+    (run / "run.json").write_text("{")
+    code, _, err = plot(run)
+    assert code == 0
+    assert err.splitlines() == [
+        f"Note: {run}/states.csv:13: the last line is cut off and was dropped.",
+        f"Note: {run}/run.json is left out as far as it cannot be read: not JSON: Expecting property name "
+        "enclosed in double quotes: line 1 column 2 (char 1).",
+        f"Note: {run}/pressures.csv:2: time_s is 'x', expected is a number. The pressures are not drawn.",
+    ]
+    assert made(run) == ["timeline.png", "timeline.svg"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["none.csv"], "none.csv: Cannot be read: No such file or directory."),
+        (["."], ".: There is no recording here. Name a folder that `eehal run --record`, `eehal demo` or"),
+        (["bad.csv"], "bad.csv:1: The header is 'hello'"),
+        (["empty.csv"], "empty.csv: This recording holds no row, so there is nothing to draw."),
+        (["never", "-o", "a.pdf"], "a.pdf: 'a.pdf' is neither .png nor .svg."),
+        (
+            ["never", "-o", "a.png", "--style", "both"],
+            "a.png: Two figures do not fit into one file. Name a folder.",
+        ),
+        (["never", "-o", "bad.csv/x"], "The folder cannot be made: Not a directory."),
+        (["never", "-o", "none/a.png"], "The figure cannot be written: No such file or directory."),
+        (["never", "--style", "round"], "'round' is not one of 'timeline', 'paper', 'both'."),
+        ([], "Missing argument 'STATES.csv'."),
+    ],
+)
+def test_errors_are_sentences_with_exit_code_2(plot, run, monkeypatch, arguments, message):
+    monkeypatch.chdir(run.parent)
+    (run.parent / "bad.csv").write_text("hello\n")
+    (run.parent / "empty.csv").write_text(",".join(FAILS_ONCE.columns) + "\n")
+    code, out, err = plot(*arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert "Traceback" not in err
+    assert made(run) == made(run.parent) == []
+
+
+def test_the_help_needs_no_matplotlib(run):
+    code = (
+        "import sys; sys.argv = ['eehal', 'plot', '--help']; from end_effector_hal.cli import main\n"
+        "try: main()\nfinally: assert 'matplotlib' not in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "timeline|paper|both" in done.stdout

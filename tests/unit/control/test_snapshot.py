@@ -1,0 +1,176 @@
+"""A controller that goes on where another one stood decides the same, wherever it is cut."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections import deque
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from pydantic import TypeAdapter
+from pydantic_core import to_json
+
+from end_effector_hal.control import Controller, ControllerSnapshot, model_constants
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.signals._memory import PART
+from tests.support.virtual_tool import VirtualTool
+from timed_automata import load_network
+
+DESCRIPTION = load(profile_path())
+NETWORK = load_network(DESCRIPTION.automata_path, model_constants(DESCRIPTION))
+READ = TypeAdapter(ControllerSnapshot).validate_json
+PIECE_S = 0.13
+PLAIN = (bool, int, float, str, tuple, list, dict, frozenset, set, deque, type(None))
+CACHED = {"_seen", "_evidence", "_link_up", "_stale", "_notices"}
+"""What a status looks up once for an instant."""
+
+
+def written(controller: Controller) -> bytes:
+    return to_json(controller.snapshot(), fallback=dict)
+
+
+def resumed(controller: Controller, program: str) -> Controller:
+    """Another one, from what stands in a file."""
+    other = Controller(DESCRIPTION, NETWORK, program)
+    other.resume(READ(written(controller)))
+    assert written(other) == written(controller)
+    return other
+
+
+class Cut(VirtualTool):
+    """Its controllers are replaced all the time."""
+
+    def run(self, seconds: float) -> None:
+        until = self.at + round(seconds * 1e6)
+        while self.at < until:
+            super().run(min(PIECE_S, (until - self.at) / 1e6))
+            self.grip = resumed(self.grip, "grip")
+            self.change = resumed(self.change, "tool_change")
+
+
+def play(tool: VirtualTool) -> VirtualTool:
+    """A grip with a failed attempt, a silence while it is held, a Drop; a cancelled grip; unlock and lock."""
+    tool.run(1.0)
+    tool.command("grip")
+    tool.run(8.0)
+    tool.link = False
+    tool.run(1.5)
+    tool.link = True
+    tool.run(3.0)
+    tool.command("drop")
+    tool.run(3.0)
+    tool.command("grip")
+    tool.run(1.0)
+    tool.command("cancel")
+    tool.run(4.0)
+    tool.command("unlock")
+    tool.run(4.0)
+    tool.command("lock")
+    tool.run(3.0)
+    return tool
+
+
+@pytest.mark.parametrize(
+    "scenario", ["nominal", "fails-once:cylinder", "never-confirms:top_vacuum", "leak:bottom_vacuum"]
+)
+def test_wherever_it_is_cut_it_decides_the_same(scenario: str) -> None:
+    whole = play(VirtualTool(DESCRIPTION, scenario, network=NETWORK))
+    cut = play(Cut(DESCRIPTION, scenario, network=NETWORK))
+    assert len(whole.statuses) > 40
+    assert cut.statuses == whole.statuses
+    assert cut.edges == whole.edges
+
+
+def parts(thing: Any, where: str) -> Iterator[tuple[str, Any]]:
+    """Every object with a memory that can be reached."""
+    if isinstance(thing, list | tuple):
+        for number, each in enumerate(thing):
+            yield from parts(each, f"{where}[{number}]")
+    elif isinstance(thing, dict):
+        for key, each in thing.items():
+            yield from parts(each, f"{where}[{key}]")
+    elif thing is not None:
+        yield where, thing
+        for name, kind in thing.MEMORY.items():
+            if kind is PART:
+                yield from parts(getattr(thing, name), f"{where}.{name}")
+
+
+def rest(controller: Controller) -> dict[str, str]:
+    """What stands in no memory, and so must not change."""
+    return {
+        f"{where}.{name}": f"{id(value)} {value!r}" if isinstance(value, PLAIN) else str(id(value))
+        for where, thing in parts(controller, "controller")
+        for name, value in vars(thing).items()
+        if name not in thing.MEMORY and name not in CACHED
+    }
+
+
+def test_what_stands_in_no_memory_never_changes() -> None:
+    tool = VirtualTool(DESCRIPTION, "fails-once:cylinder", network=NETWORK)
+    before = rest(tool.grip), rest(tool.change)
+    assert len(before[0]) > 50
+    play(tool)
+    assert (rest(tool.grip), rest(tool.change)) == before
+
+
+def test_a_snapshot_changes_nothing_and_there_is_none_before_the_start() -> None:
+    assert Controller(DESCRIPTION, NETWORK, "grip").snapshot() is None
+    tool = VirtualTool(DESCRIPTION, network=NETWORK)
+    tool.run(1.0)
+    assert written(tool.grip) == written(tool.grip)
+
+
+def broken(content: Any, *path: str | int) -> Any:
+    """A copy with one value that cannot be."""
+    content = copy.deepcopy(content)
+    inner = content
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = "nonsense"
+    return content
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        ("execution", "locations", "Gripper"),
+        ("execution", "locations", "Gripped"),
+        ("memory", "_senses", "readings", "_values"),
+        ("memory", "_senses", "_detectors", 0, "level"),
+        ("memory", "_senses", "_detectors"),
+        ("memory", "_hold", "_vacuums", "0"),
+        ("memory", "_hold", "_vacuums", "7"),
+        ("memory", "_telling", "more"),
+        ("memory", "_tool"),
+    ],
+)
+def test_what_is_no_snapshot_is_refused_in_words(path: tuple[str | int, ...]) -> None:
+    tool = VirtualTool(DESCRIPTION, network=NETWORK)
+    tool.run(1.0)
+    content = json.loads(written(tool.grip))
+    other = Controller(DESCRIPTION, NETWORK, "grip")
+    with pytest.raises(UsageError, match="A recorded state "):
+        other.resume(READ(json.dumps(broken(content, *path))))
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("variables", {"ee": 99}),
+        ("variables", {"nothing": 0}),
+        ("zeros", {"nothing": 0}),
+        ("entered", 10**12),
+    ],
+)
+def test_a_state_that_the_network_cannot_have_is_refused(name: str, change: Any) -> None:
+    tool = VirtualTool(DESCRIPTION, network=NETWORK)
+    tool.run(1.0)
+    content = json.loads(written(tool.grip))
+    before = content["execution"][name]
+    content["execution"][name] = before | change if isinstance(change, dict) else change
+    with pytest.raises(UsageError, match="A recorded state "):
+        Controller(DESCRIPTION, NETWORK, "grip").resume(READ(json.dumps(content)))

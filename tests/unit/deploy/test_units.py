@@ -1,0 +1,163 @@
+"""The files of deploy/, held against the tools that read them and against the code that they start."""
+
+from __future__ import annotations
+
+import configparser
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.runtime import arbiter_policy
+from tests.support.places import DEPLOY
+
+UNITS = sorted((DEPLOY / "systemd").glob("*.service"))
+SCRIPTS = [path for path in DEPLOY.rglob("*") if path.is_file() and path.read_bytes().startswith(b"#!")]
+
+
+def unit(name: str) -> configparser.ConfigParser:
+    """A unit, of which keys that stand twice are joined."""
+    parser = configparser.ConfigParser(strict=False, interpolation=None)
+    parser.optionxform = str  # type: ignore[assignment,method-assign]
+    parser.read(DEPLOY / "systemd" / name)
+    return parser
+
+
+def seconds(text: str) -> float:
+    """Of a time such as ``30s``."""
+    match = re.fullmatch(r"(\d+)(ms|s)", text)
+    assert match, text
+    return int(match[1]) / {"ms": 1000, "s": 1}[match[2]]
+
+
+@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd is not installed")
+def test_systemd_reads_the_units_without_a_word(tmp_path: Path) -> None:
+    for path in UNITS:
+        # the program is not installed here
+        text = re.sub(r"/opt/eehal/bin/\S+", "/bin/true", path.read_text())
+        (tmp_path / path.name).write_text(text)
+    result = subprocess.run(
+        ["systemd-analyze", "verify", "--man=no", *(str(tmp_path / path.name) for path in UNITS)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    # of other units on this machine it may say what it likes
+    said = [line for line in result.stderr.splitlines() if "eehal" in line]
+    assert (result.returncode, said) == (0, [])
+
+
+@pytest.mark.skipif(not shutil.which("systemd-sysusers"), reason="systemd is not installed")
+def test_the_groups_have_the_numbers_of_torizon(tmp_path: Path) -> None:
+    (tmp_path / "etc").mkdir()
+    result = subprocess.run(
+        ["systemd-sysusers", f"--root={tmp_path}", DEPLOY / "systemd" / "eehal.sysusers"],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert result.returncode == 0, result.stderr
+    groups = {}
+    for line in (tmp_path / "etc/group").read_text().splitlines():
+        name, _, number, members = line.split(":")
+        groups[name] = (number, set(members.split(",")) - {""})
+    assert groups["gpio"] == ("49", {"eehal", "eehal-owner"})
+    assert groups["dialout"] == ("20", {"eehal"})
+
+
+def longest_will_s(description: Description) -> float:
+    """Every actuator in turn, each until its feedback must be gone; and the lease of a client that died silently."""
+    return sum(each.release_s for _, each in description.ordered) + arbiter_policy(description).lease_us / 1e6
+
+
+def test_a_stop_leaves_the_time_that_a_will_takes() -> None:
+    longest = longest_will_s(load(profile_path()))
+    assert longest == 7.0
+    owner = unit("eehal-owner.service")["Service"]
+    assert seconds(owner["TimeoutStopSec"]) > 2 * longest
+    assert (owner["KillSignal"], owner["KillMode"]) == ("SIGTERM", "mixed")
+    assert "SendSIGHUP" not in owner
+    for service in compose()["services"].values():
+        assert seconds(service["stop_grace_period"]) > 2 * longest
+
+
+def test_the_nodes_outlive_a_restart_of_the_owner() -> None:
+    hal = unit("eehal-hal.service")["Unit"]
+    assert "eehal-owner.service" in hal["Wants"].split()
+    assert "eehal-owner.service" in hal["After"].split()
+    assert not {"Requires", "BindsTo", "PartOf"} & set(hal)
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.name)
+def test_scripts_can_be_read_and_run(path: Path) -> None:
+    shell = path.read_text().splitlines()[0].removeprefix("#!")
+    assert path.stat().st_mode & 0o111 == 0o111
+    subprocess.run([shell, "-n", path], check=True, timeout=10)
+
+
+def compose() -> dict:
+    """With what is merged."""
+    text = (DEPLOY / "container" / "compose.yaml").read_text()
+    document: dict = YAML(typ="safe", pure=True).load(text)
+    return document
+
+
+def test_containers_have_what_they_need_and_no_more() -> None:
+    services = compose()["services"]
+    assert services["owner"]["devices"] == ["/dev/gpiochip0"]
+    assert services["hal"]["devices"] == [load(profile_path()).link.port]
+    for service in services.values():
+        assert service["privileged"] is False
+        assert service["cap_drop"] == ["ALL"]
+        assert service["group_add"] == ["${GPIO_GID:-49}", "${DIALOUT_GID:-20}"]
+        assert service["network_mode"] == "none"
+
+
+def test_a_container_is_well_when_the_doctor_says_so() -> None:
+    from end_effector_hal.cli.doctor._doctor import PARTS
+
+    recipe = (DEPLOY / "container" / "Containerfile").read_text()
+    default = re.search(r"EEHAL_HEALTH=(\S+)", recipe)
+    assert default
+    healths = [default[1], *(each["environment"]["EEHAL_HEALTH"] for each in compose()["services"].values())]
+    assert all(set(health.split(",")) <= set(PARTS) for health in healths)
+    healthy = (DEPLOY / "container" / "eehal-healthy").read_text()
+    assert "doctor" in healthy
+    assert "--passive" in healthy, "a health check must not read the sensor port"
+
+
+def test_the_image_has_a_package_for_every_module_of_ros() -> None:
+    from end_effector_hal.cli.doctor._ros import PACKAGES
+
+    packages = (DEPLOY / "container" / "packages.txt").read_text().split()
+    assert packages == sorted(packages)
+    # rospkg comes with roslaunch
+    wanted = {f"python3-{name.replace('_', '-')}" for name in PACKAGES} - {"python3-rospkg"}
+    assert wanted <= set(packages)
+
+
+@pytest.mark.parametrize(
+    ("description", "arguments", "given"),
+    [
+        ("/etc/eehal/my tool.yaml", ["owner"], ["owner", "/etc/eehal/my tool.yaml"]),
+        ("", ["owner", "--profile", "verdin_gripper"], ["owner", "--profile", "verdin_gripper"]),
+        ("", [], ["owner"]),
+    ],
+)
+def test_the_entry_of_the_container_names_no_tool_by_itself(
+    tmp_path: Path, description: str, arguments: list[str], given: list[str]
+) -> None:
+    (tmp_path / "eehal").write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+    (tmp_path / "eehal").chmod(0o755)
+    env = {"PATH": f"{tmp_path}:/usr/bin:/bin", "EEHAL_DESCRIPTION": description}
+    entry = DEPLOY / "container" / "eehal-container"
+    said = subprocess.run(
+        [entry, *arguments], env=env, capture_output=True, text=True, timeout=10, check=True
+    )
+    assert said.stdout.splitlines() == given

@@ -1,0 +1,299 @@
+"""The default figure: asserted from the figure, not from pixels."""
+
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import PressuresLog, RunInfo, StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_lab.figures import save, timeline
+from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, PRESSURES, log
+from tests.unit.figures.figure_facts import bars, overlaps, texts
+
+SCENARIOS = {"nominal": NOMINAL, "fails-once": FAILS_ONCE, "never": NEVER, "cancelled": CANCELLED}
+
+
+def long_recording(grips, pause_s=30.0):
+    rows, start = [], 0.0
+    for number in range(grips):
+        source = (NOMINAL, FAILS_ONCE, NEVER)[number % 3].rows
+        rows += [(start + r.time_s, *r.states) for r in source]
+        start += source[-1].time_s + pause_s
+    return log(*rows)
+
+
+def test_the_title_is_the_verdict_and_the_subtitle_the_source():
+    shown = texts(timeline(NEVER, PRESSURES, INFO))
+    assert "Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order" in shown
+    assert (
+        "scenario never-confirms:cylinder  ·  description verdin_gripper 3f9c1a2b  ·  end-effector-hal 0.1.0"
+        "  ·  ROS  ·  2026-03-04 10:20  ·  simulated"
+    ) in shown
+    assert {"inactive", "waiting for sensor", "confirmed", "releasing", "error", "command"} <= set(shown)
+
+
+@pytest.mark.parametrize(
+    ("info", "shown"),
+    [
+        (RunInfo(), "no run.json: source unknown"),
+        (RunInfo(description="x"), "description x  ·  without ROS  ·  not simulated"),
+        (RunInfo(scenario="nominal", simulated=False), "scenario nominal  ·  without ROS  ·  not simulated"),
+    ],
+)
+def test_what_is_not_known_is_not_claimed(info, shown):
+    assert shown in texts(timeline(NOMINAL, info=info))
+
+
+def test_lanes_have_the_times_of_the_recording():
+    figure = timeline(NEVER)
+    cylinder = [(state, round(start, 6), round(end, 6)) for state, start, end, _ in bars(figure, "cylinder")]
+    assert cylinder[:6] == [
+        ("RETRACTED", 0.0, 1.5),
+        ("PENDING EXTEND", 1.5, 6.5),
+        ("RETRACTED", 6.5, 7.5),
+        ("PENDING EXTEND", 7.5, 12.5),
+        ("RETRACTED", 12.5, 13.5),
+        ("PENDING EXTEND", 13.5, 18.5),
+    ]
+    assert [state for state, *_ in bars(figure, "top_vacuum")] == ["OFF"]
+    assert [state for state, *_ in bars(figure, "command")] == ["NONE", "GRIP", "RELEASE", "NONE"]
+    assert {"End-effector", "Command", "Bottom vacuum", "Cylinder", "Top vacuum", "Events"} <= set(
+        texts(figure)
+    )
+
+
+def test_an_error_of_no_length_is_a_red_mark_with_its_name():
+    figure = timeline(NEVER)
+    ((_, start, end, colour),) = [bar for bar in bars(figure, "end_effector") if bar[0] == "GRIP ERROR"]
+    assert start < 18.5 < end
+    assert 0.04 < end - start < 0.3
+    assert colour[0] > 0.6
+    assert max(colour[1:3]) < 0.3
+    assert "GRIP ERROR" in texts(figure, "beside")
+
+
+def test_names_stand_inside_where_they_fit_and_beside_where_they_do_not():
+    figure = timeline(NEVER)
+    assert texts(figure, "inside").count("PENDING EXTEND") == 3
+    assert "GRIPPING" in texts(figure, "inside")
+    assert {"PENDING ON", "RELEASING"} <= set(texts(figure, "beside"))
+
+
+def test_the_events():
+    assert texts(timeline(NEVER, info=INFO), "event") == [
+        "GRIP",
+        "time-out 1/3",
+        "time-out 2/3",
+        "time-out 3/3 – abort",
+    ]
+    assert texts(timeline(FAILS_ONCE, info=INFO), "event") == ["GRIP", "time-out 1/3", "GRIPPED", "DROP"]
+    assert texts(timeline(CANCELLED), "event") == ["GRIP", "CANCEL"]
+
+
+def test_pressures_with_their_accepted_ranges():
+    figure = timeline(NEVER, PRESSURES, INFO)
+    shown = texts(figure)
+    assert {
+        "vacuum\n[kPa]",
+        "pressure\n[kPa]",
+        "confirmed\n≤ −55 kPa",
+        "confirmed\n≥ 510 kPa",
+        "Supply",
+    } <= set(shown)
+    vacuum, above = figure.axes[1:]
+    assert {line.get_label() for line in vacuum.lines} >= {"Bottom vacuum", "Top vacuum"}
+    assert {line.get_label() for line in above.lines} >= {"Cylinder", "Supply"}
+    (band,) = vacuum.patches
+    assert (band.get_y() + band.get_height(), band.get_y()) == (-55.0, vacuum.get_ylim()[0])
+    (band,) = above.patches
+    assert (band.get_y(), band.get_y() + band.get_height()) == (510.0, above.get_ylim()[1])
+
+
+def test_a_curve_has_a_hole_where_nothing_valid_was_received():
+    vacuum = timeline(NEVER, PRESSURES, INFO).axes[1]
+    top = next(line for line in vacuum.lines if line.get_label() == "Top vacuum")
+    # invalid at 1.0 s, nothing received between 2.0 s and 19.5 s
+    assert [str(value) for value in top.get_ydata()] == ["0.0", "0.0", "nan", "0.0", "0.0", "nan", "0.0"]
+
+
+def test_pressures_without_a_run_file_are_found_by_name_and_have_no_range():
+    figure = timeline(NEVER, PRESSURES)
+    assert not any("confirmed\n" in text for text in texts(figure))
+    assert [line.get_label() for line in figure.axes[1].lines][1:3] == ["Bottom vacuum", "Top vacuum"]
+    assert [len(axes.patches) for axes in figure.axes[1:]] == [0, 0]
+
+
+def test_channels_without_a_value_have_no_panel():
+    nothing = PressuresLog(("bottom", "cylinder"), ((0.0, (None, None)), (1.0, (None, None))))
+    assert (
+        len(timeline(NEVER, nothing, INFO).axes)
+        == len(timeline(NEVER, PressuresLog(("bottom",), ())).axes)
+        == 2
+    )
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("pressures", [None, PRESSURES])
+def test_no_words_stand_on_each_other(name, pressures):
+    assert overlaps(timeline(SCENARIOS[name], pressures, INFO)) == []
+
+
+@pytest.mark.parametrize("factor", [0.05, 0.5, 5, 30])
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_short_and_long_recordings_are_readable(name, factor):
+    rows = [(r.time_s * factor, *r.states) for r in SCENARIOS[name].rows]
+    figure = timeline(log(*rows), None, INFO)
+    assert overlaps(figure) == []
+    assert len(texts(figure, "event")) == len(texts(timeline(SCENARIOS[name], None, INFO), "event"))
+
+
+def test_ten_minutes_with_one_grip_in_the_middle():
+    rows = [(r.time_s + (300 if r.time_s else 0), *r.states) for r in NEVER.rows]
+    figure = timeline(log(*rows, (600, 6, 0, 0, 0, 0)), None, INFO)
+    assert overlaps(figure) == []
+    assert texts(figure, "event") == ["GRIP", "time-out 1/3", "time-out 2/3", "time-out 3/3 – abort", "LOCK"]
+    assert "GRIP ERROR" in texts(figure, "beside")
+
+
+def test_many_grips_keep_the_words_of_what_went_wrong():
+    figure = timeline(long_recording(24), None, INFO)
+    assert overlaps(figure) == []
+    assert texts(figure, "event") == ["abort"] * 8
+    assert "24 grips: 16 GRIPPED, 8 ABORTED (Cylinder never confirmed)" in texts(figure)
+
+
+@pytest.mark.parametrize("number", [1, 2, 9])
+def test_any_number_of_actuators(number):
+    names = [f"actuator_{n}_with_a_rather_long_name_{n}" for n in range(number)]
+    rows = [(float(n), 1, 2, *[2] * n, 1, *[0] * (number - n - 1)) for n in range(number)]
+    figure = timeline(log((0, 6, -1, *[0] * number), *rows, (number, 3, -1, *[2] * number), names=names))
+    assert overlaps(figure) == []
+    assert len(bars(figure, names[-1])) == 3 if number > 1 else 2
+
+
+def test_a_single_row_and_a_late_start_are_drawn():
+    assert bars(timeline(log((0, 6, -1, 0, 0, 0))), "end_effector")[0][0] == "STAND-BY"
+    figure = timeline(log((1000, 6, -1, 0, 0, 0), (1001, 1, 2, 1, 0, 0)))
+    assert figure.axes[0].get_xlim()[0] == 1000
+
+
+def test_a_recording_without_rows_is_refused():
+    with pytest.raises(UsageError, match=r"empty\.csv: This recording holds no row"):
+        timeline(StatesLog(NAMES, (), "empty.csv"))
+
+
+def test_somebody_elses_text_cannot_spoil_the_figure(tmp_path):
+    info = RunInfo(
+        scenario="$x_{1$ 漢字 \x00\n<b>&" + "long" * 50, description="$$", hash="\ud800", version="$$"
+    )
+    figure = timeline(NOMINAL, None, info)
+    assert overlaps(figure) == []
+    save(figure, tmp_path / "a.svg")
+    save(figure, tmp_path / "a.png")
+
+
+def test_svg_is_text_and_the_same_every_time(tmp_path):
+    for name in ("a.svg", "b.svg", "a.png", "b.png"):
+        save(timeline(NEVER, PRESSURES, INFO), tmp_path / name)
+    svg = (tmp_path / "a.svg").read_text()
+    assert ">time-out 3/3 – abort</text>" in svg
+    assert "<dc:date>" not in svg
+    assert svg == (tmp_path / "b.svg").read_text()
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert len(list(tmp_path.iterdir())) == 4
+
+
+def test_what_cannot_be_saved_is_refused(tmp_path):
+    figure = timeline(NOMINAL)
+    with pytest.raises(UsageError, match=r"neither \.png nor \.svg"):
+        save(figure, tmp_path / "a.pdf")
+    with pytest.raises(UsageError, match="cannot be written: No such file or directory"):
+        save(figure, tmp_path / "none" / "a.png")
+
+
+def test_matplotlib_is_loaded_only_for_a_figure_and_never_pyplot():
+    code = (
+        "import sys; import end_effector_lab.figures as t; import end_effector_lab.commands._plot;"
+        "assert 'matplotlib' not in sys.modules;"
+        "from end_effector_hal.recording import *; from end_effector_hal.vocabulary import *;"
+        "t.timeline(StatesLog((), (StatesRow(0.0, EndEffectorState.OFF, Command.NONE, ()),)));"
+        "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_kinds_of_state_are_told_apart_under_colour_blindness():
+    from matplotlib.colors import to_rgb
+
+    from end_effector_lab.figures._style import FILLS
+
+    # Machado, Oliveira, Fernandes (2009), severity 1.0, on linear RGB
+    views = {
+        "normal": [(1, 0, 0), (0, 1, 0), (0, 0, 1)],
+        "protanopia": [
+            (0.152286, 1.052583, -0.204868),
+            (0.114503, 0.786281, 0.099216),
+            (-0.003882, -0.048116, 1.051998),
+        ],
+        "deuteranopia": [
+            (0.367322, 0.860646, -0.227968),
+            (0.280085, 0.672501, 0.047413),
+            (-0.011820, 0.042940, 0.968881),
+        ],
+        "tritanopia": [
+            (1.255528, -0.076749, -0.178779),
+            (-0.078411, 0.930809, 0.147602),
+            (0.004733, 0.691367, 0.303900),
+        ],
+    }
+    for name, view in views.items():
+        seen = {
+            kind: _lab(
+                [sum(w * v for w, v in zip(row, map(_linear, to_rgb(c)), strict=True)) for row in view]
+            )
+            for kind, c in FILLS.items()
+        }
+        for a in seen:
+            for b in seen:
+                distance = sum((x - y) ** 2 for x, y in zip(seen[a], seen[b], strict=True)) ** 0.5
+                assert a == b or distance > 12, (name, a, b, distance)
+
+
+def _linear(value):
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
+def _lab(rgb):
+    r, g, b = (min(max(value, 0.0), 1.0) for value in rgb)
+    xyz = (
+        (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505,
+        0.2126 * r + 0.7152 * g + 0.0722 * b,
+        (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089,
+    )
+    x, y, z = (v ** (1 / 3) if v > 0.008856 else 7.787 * v + 16 / 116 for v in xyz)
+    return 116 * y - 16, 500 * (x - y), 200 * (y - z)
+
+
+ROWS = st.lists(
+    st.tuples(
+        st.floats(0, 600),
+        st.sampled_from(EndEffectorState),
+        st.sampled_from(Command),
+        st.tuples(*[st.integers(0, 2)] * 3),
+    ),
+    min_size=1,
+    max_size=25,
+)
+
+
+@settings(max_examples=12, deadline=None)
+@given(ROWS)
+def test_any_recording_is_drawn_without_words_on_words(rows):
+    times = sorted(row[0] for row in rows)
+    recording = StatesLog(NAMES, tuple(StatesRow(t, *row[1:]) for t, row in zip(times, rows, strict=True)))
+    assert overlaps(timeline(recording, None, INFO)) == []

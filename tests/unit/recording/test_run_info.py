@@ -1,0 +1,72 @@
+"""run.json: whole or not at all; read whatever it holds."""
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from end_effector_hal.recording import RunInfo, read_run
+from tests.support.trace_recordings import INFO
+
+
+def test_it_comes_back(tmp_path):
+    assert INFO.write(tmp_path) == tmp_path / "run.json"
+    assert read_run(tmp_path) == read_run(tmp_path / "run.json") == INFO
+    assert [file.name for file in tmp_path.iterdir()] == ["run.json"]
+
+
+def test_the_keys_are_those_of_the_contract(tmp_path):
+    content = json.loads(INFO.write(tmp_path).read_text())
+    keys = [
+        "scenario",
+        "description",
+        "hash",
+        "version",
+        "ros",
+        "started",
+        "actuators",
+        "limits",
+        "simulated",
+        "start_us",
+        "gaps",
+    ]
+    assert list(content) == keys
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "null", '{"scenario": 3, "ros": "yes", "limits": [1]}', "[" * 100_000]
+)
+def test_what_is_unusable_is_left_at_its_default(tmp_path, text):
+    (tmp_path / "run.json").write_text(text)
+    assert read_run(tmp_path) == RunInfo()
+    assert read_run(tmp_path).note.startswith(
+        f"{tmp_path}/run.json is left out as far as it cannot be read: "
+    )
+
+
+def test_what_is_usable_is_taken(tmp_path):
+    (tmp_path / "run.json").write_text(
+        '{"scenario": "nominal", "limits": {"a": {"attempts": 3}, "b": 1}, "later": {}}'
+    )
+    info = read_run(tmp_path)
+    assert info == RunInfo(scenario="nominal", limits={"a": {"attempts": 3}})
+    assert (info.attempts("a"), info.attempts("b")) == (3, None)
+    assert info.note.endswith("of another type than it should be: limits.")
+
+
+def test_a_missing_file_is_no_error(tmp_path):
+    assert read_run(tmp_path) == read_run(tmp_path / "none" / "run.json") == RunInfo()
+    assert read_run(tmp_path).note == ""
+
+
+@pytest.mark.parametrize("number", [0, -1, True, 2.5, "3", None])
+def test_attempts_that_make_no_sense_are_unknown(number):
+    assert RunInfo(limits={"a": {"attempts": number}}).attempts("a") is None
+
+
+@given(st.binary(max_size=300))
+def test_arbitrary_bytes_never_raise(tmp_path_factory, data):
+    path = tmp_path_factory.mktemp("run") / "run.json"
+    path.write_bytes(data)
+    read_run(path)

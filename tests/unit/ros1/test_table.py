@@ -1,0 +1,83 @@
+"""The table names what the paper names, for any tool; it needs no ROS."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.nodes.interface import (
+    ACTIONS,
+    position_topics,
+    pressure_topics,
+    services,
+    set_tool_changer,
+    topics,
+)
+from end_effector_hal.vocabulary import Command
+
+
+@pytest.fixture
+def tool() -> Description:
+    return load(profile_path())
+
+
+def test_the_services_and_topics_of_table_i(tool: Description) -> None:
+    assert [service.name for service in services(tool) if not service.internal] == [
+        "SetBottomVacuum",
+        "SetCylinder",
+        "SetTopVacuum",
+        "SetToolChanger",
+        "ArmToolChanger",
+        "ResetFaults",
+    ]
+    assert [(channel, topic.name) for channel, topic in pressure_topics(tool)] == [
+        ("bottom", "PressureVacuumBottom"),
+        ("cylinder", "PressureCylinder"),
+        ("top", "PressureVacuumTop"),
+        ("supply", "PressureSupply"),
+    ]
+    assert {name: topic.name for name, topic in position_topics(tool).items()} == {
+        "cylinder": "PositionCylinder"
+    }
+
+
+def test_each_action_gives_one_command() -> None:
+    assert {action.name: action.command for action in ACTIONS} == {
+        "LockToolChanger": Command.LOCK,
+        "UnlockToolChanger": Command.UNLOCK,
+        "TriggerGrip": Command.GRIP,
+        "Drop": Command.RELEASE,
+    }
+
+
+def test_names_are_relative_and_stand_there_once(tool: Description) -> None:
+    names = [entity.name for entity in (*topics(tool), *services(tool), *ACTIONS)]
+    assert len(names) == len(set(names))
+    assert [name for name in names if name.startswith("/")] == ["/diagnostics"]
+
+
+def test_all_that_a_node_acts_on_has_its_writer(tool: Description) -> None:
+    """Only what the Supervisor was told is open to all: nothing is decided by it."""
+    heard = [topic for topic in topics(tool) if topic.subscribers]
+    assert [topic.name for topic in heard if topic.public] == ["supervisor_commands"]
+    assert all(len(topic.publishers) == 1 for topic in heard)
+    assert {service.name: service.callers for service in services(tool) if service.internal} == {
+        "grip/command": ("HALMain",),
+        "tool_change/command": ("HALMain", "Grip"),
+    }
+
+
+def test_a_tool_without_a_changer_has_none_of_its_names(tool: Description) -> None:
+    fixed = tool.model_copy(update={"tool_changer": None})
+    assert set_tool_changer(fixed) is None
+    assert "SetToolChanger" not in {service.name for service in services(fixed)}
+    assert "PositionToolChanger" not in {topic.name for topic in topics(fixed)}
+
+
+def test_the_table_is_read_without_ros() -> None:
+    code = "import sys; import end_effector_hal.nodes.interface; sys.exit(int('rospy' in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path.home()).returncode == 0

@@ -1,0 +1,60 @@
+"""What a command has come to, when its program ends in the middle: never a success."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.runtime import EndEffector, GoalRunner
+from end_effector_hal.runtime._listeners import Audience
+from end_effector_hal.vocabulary import ChangerState, Command
+from end_effector_hal.vocabulary import EndEffectorState as State
+from tests.support.lone_unit import Tool
+
+
+class Ended:
+    """A program that takes a command, and ends before that is over."""
+
+    alive = False
+
+    def __init__(self, status: Status) -> None:
+        self.status = status
+
+    def command(self, _name: str) -> Answer:
+        return Answer(True)
+
+    def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
+        return until(self.status)
+
+
+@pytest.fixture
+def tool() -> Any:
+    tool: Any = object.__new__(EndEffector)
+    tool._audience = Audience(lambda: None)
+    status = Tool().unit.status
+    tool._grip = Ended(replace(status, ee=State.RELEASING, command=Command.RELEASE))
+    tool._change = Ended(replace(status, changer=ChangerState.LOCKED, command=Command.LOCK))
+    tool._goals = GoalRunner({"grip": tool._grip, "tool_change": tool._change}, lambda: tool.status)
+    return tool
+
+
+@pytest.mark.parametrize("name", ["grip", "drop", "lock", "unlock"])
+def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str) -> None:
+    outcome = getattr(tool, name)()
+    program = "grip" if name in ("grip", "drop") else "tool_change"
+    assert not outcome.succeeded
+    assert outcome.state == State.RELEASING
+    assert outcome.outcome is Outcome.UNREACHABLE
+    assert outcome.reason.startswith(f"The {program} program has gone: what became of the command is unknown")
+
+
+def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("end_effector_hal.runtime._unit.ask", lambda *_, **__: None)
+    answer = Tool().unit.command("drop")
+    assert (answer.accepted, answer.decided) == (False, False)
+    assert answer.reason == "The grip program does not answer."

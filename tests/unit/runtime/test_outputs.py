@@ -1,0 +1,140 @@
+"""What is asked of the line owner for which statuses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from end_effector_hal.control import Status
+from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
+from end_effector_hal.runtime._outputs import Outputs
+from end_effector_hal.vocabulary import LastWillStep
+
+A, B = "SODIMM_208", "SODIMM_210"
+UNWIND_A, UNWIND = (LastWillStep(A),), (LastWillStep(B), LastWillStep(A))
+
+
+class Lines:
+    """Remembers what was asked of it, and what was waited for."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[dict[str, bool], tuple[LastWillStep, ...]]] = []
+        self.waited = 0
+        self.error: ReportedError | None = None
+        self.active: dict[str, bool] = {}
+
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
+        self.asked.append((dict(levels), tuple(will)))
+        return self._wait
+
+    def _wait(self) -> None:
+        self.waited += 1
+        if self.error:
+            raise self.error
+        self.active |= self.asked[-1][0]
+
+    def levels(self) -> Mapping[str, bool]:
+        return self.active
+
+    def declared_dead(self) -> bool:
+        return False
+
+    def close(self, will: Sequence[LastWillStep]) -> None:
+        del will
+
+
+def status(at: int, a: bool, b: bool, *, held: bool = False, attempt: int = 0) -> Status:
+    return Status(
+        at=at, ee=0, command=0, actuators=(), outputs=(a, b), evidence=(), held=held, attempt=attempt
+    )
+
+
+def outputs_of(lines: Lines) -> Outputs:
+    def will(of: Status) -> tuple[LastWillStep, ...]:
+        return () if of.held else UNWIND if of.outputs[1] else UNWIND_A if of.outputs[0] else ()
+
+    return Outputs(lines, lambda of: dict(zip((A, B), of.outputs, strict=True)), will)
+
+
+def written(lines: Lines, *statuses: Status) -> list[tuple[dict[str, bool], tuple[LastWillStep, ...]]]:
+    outputs, rest = outputs_of(lines), list[Status](statuses)
+    while rest:
+        rest = list(outputs.begin(rest))
+        outputs.finish()
+    return lines.asked
+
+
+def test_what_is_begun_is_not_waited_for() -> None:
+    lines = Lines()
+    outputs = outputs_of(lines)
+    rest = outputs.begin([status(1, True, False), status(1, True, True)])
+    assert lines.asked == [({A: True, B: False}, UNWIND_A)]
+    assert (lines.waited, [each.outputs for each in rest]) == (0, [(True, True)])
+    outputs.finish()
+    assert lines.waited == 1
+
+
+def test_what_changes_neither_line_nor_will_is_not_written() -> None:
+    assert len(written(Lines(), status(1, True, False), status(2, True, False))) == 1
+
+
+def test_a_drop_is_one_write_the_will_goes_with_the_line() -> None:
+    held = status(1, True, True, held=True)
+    both = written(Lines(), held, status(2, True, True), status(2, True, False))
+    assert both == [({A: True, B: True}, ()), ({B: False}, UNWIND_A)]
+
+
+def test_a_will_is_written_by_itself_where_the_line_follows_later_or_is_activated() -> None:
+    held = status(1, True, False, held=True)
+    later = written(Lines(), held, status(2, True, False), status(3, False, False))
+    assert later[1:] == [({}, UNWIND_A), ({A: False}, ())]
+    activated = written(Lines(), held, status(2, True, False), status(2, True, True))
+    assert activated[1:] == [({}, UNWIND_A), ({B: True}, UNWIND)]
+
+
+def test_a_refusal_is_known_once_it_was_waited_for() -> None:
+    lines = Lines()
+    lines.error = LineRefusedError("IL-05: no.")
+    outputs = outputs_of(lines)
+    outputs.begin([status(1, True, False)])
+    assert not outputs.objected
+    outputs.finish()
+    assert outputs.objected
+    assert outputs.refused == "IL-05: no."
+
+
+def activation_that_found_no_owner(lines: Lines) -> Outputs:
+    outputs = outputs_of(lines)
+    for each in (status(1, True, False, attempt=1), status(2, True, True, attempt=1)):
+        lines.error = ArbiterError("the line owner was lost.") if each.outputs[1] else None
+        outputs.begin([each])
+        outputs.finish()
+    assert outputs.lost
+    lines.error = None
+    assert outputs.agree(3)
+    lines.asked.clear()
+    return outputs
+
+
+def test_an_activation_that_was_lost_with_the_owner_comes_with_the_next_attempt() -> None:
+    """Of an actuator that stays active between its attempts (`timeout: hold`), whose output does not change."""
+    lines = Lines()
+    outputs = activation_that_found_no_owner(lines)
+    outputs.begin([status(4, True, True, attempt=1)])
+    outputs.finish()
+    assert all(not levels for levels, _ in lines.asked), "not by itself (IL-11)"
+    for at in (5, 6):
+        outputs.begin([status(at, True, True, attempt=2)])
+        outputs.finish()
+    assert [levels for levels, _ in lines.asked if levels] == [{B: True}]
+    outputs.begin([status(7, True, True, attempt=3)])
+    outputs.finish()
+    assert [levels for levels, _ in lines.asked if levels] == [{B: True}], "it was heard"
+
+
+def test_what_was_lost_and_is_not_wanted_any_more_does_not_come() -> None:
+    lines = Lines()
+    outputs = activation_that_found_no_owner(lines)
+    for at, active, attempt in ((4, False, 1), (5, False, 2)):
+        outputs.begin([status(at, True, active, attempt=attempt)])
+        outputs.finish()
+    assert not any(levels.get(B) for levels, _ in lines.asked)

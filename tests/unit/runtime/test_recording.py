@@ -1,0 +1,112 @@
+"""The files of a recording on a disk that is full for a while: what is missing is counted, said, and in run.json."""
+
+from __future__ import annotations
+
+import errno
+import logging
+import os
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording import Recording, RunInfo, read_alarms, read_run, read_states
+from end_effector_hal.recording.tables import _rows
+
+DESCRIPTION = load(profile_path())
+SECOND = 1_000_000
+FULL = "The recording lacks rows, and is tried again: A row could not be written: No space left on device."
+
+
+class Disk:
+    full = False
+
+    def __getattr__(self, name: str) -> object:
+        return self.write if name == "write" else getattr(os, name)
+
+    def write(self, fd: int, data: bytes) -> int:
+        if self.full:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return os.write(fd, data)
+
+
+@pytest.fixture
+def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
+    made = Disk()
+    monkeypatch.setattr(_rows, "os", made)
+    write = RunInfo.write
+
+    def write_info(info: RunInfo, folder: str | Path) -> Path:
+        if made.full:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(info, folder)
+
+    monkeypatch.setattr(RunInfo, "write", write_info)
+    return made
+
+
+def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: Disk) -> None:
+    with Recording(tmp_path, DESCRIPTION) as recording:
+        start = recording._begun + SECOND
+        recording.state(start, 3, -1, [2, 2, 2])
+        recording.values(start, {"bottom": -80_000})
+        disk.full = True
+        for after in (1, 2, 3):
+            with pytest.raises(ReportedError) as refused:
+                recording.state(start + after * SECOND, 5 if after % 2 else 2, -1, [2, 2, 2])
+            assert str(refused.value) == f"{tmp_path}: {FULL}"
+        with pytest.raises(ReportedError):
+            recording.alarms(start + 4 * SECOND, ("Leak.",))
+        with pytest.raises(ReportedError):  # what has nothing to write complains, too: it does not flicker
+            recording.values(start + 4 * SECOND + 1, {"bottom": -80_000})
+        disk.full = False
+        recording.values(start + 5 * SECOND, {"bottom": -80_000})
+        recording.state(start + 6 * SECOND, 6, -1, [0, 0, 0])
+    rows = read_states(tmp_path / "states.csv").rows
+    assert [(row.time_s, row.end_effector) for row in rows] == [(0, 3), (5, 5), (6, 6)]
+    assert [(row.time_s, row.text) for row in read_alarms(tmp_path / "alarms.csv")] == [(5, "Leak.")]
+    info = read_run(tmp_path)
+    why = "A row could not be written: No space left on device."
+    assert info.gaps == (f"From 1.000 s to 5.000 s 5 rows of this recording could not be written. {why}",)
+    assert info.note == ""
+
+
+def test_a_recording_that_is_continued_keeps_what_it_said(tmp_path: Path, disk: Disk) -> None:
+    for _ in range(2):
+        with Recording(tmp_path, DESCRIPTION) as recording:
+            recording.state(recording._begun + SECOND, 3, -1, [2, 2, 2])
+            disk.full = True
+            with pytest.raises(ReportedError):
+                recording.state(recording._begun + 2 * SECOND, 2, -1, [2, 2, 2])
+            disk.full = False
+            recording.state(recording._begun + 3 * SECOND, 6, -1, [0, 0, 0])
+    assert len(read_run(tmp_path).gaps) == 2
+
+
+def test_one_that_ends_on_a_full_disk_ends(
+    tmp_path: Path, disk: Disk, caplog: pytest.LogCaptureFixture
+) -> None:
+    with Recording(tmp_path, DESCRIPTION) as recording:
+        start = recording._begun + SECOND
+        recording.state(start, 3, -1, [2, 2, 2])
+        recording.values(start, {"bottom": -80_000})
+        recording.values(start + 100_000, {"bottom": -80_010})  # left out, and written at the end
+        disk.full = True
+        with caplog.at_level(logging.WARNING):
+            recording.close()
+    assert "No space left on device" in caplog.text
+    assert len(read_states(tmp_path / "states.csv").rows) == 1
+
+
+def test_a_disk_that_is_full_at_the_start_is_a_sentence(tmp_path: Path, disk: Disk) -> None:
+    disk.full = True
+    with pytest.raises(UsageError, match="Cannot be written: No space left on device"):
+        Recording(tmp_path, DESCRIPTION)
+
+
+@pytest.mark.parametrize("gaps", ["5", "{}", "[5]", '"x"', "null"])
+def test_gaps_that_are_none_are_left_out(tmp_path: Path, gaps: str) -> None:
+    (tmp_path / "run.json").write_text(f'{{"scenario": "x", "gaps": {gaps}}}')
+    info = read_run(tmp_path)
+    assert (info.scenario, info.gaps) == ("x", ())

@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_lab.testbench import FAULTS, Effect, Scenario, parse_scenario
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("nominal", Scenario("nominal")),
+        ("fails-once:cylinder", Scenario("", {"cylinder": Effect(dead_activations=1)})),
+        ("fails:cylinder:2", Scenario("", {"cylinder": Effect(dead_activations=2)})),
+        ("never-confirms:tool_changer", Scenario("", {"tool_changer": Effect(dead_activations=10**9)})),
+        ("stuck-release:top_vacuum", Scenario("", {"top_vacuum": Effect(stuck=True)})),
+        ("leak:top_vacuum", Scenario("", {"top_vacuum": Effect(leak_l_min=4.0)})),
+        ("leak:top_vacuum:20", Scenario("", {"top_vacuum": Effect(leak_l_min=20.0)})),
+        ("lost-after:cylinder:2.5", Scenario("", {"cylinder": Effect(lost_after_us=2_500_000)})),
+        ("locked-shows:tool_changer:0", Scenario("", {"tool_changer": Effect(locked_shows=False)})),
+        ("unlocked-shows:tool_changer:1", Scenario("", {"tool_changer": Effect(unlocked_shows=True)})),
+        ("stand-shows:tool_changer:1", Scenario("", {"tool_changer": Effect(stand_shows=True)})),
+        ("silent-after:5", Scenario("", silent_after_us=5_000_000)),
+        ("noise:0.01", Scenario("", noise=0.01)),
+        ("supply:380,no-tool", Scenario("", supply_kpa=380.0, tool_present=False)),
+        (
+            "fails-once:cylinder, leak:top_vacuum:4, stuck-release:cylinder, noise:0.1",
+            Scenario(
+                "",
+                {"cylinder": Effect(dead_activations=1, stuck=True), "top_vacuum": Effect(leak_l_min=4.0)},
+                noise=0.1,
+            ),
+        ),
+    ],
+)
+def test_reads(verdin: Description, text: str, expected: Scenario) -> None:
+    scenario = parse_scenario(text, verdin)
+    assert scenario.text == text
+    assert (
+        scenario.effects,
+        scenario.silent_after_us,
+        scenario.noise,
+        scenario.supply_kpa,
+        scenario.tool_present,
+    ) == (
+        expected.effects,
+        expected.silent_after_us,
+        expected.noise,
+        expected.supply_kpa,
+        expected.tool_present,
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nominale", "Did you mean 'nominal'?"),
+        ("", "no fault is named ''. There are: nominal, fails-once, "),
+        ("never-confirm:cylinder", "Did you mean 'never-confirms'?"),
+        ("fails-once:cylinda", "no actuator is named 'cylinda'. Did you mean 'cylinder'?"),
+        ("fails-once", "names no actuator. There are: tool_changer, bottom_vacuum, cylinder, top_vacuum."),
+        ("leak:cylinder", "cylinder cannot have this fault"),
+        ("lost-after:tool_changer:1", "tool_changer cannot have this fault"),
+        ("locked-shows:cylinder:1", "cylinder cannot have this fault"),
+        ("locked-shows:tool_changer", "needs a number. Expected: bit, a whole number from 0 to 1."),
+        ("locked-shows:tool_changer:0.5", "needs a number. Expected: bit, a whole number from 0 to 1."),
+        ("fails:cylinder:1.5", "Expected: times, a whole number from 1 to 1000."),
+        ("lost-after:cylinder", "needs a number. Expected: seconds, a number from 0.001 to 86400."),
+        ("lost-after:cylinder:soon", "needs a number"),
+        ("lost-after:cylinder:nan", "needs a number"),
+        ("noise:1.5", "Expected: rate, a number from 0 to 1."),
+        ("leak:top_vacuum:4:5", "has too many parts. Expected: leak:<actuator>[:<l_min>]."),
+        ("nominal:cylinder", "has too many parts. Expected: nominal."),
+        ("fails-once:cylinder,never-confirms:cylinder", "'never-confirms:cylinder' contradicts"),
+        ("noise:0.1,noise:0.2", "contradicts"),
+        ("nominal,,", "no fault is named ''"),
+    ],
+)
+def test_refuses_and_says_why(verdin: Description, text: str, message: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_scenario(text, verdin)
+    assert message in str(caught.value)
+
+
+def test_without_a_tool_changer_it_cannot_fail(verdin: Description) -> None:
+    bare = verdin.model_copy(update={"tool_changer": None})
+    with pytest.raises(UsageError, match="no actuator is named 'tool_changer'"):
+        parse_scenario("never-confirms:tool_changer", bare)
+
+
+def test_the_table_has_each_name_once() -> None:
+    assert len({fault.name for fault in FAULTS}) == len(FAULTS)

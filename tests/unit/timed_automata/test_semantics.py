@@ -1,0 +1,229 @@
+"""UPPAAL's semantics to the letter, its traps included."""
+
+import pytest
+
+from end_effector_hal.errors import RangeError
+from timed_automata.network import Semantics
+
+IDLE = "state A, B; init A; trans"
+
+
+def after(network, transition):
+    return Semantics(network).fire(network.initial, transition.edges)
+
+
+def test_a_state_is_a_value():
+    from timed_automata import State
+
+    assert {State((0, 1), (2,)): 1}[State((0, 1), (2,))] == 1
+
+
+def test_order_of_transitions_is_that_of_the_system_line_then_of_the_file(load, names):
+    network = load(f"""chan c;
+        process P() {{ {IDLE} A -> B {{ sync c!; }}, A -> A {{ }}, A -> B {{ }}; }}
+        process Q() {{ {IDLE} A -> A {{ }}, A -> B {{ sync c?; }}, A -> A {{ sync c?; }}; }}
+        system Q, P;""")
+    semantics = Semantics(network)
+    assert names(network, semantics.transitions(network.initial)) == [
+        "Q.A>A",
+        "P.A>B + Q.A>B",
+        "P.A>B + Q.A>A",
+        "P.A>A",
+        "P.A>B",
+    ]
+
+
+def test_binary_synchronisation_needs_two_processes(load, names):
+    network = load(f"""chan c; process P(const int[0, 1] i) {{ {IDLE} A -> B {{ sync c!; }}, A -> A {{ sync c?; }}; }}
+        system P;""")
+    assert names(network, Semantics(network).transitions(network.initial)) == [
+        "P(0).A>B + P(1).A>A",
+        "P(1).A>B + P(0).A>A",
+    ]
+    alone = load(f"chan c; process P() {{ {IDLE} A -> B {{ sync c!; }}, A -> A {{ sync c?; }}; }} system P;")
+    assert names(alone, Semantics(alone).transitions(alone.initial)) == []
+
+
+def test_every_receiver_of_a_broadcast_with_an_enabled_edge_must_join(load, names):
+    network = load(f"""broadcast chan c; int a;
+        process S() {{ {IDLE} A -> B {{ sync c!; }}; }}
+        process R(const int[0, 3] i) {{ {IDLE} A -> B {{ guard i > a; sync c?; }}; }}
+        system S, R;""")
+    semantics = Semantics(network)
+    (transition,) = semantics.transitions(network.initial)
+    assert names(network, [transition]) == ["S.A>B + R(1).A>B + R(2).A>B + R(3).A>B"]
+    assert after(network, transition).state.locations == (1, 0, 1, 1, 1)
+
+
+def test_a_broadcast_without_receivers_is_sent_all_the_same(load, names):
+    network = load(f"""broadcast chan c; process S() {{ {IDLE} A -> B {{ sync c!; }}, B -> B {{ sync c?; }}; }}
+        process R() {{ {IDLE} A -> B {{ guard false; sync c?; }}; }} system S, R;""")
+    assert names(network, Semantics(network).transitions(network.initial)) == ["S.A>B"]
+
+
+def test_receivers_with_several_enabled_edges_choose_one_each(load, names):
+    network = load(f"""broadcast chan c; process S() {{ {IDLE} A -> B {{ sync c!; }}; }}
+        process R(const int[0, 1] i) {{ {IDLE} A -> A {{ sync c?; }}, A -> B {{ sync c?; }}; }} system S, R;""")
+    assert names(network, Semantics(network).transitions(network.initial)) == [
+        f"S.A>B + R(0).A>{first} + R(1).A>{second}" for first in "AB" for second in "AB"
+    ]
+
+
+def test_guards_are_evaluated_before_any_update(load, value):
+    network = load(f"""broadcast chan c; int a, b;
+        process S() {{ {IDLE} A -> B {{ sync c!; assign a = 1; }}; }}
+        process R() {{ {IDLE} A -> B {{ guard a == 0; sync c?; assign b = 1 }}, A -> A {{ guard a == 1; sync c?;
+            assign b = 2 }}; }} system R, S;""")
+    (transition,) = Semantics(network).transitions(network.initial)
+    assert value(network, after(network, transition).state, "b") == 1
+
+
+def test_the_sender_updates_first_then_the_receivers_in_system_order(load, value):
+    network = load(f"""broadcast chan c; int[0, 9999] trail;
+        process S() {{ {IDLE} A -> B {{ sync c!; assign trail = trail * 10 + 7; }}; }}
+        process R(const int[1, 3] i) {{ {IDLE} A -> B {{ sync c?; assign trail = trail * 10 + i }}; }}
+        X = R(2); Y = R(3); Z = R(1);
+        system X, S, Z, Y;""")
+    (transition,) = Semantics(network).transitions(network.initial)
+    assert value(network, after(network, transition).state, "trail") == 7213
+
+
+def test_only_transitions_with_a_committed_participant_happen(load, names):
+    network = load(f"""chan c; broadcast chan d, e;
+        process P() {{ state A, B; commit A; init A; trans A -> B {{ sync c?; }}, A -> B {{ sync d?; }}; }}
+        process Q() {{ {IDLE} A -> B {{ }}, A -> B {{ sync c!; }}, A -> A {{ sync d!; }}, A -> A {{ sync e!; }}; }}
+        process R() {{ {IDLE} A -> A {{ sync c?; }}; }} system P, Q, R;""")
+    semantics = Semantics(network)
+    assert names(network, semantics.transitions(network.initial)) == ["Q.A>B + P.A>B", "Q.A>A + P.A>B"]
+    assert semantics.committed(network.initial)
+    assert not semantics.may_delay(network.initial)
+
+
+def test_two_committed_processes_interleave(load, names):
+    network = load(
+        """process P(const int[0, 1] i) { state A, B; commit A; init A; trans A -> B { }; } system P;"""
+    )
+    assert names(network, Semantics(network).transitions(network.initial)) == ["P(0).A>B", "P(1).A>B"]
+
+
+def test_urgent_locations_stop_time_only(load, names):
+    network = load(f"""process P() {{ state A, B; urgent A; init A; trans A -> B {{ }}; }}
+        process Q() {{ {IDLE} A -> B {{ }}; }} system P, Q;""")
+    semantics = Semantics(network)
+    assert names(network, semantics.transitions(network.initial)) == ["P.A>B", "Q.A>B"]
+    assert not semantics.may_delay(network.initial)
+    assert semantics.may_delay(semantics.fire(network.initial, network.processes[0].edges).state)
+
+
+@pytest.mark.parametrize(
+    ("channel", "guard", "receiver", "may_delay"),
+    [
+        ("urgent chan", "true", "true", False),
+        ("urgent chan", "a == 1", "true", True),
+        ("urgent chan", "true", "a == 1", True),
+        ("urgent broadcast chan", "true", "a == 1", False),  # a broadcast waits for nobody
+        ("broadcast chan", "true", "true", True),
+    ],
+)
+def test_an_enabled_synchronisation_on_an_urgent_channel_stops_time(
+    load, channel, guard, receiver, may_delay
+):
+    network = load(f"""{channel} c; int a; process P() {{ {IDLE} A -> B {{ guard {guard}; sync c!; }}; }}
+        process Q() {{ {IDLE} A -> B {{ guard {receiver}; sync c?; }}; }} system P, Q;""")
+    assert Semantics(network).may_delay(network.initial) is may_delay
+
+
+def test_channels_chosen_at_run_time(load, names):
+    network = load(f"""chan c[3]; int[0, 2] i = 2;
+        process S() {{ {IDLE} A -> B {{ sync c[i]!; }}; }}
+        process R(const int[0, 2] n) {{ {IDLE} A -> B {{ sync c[n]?; }}; }}
+        process D() {{ {IDLE} A -> B {{ sync c[2 - i]?; }}, A -> A {{ sync c[i]?; }}; }} system S, R, D;""")
+    assert names(network, Semantics(network).transitions(network.initial)) == [
+        "S.A>B + R(2).A>B",
+        "S.A>B + D.A>A",
+    ]
+    (edge,) = network.processes[0].edges
+    assert [network.channels[number].name for number in edge.channels] == ["c[0]", "c[1]", "c[2]"]
+
+
+def test_a_channel_is_chosen_only_where_the_guard_holds(load, names):
+    network = load(f"""chan c[2]; int i = 2;
+        process S() {{ {IDLE} A -> B {{ guard i < 2; sync c[i]!; }}, A -> A {{ sync c[0]! }}; }}
+        process R() {{ {IDLE} A -> B {{ guard i < 2; sync c[i]?; }}, A -> A {{ sync c[0]? }}; }} system S, R;""")
+    assert names(network, Semantics(network).transitions(network.initial)) == ["S.A>A + R.A>A"]
+
+
+def test_clock_guards_stay_symbolic_and_are_evaluated_in_the_state_before(load):
+    network = load(f"""const int T[2] = {{5, 9}}; clock x, ys[2]; int i = 1; chan c;
+        process P() {{ clock z; {IDLE} A -> B {{ guard x >= T[i] && 3 < ys[i] && i == 1 && z <= 7; sync c!;
+            assign i = 0, x = 0, ys[i] = 4, ys[1] = i }}; }}
+        process Q() {{ {IDLE} A -> B {{ guard T[0] >= x; sync c?; }}; }} system P, Q;""")
+    assert network.clocks == ("0", "x", "ys[0]", "ys[1]", "P.z")
+    (transition,) = Semantics(network).transitions(network.initial)
+    assert transition.bounds == ((1, ">=", 9), (3, ">", 3), (4, "<=", 7), (1, "<=", 5))
+    assert after(network, transition).resets == ((1, 0), (2, 4), (3, 0))
+    (edge,) = network.processes[0].edges
+    assert edge.resets == {1, 3}  # ys[i] may be any
+    bound = edge.guard.clocks[0]
+    assert (bound.low, bound.high, list(bound.clocks)) == (5, 9, [1])
+    assert list(edge.guard.clocks[1].clocks) == [2, 3]
+
+
+def test_a_bound_is_evaluated_only_where_the_data_guard_holds(load):
+    network = load(f"""const int T[2] = {{5, 9}}; clock x; int i = 2;
+        process P() {{ {IDLE} A -> B {{ guard x >= T[i] && i < 2; }}; }} system P;""")
+    assert list(Semantics(network).transitions(network.initial)) == []
+
+
+def test_forall_over_clocks_is_a_conjunction(load):
+    network = load("""clock x[3]; process P() { state A { forall (i : int[0, 2]) x[i] <= i + 1 }, B; init A; trans
+        A -> B { guard forall (i : int[0, 2]) (x[i] >= i && i != 5); }; } system P;""")
+    semantics = Semantics(network)
+    (transition,) = semantics.transitions(network.initial)
+    assert transition.bounds == ((1, ">=", 0), (2, ">=", 1), (3, ">=", 2))
+    assert semantics.invariant(network.initial) == [(1, "<=", 1), (2, "<=", 2), (3, "<=", 3)]
+
+
+def test_an_invariant_follows_the_values(load):
+    network = load(f"""clock x; int a = 4; process P() {{ state A {{ x <= a + 1 && a < 9 }}, B; init A; trans
+        A -> A {{ assign a = 8 }}, A -> A {{ assign a = 9 }}; }} process Q() {{ {IDLE} A -> A {{ }}; }} system P, Q;""")
+    semantics = Semantics(network)
+    assert semantics.invariant(network.initial) == [(1, "<=", 5)]
+    eight, nine, _ = (after(network, t).state for t in semantics.transitions(network.initial))
+    assert semantics.invariant(eight) == [(1, "<=", 9)]
+    assert [semantics.allowed(state) for state in (network.initial, eight, nine)] == [True, True, False]
+
+
+def test_an_assignment_out_of_range_is_an_error_not_a_disabled_edge(load):
+    network = load(f"int[0, 1] a; process P() {{ {IDLE} A -> B {{ assign a = a + 2 }}; }} system P;")
+    semantics = Semantics(network)
+    (transition,) = semantics.transitions(network.initial)
+    with pytest.raises(RangeError, match=r"a = 2 is out of its range \[0,1\]"):
+        semantics.fire(network.initial, transition.edges)
+
+
+def test_values_are_integers_whatever_was_computed(load):
+    network = load(f"""bool p; int n; process P() {{ {IDLE}
+        A -> B {{ assign p = n == 0, n = p && true, n = n + (n == 1) }}; }} system P;""")
+    (transition,) = Semantics(network).transitions(network.initial)
+    values = after(network, transition).state.values
+    assert values == (1, 2)
+    assert [type(value) for value in values] == [int, int]
+
+
+def test_a_part_of_the_processes_moves_alone(load, names):
+    network = load(f"""chan c; broadcast chan d;
+        process P() {{ {IDLE} A -> B {{ sync c!; }}, A -> B {{ sync d!; }}; }}
+        process Q() {{ state A, B; commit A; init A; trans A -> B {{ sync c?; }}, A -> B {{ sync d?; }}; }}
+        system P, Q;""")
+    assert names(network, Semantics(network, [0]).transitions(network.initial)) == ["P.A>B"]
+    (received,) = Semantics(network, [1]).received(network.initial, 1)
+    assert names(network, [received]) == ["Q.A>B"]
+
+
+def test_a_sender_of_the_environment_writes_between_guards_and_updates(load):
+    network = load(f"""broadcast chan c; int level, seen; process P() {{ {IDLE} A -> B {{ guard level == 0; sync c?;
+        assign seen = level }}; }} system P;""")
+    semantics = Semantics(network)
+    (transition,) = semantics.received(network.initial, 0)
+    assert semantics.fire(network.initial, transition.edges, {0: 3}).state.values == (3, 3)

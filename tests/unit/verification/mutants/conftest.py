@@ -1,0 +1,142 @@
+"""The shipped automata, and mutants of them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from xml.sax.saxutils import escape
+
+import pytest
+
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import RangeError
+from end_effector_hal.verification.proof import requirements_of
+from timed_automata import Network, make_network, read_document
+from timed_automata.explore import Explorer, Overview, overview
+
+_TRANSITION = re.compile(r"\t*<transition\b.*?</transition>\n", re.DOTALL)
+_LOCATION = re.compile(r'<location id="([^"]+)"[^>]*>\s*<name[^>]*>(\w+)</name>.*?</location>', re.DOTALL)
+_LABEL = re.compile(r"(?<=>)[^<>]*(?=</(?:label|declaration)>)")
+
+_CHECKS = {
+    "locations": lambda found: bool(found.coverage.locations),
+    "edges": lambda found: bool(found.coverage.edges),
+    "channels": lambda found: bool(found.open_channels),
+}
+"""What no query says: whether it fails, by id."""
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """The UPPAAL file, and the constants of the description."""
+
+    text: str
+    constants: dict
+
+    def network(self, mutant: dict | None = None) -> Network:
+        text = mutated(self.text, mutant) if mutant else self.text
+        return self._network(text, mutant or {})
+
+    def original(self, mutant: dict) -> Network:
+        """The network that a mutant is one of, with its constants."""
+        return self._network(self.text, mutant)
+
+    def _network(self, text: str, mutant: dict) -> Network:
+        constants = self.constants | mutant.get("constants", {})
+        return make_network(read_document(text.encode(), "mutant.xml"), constants)
+
+    def catches(self, mutant: dict) -> bool:
+        """Whether the requirement that is named does not hold of a mutant."""
+        return _fails(self.network(mutant), mutant["caught_by"])
+
+    def failing_checks(self, found: Overview) -> list[str]:
+        failing = [id_ for id_, fails in _CHECKS.items() if fails(found)]
+        return [*failing, "time"] if found.stopped or found.zeno else failing
+
+
+@pytest.fixture(scope="session")
+def shipped() -> Shipped:
+    description = load(profile_path())
+    return Shipped(description.automata_path.read_text(encoding="utf-8"), model_constants(description))
+
+
+def _fails(network: Network, by: str) -> bool:
+    """Whether one requirement, or check, does not hold; looked for alone. What one look leaves in doubt is looked for
+    once more, so that nothing is caught by a fault of the search."""
+    if by == "ranges":
+        try:
+            overview(network, [])
+        except RangeError:
+            return True
+        return False
+    if by == "time":
+        found, explorer = overview(network, []), Explorer(network)
+        return (found.stopped and not explorer.timelock().holds) or (found.zeno and not explorer.zeno().holds)
+    if by in _CHECKS:
+        return _CHECKS[by](overview(network, []))
+    query = {requirement.id: requirement.query for requirement in requirements_of(network)}[by]
+    if overview(network, [query], stop=True).answers[0]:
+        return False
+    doubtful = query.kind == "-->" or "deadlock" in str(query)
+    return not doubtful or not Explorer(network).check(query).holds
+
+
+def mutated(text: str, mutant: dict) -> str:
+    """The file with one edit."""
+    start, end = _template(text, mutant.get("template"))
+    part = text[start:end]
+    if mutant.get("code"):
+        head = part.index("<declaration>")
+        at = head, part.index("</declaration>") + len("</declaration>")
+        new = _replaced(part[slice(*at)], mutant)
+    elif "location" in mutant:
+        found = [m for m in _LOCATION.finditer(part) if m[2] == mutant["location"]]
+        at, new = found[0].span(), _replaced(found[0][0], mutant)
+    else:
+        edge = _edge(part, mutant)
+        at, new = edge.span(), _edited(part, edge[0], mutant)
+    return text[:start] + part[: at[0]] + new + part[at[1] :] + text[end:]
+
+
+def _template(text: str, name: str | None) -> tuple[int, int]:
+    if name is None:
+        return 0, text.index("<template>")
+    start = text.rindex("<template>", 0, re.search(rf"<name[^>]*>{name}</name>", text).start())
+    return start, text.index("</template>", start)
+
+
+def _ids(part: str) -> dict[str, str]:
+    return {match[2]: match[1] for match in _LOCATION.finditer(part)}
+
+
+def _edge(part: str, mutant: dict) -> re.Match[str]:
+    ids = _ids(part)
+    source, target = (ids[name] for name in mutant["edge"].split(" -> "))
+    found = [
+        match
+        for match in _TRANSITION.finditer(part)
+        if f'<source ref="{source}"/>' in match[0]
+        and f'<target ref="{target}"/>' in match[0]
+        and escape(mutant.get("has", "")) in match[0]
+    ]
+    assert len(found) == 1, f"{len(found)} edges {mutant['edge']}"
+    return found[0]
+
+
+def _edited(part: str, edge: str, mutant: dict) -> str:
+    if mutant.get("remove"):
+        return ""
+    if "target" in mutant:
+        return re.sub(r'(?<=<target ref=")[^"]+', _ids(part)[mutant["target"]], edge)
+    return _replaced(edge, mutant)
+
+
+def _replaced(element: str, mutant: dict) -> str:
+    """In the text of one label or of the declarations; the rest of the file is not touched."""
+    old, new = escape(mutant["old"]), escape(mutant["new"])
+    found = [match for match in _LABEL.finditer(element) if old in match[0]]
+    assert len(found) == 1, f"{len(found)} texts with {mutant['old']!r}"
+    assert found[0][0].count(old) == 1
+    start, end = found[0].span()
+    return element[:start] + found[0][0].replace(old, new) + element[end:]

@@ -1,0 +1,186 @@
+"""What a proof says of small models: verdicts, runs, worst cases, and what no query says."""
+
+from __future__ import annotations
+
+from time import process_time
+
+import pytest
+from hypothesis import HealthCheck, given, note, settings
+
+from end_effector_hal.errors import ModelError
+from end_effector_hal.verification.proof import Finding, Proof, Requirement, WorstCase, prove
+from end_effector_hal.verification.proof import _prove as proving
+from tests.support.nightly import NIGHTLY, PHASES, examples
+from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.random_networks import LARGEST, Condition, conditions, networks
+from tests.unit.timed_automata.explore.regions import Region, Regions
+from timed_automata import Network
+from timed_automata.queries import parse_query
+
+GOOD = ["locations", "edges", "channels", "time"]
+
+
+def finding(proof: Proof, id_: str) -> Finding:
+    return next(each for each in proof.findings if each.id == id_)
+
+
+def failing(proof: Proof) -> list[str]:
+    return [each.id for each in proof.findings if not each.holds]
+
+
+def lamp(*queries: tuple[str, str], press: str = "x >= 2") -> Network:
+    """A lamp that goes off by itself between 5 and 6 after it went on."""
+    lit = Template(
+        "Lamp",
+        ["off -> on; sync: press?; do: y = 0", "on -> off; guard: y >= 5"],
+        declarations="clock y;",
+        invariants={"on": "y <= 6"},
+    )
+    person = Template("Person", [f"idle -> idle; guard: {press}; sync: press!; do: x = 0"])
+    return network("clock x; broadcast chan press;", lit, person, queries=queries)
+
+
+def test_requirements_keep_the_order_of_the_file_and_the_checks_follow() -> None:
+    proof = prove(lamp(("A[] not deadlock", "[alive] It goes on."), ("E<> Lamp.on", "It can be lit.")))
+    assert [(each.id, each.sentence) for each in proof.findings[:2]] == [
+        ("alive", "It goes on."),
+        ("query-2", "It can be lit."),
+    ]
+    assert [each.id for each in proof.findings[2:]] == GOOD
+    assert proof.holds
+    assert all(each.trace is None for each in proof.findings)
+
+
+def test_what_does_not_hold_comes_with_its_shortest_run() -> None:
+    proof = prove(lamp(("A[] Lamp.off", "[dark] It stays dark."), ("E<> Lamp.on && x > 5", "[late]")))
+    assert failing(proof) == ["dark"]
+    trace = finding(proof, "dark").trace
+    assert trace is not None
+    assert [step.at for step in trace.steps] == [2]
+
+
+def test_worst_cases_are_computed_beside_their_bounds() -> None:
+    proof = prove(lamp(("A[] Lamp.on imply Lamp.y <= 7", "[lit] Not for long.")))
+    assert proof.bounds == {"lit_s": WorstCase(6, 7)}
+    late = prove(lamp(("A[] Lamp.on imply Lamp.y <= 3", "[lit] Not for long.")))
+    assert late.bounds == {"lit_s": WorstCase(6, 3)}
+    assert finding(late, "lit").remark == "takes up to 6 ms, 3 ms are required"
+    assert finding(late, "lit").trace is not None
+
+
+def test_a_worst_case_far_beyond_its_bound_is_not_searched_for_ever() -> None:
+    proof = prove(lamp(("A[] Person.idle imply x <= 100", "[pressed]")))  # nobody has to press
+    assert finding(proof, "pressed").worst == WorstCase(None, 100, at_least_ms=400)
+    assert finding(proof, "pressed").remark == "takes at least 400 ms, 100 ms are required"
+    assert proof.document()["bounds"] == {"pressed_s": {"computed": None, "declared": 0.1, "at_least": 0.4}}
+
+
+def test_a_worst_case_that_takes_too_many_states_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts = Template(
+        "P", ["a -> a; guard: y >= 1; do: y = 0, n = (n + 1) % 500"], invariants={"a": "y <= 1"}
+    )
+    late = network("clock x, y; int[0,499] n;", counts, queries=[("A[] P.a imply x <= 20", "[late]")])
+    monkeypatch.setattr(proving, "_LONG", 0.02)
+    worst = finding(prove(late), "late").worst
+    assert worst is not None
+    assert worst.computed_ms is None
+    assert worst.at_least_ms is not None
+    assert 20 <= worst.at_least_ms < 80
+    assert str(worst) == f"at least {worst.at_least_ms / 1000:g} s"
+
+
+def test_a_value_out_of_range_ends_the_proof_with_its_run() -> None:
+    counter = Template("P", ["a -> a; guard: x >= 2; do: n = n + 1, x = 0"], invariants={"a": "x <= 4"})
+    proof = prove(network("clock x; int[0,2] n;", counter, queries=[("A[] n < 3", "[few]")]))
+    assert [each.id for each in proof.findings] == ["ranges", "few"]
+    assert not any(each.holds for each in proof.findings)
+    trace = proof.findings[0].trace
+    assert trace is not None
+    assert [step.at for step in trace.steps] == [2, 4]
+    assert "out of its range" in proof.findings[0].remark
+
+
+def test_what_no_query_says() -> None:
+    lost = Template(
+        "P", ["a -> b; sync: go!", "b -> a; guard: x > 3 && x < 3; do: x = 0", "b -> c; guard: n == 1"]
+    )
+    proof = prove(network("clock x; int[0,1] n; broadcast chan go;", lost))
+    assert failing(proof) == ["locations", "edges", "channels"]
+    assert finding(proof, "locations").remark == "P.c"
+    assert "P b → a" in finding(proof, "edges").remark
+
+
+def test_time_that_stops_and_time_that_need_not_pass_come_with_a_run() -> None:
+    stuck = Template(
+        "P", ["a -> b; guard: x >= 1", "b -> a; guard: x <= 2; do: x = 0"], invariants={"b": "x <= 3"}
+    )
+    found = finding(prove(network("clock x;", stuck)), "time")
+    assert not found.holds
+    assert found.remark == "no transition is possible, and time cannot go on"
+    assert found.trace is not None
+    quick = Template("P", ["a -> b; guard: x >= 1; do: x = 0", "b -> a", "a -> b"])
+    found = finding(prove(network("clock x;", quick)), "time")
+    assert not found.holds
+    assert found.trace is not None
+    assert found.trace.loop is not None
+
+
+def test_a_deadlock_that_only_widening_has_is_not_reported() -> None:
+    # See test_traps: ExtraLU+ lets x be 3 in b, where b would be stuck.
+    template = Template(
+        "P", ["a -> b", "b -> a; guard: x <= 2; do: x = 0"], invariants={"a": "x <= 2"}, urgent="b"
+    )
+    proof = prove(network("clock x;", template, queries=[("A[] not deadlock", "[alive]")]))
+    assert finding(proof, "alive").holds
+
+
+@pytest.mark.timeout(3600 if NIGHTLY else 120)
+@settings(max_examples=examples(100), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES)
+@given(networks(), conditions(1))
+def test_every_verdict_is_that_of_the_naive_explorer(model: Network, p: Condition) -> None:
+    note(model.document.source.decode().replace("<", "\n<"))
+    regions = Regions(model, LARGEST)
+    reachable = regions.reachable()
+    stuck = any(map(regions.deadlocked, reachable))
+    asked = [("A[] not deadlock", not stuck), (f"A[] {p}", all(map(p.holds, reachable)))]
+    asked.append((f"E<> deadlock && ({p})", any(p.holds(r) and regions.deadlocked(r) for r in reachable)))
+    proof = proved(model, [text for text, _ in asked])
+    for each, (text, expected) in zip(proof.findings, asked, strict=False):
+        assert each.holds is expected, text
+    stops = any(regions.deadlocked(region) and not endless(regions, region) for region in reachable)
+    assert ("time cannot go on" in finding(proof, "time").remark) is stops
+
+
+def endless(regions: Regions, region: Region) -> bool:
+    """Whether time can pass for ever."""
+    while (later := regions.later(region)) is not None:
+        if later == region:
+            return True
+        region = later
+    return False
+
+
+def proved(model: Network, texts: list[str]) -> Proof:
+    """The proof of a network, asked something else than what stands in its file."""
+    requirements = tuple(Requirement(f"q{at}", text, parse_query(text)) for at, text in enumerate(texts))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(proving, "requirements_of", lambda _: requirements)
+        return prove(model)
+
+
+def test_two_queries_of_one_name_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"Two queries are named \[lit\]"):
+        prove(lamp(("E<> Lamp.on", "[lit] One."), ("E<> Lamp.off", "[lit] Two.")))
+
+
+def test_progress_is_told() -> None:
+    told: list[tuple[str, int]] = []
+    counts = Template(
+        "P", ["a -> a; guard: x >= 1; do: n = (n + 1) % 3000, x = 0"], invariants={"a": "x <= 1"}
+    )
+    model = network("clock x; int[0,2999] n;", counts, queries=[("A[] n < 2900", "[few]")])
+    begun = process_time()
+    prove(model, lambda what, states: told.append((what, states)))
+    assert ("all requirements", 1000) in told
+    assert ("the shortest runs", 2000) in told
+    assert process_time() - begun < 30

@@ -1,0 +1,32 @@
+"""One model for any tool: descriptions of other sizes are proved without touching the file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import load
+from end_effector_hal.verification.proof import prove
+from tests.support.nightly import NIGHTLY
+from tests.unit.verification.proof.sizes import sized
+from timed_automata import load_network
+
+SIZES = [1, 2, 4, 8, 32] if NIGHTLY else [1, 2, 4]
+
+
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("count", SIZES)
+def test_every_requirement_holds_for_any_number_of_actuators(count: int, tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(sized(count), encoding="utf-8")
+    description = load(path)
+    constants = model_constants(description)
+    assert constants["N"] == count
+    assert len(set(constants["T_CONFIRM"])) == min(count, 4)  # type: ignore[arg-type]
+    proof = prove(load_network(description.automata_path, constants))
+    assert [finding.id for finding in proof.findings if not finding.holds] == []
+    for name in ("grip", "release", "cancel"):
+        worst = proof.bounds[f"{name}_s"]
+        assert worst.computed_ms == worst.declared_ms  # the description allows what steps and times add up to

@@ -1,0 +1,225 @@
+"""A trace in segments: each is replayed alone and in a row; what was changed in a later one is found, too."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.verification.replay import (
+    ProgramTrace,
+    Review,
+    SegmentEnd,
+    load_trace,
+    review,
+    traces_of,
+)
+from tests.unit.verification.replay.conftest import Edit, RecordedTool, edited, numbers
+
+LIMITS = RecordingLimits(segment_bytes=60_000, total_bytes=100_000_000)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A grip in which the cylinder fails once, a silence while it is held, a Drop, a cancelled grip."""
+    tool = RecordedTool(tmp_path_factory.mktemp("segments"), "fails-once:cylinder", limits=LIMITS)
+    tool.run(1.0)
+    assert tool.command("grip").accepted
+    tool.run(9.0)
+    tool.link = False
+    tool.run(1.5)
+    tool.link = True
+    tool.run(2.0)
+    assert tool.command("drop").accepted
+    tool.run(3.0)
+    assert tool.command("grip").accepted
+    tool.run(0.7)
+    assert tool.command("cancel").accepted
+    tool.run(3.0)
+    tool.close()
+    return tool.folder
+
+
+@pytest.fixture(scope="module")
+def segments(folder: Path) -> tuple[ProgramTrace, ...]:
+    """Those of the gripping, in order."""
+    return tuple(load_trace(path) for path in traces_of(folder) if path.name.startswith("grip"))
+
+
+def in_a_row(traces: Iterator[ProgramTrace] | tuple[ProgramTrace, ...]) -> list[Review]:
+    found: list[Review] = []
+    before: SegmentEnd | None = None
+    for trace in traces:
+        found.append(review(trace, before=before))
+        before = found[-1].end
+    return found
+
+
+def test_a_long_trace_is_cut_into_segments_that_name_each_other(segments: tuple[ProgramTrace, ...]) -> None:
+    assert len(segments) > 5
+    headers = [trace.header for trace in segments]
+    assert [header.segment for header in headers] == list(range(1, len(segments) + 1))
+    assert len({header.run for header in headers}) == 1
+    assert [header.follows for header in headers] == [False] + [True] * (len(segments) - 1)
+    assert all(header.gap is None for header in headers)
+    for trace in segments:
+        assert trace.file.complete
+        assert not trace.file.damaged
+        assert [record.kind for record in trace.file.records[:2]] == [
+            "header",
+            "start" if trace.header.segment == 1 else "state",
+        ]
+    states = {trace.content(1)["status"]["ee"] for trace in segments[1:]}
+    assert len(states) >= 3, "they begin in several states of the gripping"
+
+
+def test_each_segment_is_replayed_alone(segments: tuple[ProgramTrace, ...]) -> None:
+    for trace in segments:
+        found = review(trace)
+        assert found.ok, found.as_json()
+        assert found.objections == ()
+        assert found.replay.inputs > 50
+        assert found.requirements > 10
+        alone = f"This is segment {trace.header.segment}: it is judged from the state with which it begins."
+        assert found.notes == ((alone,) if trace.header.segment > 1 else ())
+
+
+@pytest.mark.parametrize("first", [0, 1, 3])
+def test_all_that_remain_are_replayed_in_a_row(segments: tuple[ProgramTrace, ...], first: int) -> None:
+    """The oldest were removed."""
+    found = in_a_row(segments[first:])
+    assert [each.ok for each in found] == [True] * len(found)
+    assert all(each.objections == () for each in found)
+    assert sum(each.steps for each in found) > 0
+    assert all(each.notes == () for each in found[1:])
+    assert all(each.end.state is not None and each.end.execution is not None for each in found)
+
+
+def later(segments: tuple[ProgramTrace, ...], kind: str) -> int:
+    """A segment but the first that has a record of this kind."""
+    return next(n for n, trace in enumerate(segments) if n > 0 and numbers(trace, kind))
+
+
+def faulty(found: list[Review]) -> list[int]:
+    return [each.trace.header.segment for each in found if not each.ok]
+
+
+@pytest.mark.parametrize(
+    ("kind", "edit"),
+    [
+        ("command", lambda content: content.update(name="lock")),
+        ("event", lambda content: content.update(channel="gone[2]")),
+        ("step", lambda content: content.update(late_us=1)),
+        ("step", lambda content: content.update(missed=True)),
+        ("status", lambda content: content.update(ee=5)),
+        ("answer", lambda content: content.update(accepted=False)),
+    ],
+)
+def test_what_was_changed_in_a_later_segment_is_found(
+    segments: tuple[ProgramTrace, ...], kind: str, edit: Edit
+) -> None:
+    place = later(segments, kind)
+    changed = edited(segments[place], numbers(segments[place], kind)[-1], edit)
+    assert not review(changed).ok
+    row = (*segments[:place], changed, *segments[place + 1 :])
+    assert place + 1 in faulty(in_a_row(row))
+
+
+@pytest.mark.parametrize("kind", ["event", "step", "status", "state"])
+def test_what_was_left_out_in_a_later_segment_is_found(segments: tuple[ProgramTrace, ...], kind: str) -> None:
+    place = later(segments, kind)
+    changed = edited(segments[place], numbers(segments[place], kind)[0], None)
+    assert not review(changed).ok
+
+
+def set_at(*path: str | int, value: Any) -> Edit:
+    def edit(content: dict[str, Any]) -> None:
+        inner: Any = content
+        for key in path[:-1]:
+            inner = inner[key]
+        assert inner[path[-1]] != value
+        inner[path[-1]] = value
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        set_at("status", "held", value=True),
+        set_at("memory", "_senses", "readings", "_last_frame", value=1),
+        set_at("memory", "_senses", "_detectors", 0, "_above", "samples", value=77),
+        set_at("memory", "_hold", "_since", value=5),
+        set_at("memory", "_telling", "_missed", value=1),
+        set_at("execution", "entered", value=1),
+        set_at("execution", "variables", "cause_at", value=1),
+        set_at("execution", "zeros", value={}),
+        set_at("at", value=1),
+    ],
+)
+def test_a_state_that_is_not_where_the_segment_before_it_ends_is_found(
+    segments: tuple[ProgramTrace, ...], edit: Edit
+) -> None:
+    changed = edited(segments[1], 1, edit)
+    found = review(changed, before=review(segments[0]).end)
+    assert not found.ok
+    assert found.replay.difference is not None
+    assert found.replay.difference.what.startswith("state")
+
+
+def test_the_monitor_finds_a_changed_state_by_itself(segments: tuple[ProgramTrace, ...]) -> None:
+    end = replace(review(segments[0]).end, state=None)  # as if the replay knew nothing
+    clock = next(iter(segments[1].content(1)["execution"]["zeros"]))
+    changed = edited(segments[1], 1, lambda content: content["execution"]["zeros"].update({clock: -1}))
+    found = review(changed, before=end)
+    assert [each.kind for each in found.objections][:1] == ["no run"]
+    assert f"zeros {clock}" in found.objections[0].what
+
+
+def test_a_segment_that_is_missing_in_between_is_found(segments: tuple[ProgramTrace, ...]) -> None:
+    found = in_a_row((*segments[:2], *segments[3:]))
+    assert faulty(found) == [4]
+    assert "Between segment 2 and this one, 4, others are missing." in found[2].objections[0].what
+
+
+def test_segments_that_changed_places_are_found(segments: tuple[ProgramTrace, ...]) -> None:
+    assert faulty(in_a_row((segments[0], segments[2], segments[1])))
+
+
+def test_a_segment_that_was_cut_off_afterwards_is_found(folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(folder, tmp_path / "cut")
+    path = tmp_path / "cut" / "grip-3.mcap"
+    path.write_bytes(path.read_bytes()[:-20_000])
+    traces = tuple(load_trace(each) for each in traces_of(tmp_path / "cut") if each.name.startswith("grip"))
+    found = in_a_row(traces)
+    assert faulty(found) == [4]
+    assert "Segment 3 was closed in good order, and has no end now" in found[3].objections[0].what
+    assert any("not whole" in note for note in found[2].notes)
+
+
+def test_a_changed_byte_in_a_later_segment_is_found(folder: Path, tmp_path: Path) -> None:
+    data = (folder / "grip-4.mcap").read_bytes()
+    place = data.index(b'"late_us":') - 3
+    path = tmp_path / "grip-4.mcap"
+    path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
+    assert load_trace(path).file.damaged
+
+
+def test_a_trace_without_segments_is_read_as_before(segments: tuple[ProgramTrace, ...]) -> None:
+    """As a version before wrote it: the header names no run, no segment and no gap."""
+    old = segments[0]
+    content = json.loads(old.file.records[0].data)
+    for name in ("run", "segment", "follows", "gap"):
+        del content[name]
+    record = replace(old.file.records[0], data=json.dumps(content).encode())
+    header = replace(old.header, run="", follows=False)
+    before = replace(old, header=header, file=replace(old.file, records=(record, *old.file.records[1:])))
+    found = review(before, before=review(before).end)
+    assert found.ok
+    assert found.notes == ()
