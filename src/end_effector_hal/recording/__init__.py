@@ -3,7 +3,7 @@
 from ._limits import RecordingLimits
 from ._recording import Recording, content_hash, product_version, run_info
 from ._run import RunInfo, read_run
-from .story import Attempt, Cause, Decision, Grip, Moment, Outcome, Release, Reset, Story, tell
+from .story import Attempt, AttemptOutcome, Decision, Grip, Moment, Release, ReleaseCause, Reset, Story, tell
 from .tables import (
     AlarmRow,
     AlarmsWriter,
@@ -22,20 +22,20 @@ __all__ = [
     "AlarmRow",
     "AlarmsWriter",
     "Attempt",
-    "Cause",
+    "AttemptOutcome",
     "Decision",
     "Entry",
     "Gap",
     "Grip",
     "Moment",
     "Opening",
-    "Outcome",
     "PressuresLog",
     "PressuresWriter",
     "Record",
     "Recording",
     "RecordingLimits",
     "Release",
+    "ReleaseCause",
     "Reset",
     "RunInfo",
     "StatesLog",

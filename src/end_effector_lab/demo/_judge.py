@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby, pairwise
 
 from end_effector_hal.description import Description
-from end_effector_hal.recording import Grip, Outcome, RunInfo, StatesLog, Story, tell
+from end_effector_hal.recording import AttemptOutcome, Grip, RunInfo, StatesLog, Story, tell
 from end_effector_hal.vocabulary import Command, EndEffectorState, TableState
 from end_effector_hal.wires.lines import Edge
 
@@ -106,7 +106,7 @@ def _order(description: Description, story: Story) -> Finding:
 
 def _confirmed_by(grip: Grip, actuator: str, at: float) -> bool:
     return any(
-        attempt.outcome is Outcome.CONFIRMED and attempt.end_s is not None and attempt.end_s <= at
+        attempt.outcome is AttemptOutcome.CONFIRMED and attempt.end_s is not None and attempt.end_s <= at
         for attempt in grip.of(actuator)
     )
 

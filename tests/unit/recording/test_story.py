@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from end_effector_hal.recording import (
-    Cause,
+    AttemptOutcome,
     Decision,
-    Outcome,
+    ReleaseCause,
     RunInfo,
     StatesLog,
     StatesRow,
@@ -29,12 +29,12 @@ def moments(story):
 def test_the_nominal_scenario():
     story = tell(NOMINAL)
     assert story.verdict == "Nominal: GRIPPED, then dropped"
-    assert attempts(story) == [(name, 1, Outcome.CONFIRMED, 0.5) for name in NAMES]
+    assert attempts(story) == [(name, 1, AttemptOutcome.CONFIRMED, 0.5) for name in NAMES]
     assert moments(story) == [(1.0, "GRIP"), (2.5, "GRIPPED"), (11.0, "DROP")]
     (grip,) = story.grips
     assert (grip.start_s, grip.decided_s, grip.decision, grip.culprit) == (1.0, 2.5, Decision.GRIPPED, None)
     (release,) = story.releases
-    assert (release.cause, release.start_s, release.end_s) == (Cause.DROP, 11.0, 12.0)
+    assert (release.cause, release.start_s, release.end_s) == (ReleaseCause.DROP, 11.0, 12.0)
     assert release.deactivated == (("top_vacuum",), ("cylinder",), ("bottom_vacuum",))
     assert release.in_reverse(NAMES)
     assert (release.ended, story.final) == (EndEffectorState.STAND_BY, EndEffectorState.STAND_BY)
@@ -44,10 +44,10 @@ def test_one_fails_once_and_recovers():
     story = tell(FAILS_ONCE)
     assert story.verdict == "Cylinder confirmed on attempt 2: GRIPPED, then dropped"
     assert attempts(story) == [
-        ("bottom_vacuum", 1, Outcome.CONFIRMED, 0.5),
-        ("cylinder", 1, Outcome.TIMED_OUT, 5.0),
-        ("cylinder", 2, Outcome.CONFIRMED, 0.75),
-        ("top_vacuum", 1, Outcome.CONFIRMED, 0.5),
+        ("bottom_vacuum", 1, AttemptOutcome.CONFIRMED, 0.5),
+        ("cylinder", 1, AttemptOutcome.TIMED_OUT, 5.0),
+        ("cylinder", 2, AttemptOutcome.CONFIRMED, 0.75),
+        ("top_vacuum", 1, AttemptOutcome.CONFIRMED, 0.5),
     ]
     assert [(reset.actuator, reset.start_s, reset.length_s) for reset in story.resets] == [
         ("cylinder", 6.5, 1.0)
@@ -67,12 +67,12 @@ def test_one_never_confirms():
     assert (
         story.verdict == "Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order"
     )
-    assert attempts(story)[1:] == [("cylinder", n, Outcome.TIMED_OUT, 5.0) for n in (1, 2, 3)]
+    assert attempts(story)[1:] == [("cylinder", n, AttemptOutcome.TIMED_OUT, 5.0) for n in (1, 2, 3)]
     assert [attempt.of for attempt in story.timeouts] == [3, 3, 3]
     assert [reset.length_s for reset in story.resets] == [1.0, 1.0]
     (grip,) = story.grips
     assert (grip.decision, grip.decided_s, grip.culprit) == (Decision.ABORTED, 18.5, "cylinder")
-    assert story.releases[0].cause is Cause.ABORT
+    assert story.releases[0].cause is ReleaseCause.ABORT
     assert story.releases[0].deactivated == (("cylinder",), ("bottom_vacuum",))
     assert moments(story) == [
         (1.0, "GRIP"),
@@ -97,7 +97,7 @@ def test_the_last_time_out_is_found_however_the_rows_fall(end):
     assert (
         story.verdict == "Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order"
     )
-    assert attempts(story)[1:] == [("cylinder", n, Outcome.TIMED_OUT, 5.0) for n in (1, 2, 3)]
+    assert attempts(story)[1:] == [("cylinder", n, AttemptOutcome.TIMED_OUT, 5.0) for n in (1, 2, 3)]
 
 
 def test_an_earlier_step_lost_while_a_later_one_is_pending_is_no_time_out():
@@ -108,7 +108,7 @@ def test_an_earlier_step_lost_while_a_later_one_is_pending_is_no_time_out():
         )
     )
     assert story.verdict == "Grip ABORTED while Cylinder was pending, released in reverse order"
-    assert [a[2] for a in attempts(story)[1:]] == [Outcome.TIMED_OUT, Outcome.DEACTIVATED]
+    assert [a[2] for a in attempts(story)[1:]] == [AttemptOutcome.TIMED_OUT, AttemptOutcome.DEACTIVATED]
     assert moments(story)[-1] == (8.5, "abort")
 
 
@@ -128,10 +128,10 @@ def test_a_loss_during_a_reset_is_not_the_time_out_before_it():
 def test_a_cancelled_grip():
     story = tell(CANCELLED)
     assert story.verdict == "Grip CANCELLED while Cylinder was pending, released in reverse order"
-    assert attempts(story)[1] == ("cylinder", 1, Outcome.DEACTIVATED, 0.75)
+    assert attempts(story)[1] == ("cylinder", 1, AttemptOutcome.DEACTIVATED, 0.75)
     assert moments(story) == [(1.0, "GRIP"), (2.25, "CANCEL")]
     assert story.timeouts == ()
-    assert story.releases[0].cause is Cause.CANCEL
+    assert story.releases[0].cause is ReleaseCause.CANCEL
 
 
 def test_what_an_ending_leaves_active_ends_the_unwinding_and_a_drop_is_another_one():
@@ -142,8 +142,8 @@ def test_what_an_ending_leaves_active_ends_the_unwinding_and_a_drop_is_another_o
     dropped = [*cancelled, (5.0, 4, 3, 2, 0, 0), (5.0, 4, 3, 0, 0, 0), (6.0, 6, -1, 0, 0, 0)]
     releases = tell(log(*dropped)).releases
     assert [(each.cause, each.ended) for each in releases] == [
-        (Cause.CANCEL, EndEffectorState.GRIP_ERROR),
-        (Cause.DROP, EndEffectorState.STAND_BY),
+        (ReleaseCause.CANCEL, EndEffectorState.GRIP_ERROR),
+        (ReleaseCause.DROP, EndEffectorState.STAND_BY),
     ]
     held = tell(log(*grip, (3.0, 2, 4, 2, 1, 0), (3.0, 2, -1, 2, 1, 0)))
     assert held.verdict == "Grip CANCELLED while Cylinder was pending, outputs held"
@@ -213,7 +213,11 @@ def test_several_grips():
     assert [grip.decision for grip in story.grips] == [Decision.GRIPPED, Decision.ABORTED, Decision.GRIPPED]
     assert [attempt.of for attempt in story.timeouts] == [3, 3, 3, 3]
     assert [len(grip.attempts) for grip in story.grips] == [3, 4, 4]
-    assert [release.cause for release in story.releases] == [Cause.DROP, Cause.ABORT, Cause.DROP]
+    assert [release.cause for release in story.releases] == [
+        ReleaseCause.DROP,
+        ReleaseCause.ABORT,
+        ReleaseCause.DROP,
+    ]
 
 
 @pytest.mark.parametrize(
@@ -297,6 +301,6 @@ def test_any_recording_has_a_story(rows, informed):
         for name in NAMES:
             assert [attempt.number for attempt in grip.of(name)] == list(range(1, len(grip.of(name)) + 1))
         for attempt in grip.attempts:
-            assert (attempt.end_s is None) == (attempt.outcome is Outcome.PENDING)
+            assert (attempt.end_s is None) == (attempt.outcome is AttemptOutcome.PENDING)
             assert attempt.length_s is None or attempt.length_s >= 0
-            assert attempt.outcome is not Outcome.PENDING or grip.decision is Decision.UNFINISHED
+            assert attempt.outcome is not AttemptOutcome.PENDING or grip.decision is Decision.UNFINISHED

@@ -1,16 +1,16 @@
 """What happened in a recording, in words and as marks for a figure; read from its tables alone."""
 
 from ._reader import tell
-from ._story import Attempt, Cause, Decision, Grip, Moment, Outcome, Release, Reset, Story
+from ._story import Attempt, AttemptOutcome, Decision, Grip, Moment, Release, ReleaseCause, Reset, Story
 
 __all__ = [
     "Attempt",
-    "Cause",
+    "AttemptOutcome",
     "Decision",
     "Grip",
     "Moment",
-    "Outcome",
     "Release",
+    "ReleaseCause",
     "Reset",
     "Story",
     "tell",

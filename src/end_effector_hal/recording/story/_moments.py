@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from end_effector_hal.recording.story._story import Cause, Decision, Grip, Moment, Story
+from end_effector_hal.recording.story._story import Decision, Grip, Moment, ReleaseCause, Story
 from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -30,7 +30,7 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
     ]
     found += _warnings(alarms)
     for release in story.releases:
-        if release.cause is Cause.DROP:
+        if release.cause is ReleaseCause.DROP:
             found.append(Moment(release.start_s, "command", "DROP"))
         if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
             found.append(Moment(release.end_s, "lost", "release error"))

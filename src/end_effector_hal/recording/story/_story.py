@@ -9,7 +9,7 @@ from enum import StrEnum
 from end_effector_hal.vocabulary import EndEffectorState, display_name
 
 
-class Outcome(StrEnum):
+class AttemptOutcome(StrEnum):
     """How an attempt of one actuator ended."""
 
     CONFIRMED = "confirmed"
@@ -28,7 +28,7 @@ class Decision(StrEnum):
     UNFINISHED = "UNFINISHED"
 
 
-class Cause(StrEnum):
+class ReleaseCause(StrEnum):
     """What began an unwinding."""
 
     ABORT = "abort"
@@ -49,7 +49,7 @@ class Attempt:
     number: int
     start_s: float
     end_s: float | None
-    outcome: Outcome
+    outcome: AttemptOutcome
     of: int | None = None
 
     @property
@@ -86,7 +86,7 @@ class Release:
     it, None while it still runs.
     """
 
-    cause: Cause
+    cause: ReleaseCause
     start_s: float
     end_s: float | None
     deactivated: tuple[tuple[str, ...], ...]
@@ -123,7 +123,7 @@ class Grip:
     @property
     def timeouts(self) -> tuple[Attempt, ...]:
         """The attempts that timed out."""
-        return tuple(attempt for attempt in self.attempts if attempt.outcome is Outcome.TIMED_OUT)
+        return tuple(attempt for attempt in self.attempts if attempt.outcome is AttemptOutcome.TIMED_OUT)
 
     @property
     def attempts_by_actuator(self) -> Mapping[str, int]:

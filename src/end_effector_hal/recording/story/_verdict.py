@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from end_effector_hal.recording.story._story import Cause, Decision, Grip, Release, Story
+from end_effector_hal.recording.story._story import Decision, Grip, Release, ReleaseCause, Story
 from end_effector_hal.recording.tables import StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -87,13 +87,13 @@ def _aftermath(story: Story) -> list[str]:
 
 
 def _unwound(story: Story) -> bool:
-    return any(release.cause is Cause.CANCEL for release in story.releases)
+    return any(release.cause is ReleaseCause.CANCEL for release in story.releases)
 
 
 def _of_release(release: Release, story: Story) -> str:
-    done = "then dropped" if release.cause is Cause.DROP else "released"
+    done = "then dropped" if release.cause is ReleaseCause.DROP else "released"
     if release.ended is EndEffectorState.RELEASE_ERROR:
-        return f"{'then ' if release.cause is Cause.DROP else ''}release failed: RELEASE ERROR"
+        return f"{'then ' if release.cause is ReleaseCause.DROP else ''}release failed: RELEASE ERROR"
     if release.ended is None:
         return "still releasing at the end"
     if release.ended is EndEffectorState.GRIP_ERROR:  # the rest stays active, as declared
@@ -105,6 +105,6 @@ def _of_release(release: Release, story: Story) -> str:
         ]
         before = [name for name in culprits if (name,) not in release.deactivated]
         several = len(before) + len(release.deactivated) > 1
-        return f"{done} in reverse order" if several and release.cause is not Cause.DROP else done
+        return f"{done} in reverse order" if several and release.cause is not ReleaseCause.DROP else done
     order = [" and ".join(display_name(name) for name in group) for group in release.deactivated]
     return f"{done} in the order {', '.join(order)}"
