@@ -36,7 +36,7 @@ def _run_node(name: str) -> int:
 
 
 def run_line_owner() -> None:
-    """Run the line arbiter as ``eehal owner`` does, with the arguments of a node; it needs no master."""
+    """Run the line arbiter as ``eehal arbiter`` does, with the arguments of a node; it needs no master."""
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.runtime import run_arbiter
 
