@@ -22,8 +22,8 @@ from end_effector_hal.nodes.transport import (
     DiagnosticMessage,
     DiagnosticsMessage,
     FrameMessage,
-    Header,
     KeyValueMessage,
+    MessageHeader,
     PositionMessage,
     PressureMessage,
     StateMessage,
@@ -160,7 +160,7 @@ def test_a_message_with_parts_survives_the_topic(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
     make = MessageMaker(message_class("end_effector_msgs/UnitStatus"))
     status = StatusMessage(
-        header=Header(frame_id="here"),
+        header=MessageHeader(frame_id="here"),
         count=7,
         evidence=(3, 1),
         outputs=(True, False),

@@ -25,7 +25,7 @@ from end_effector_hal.nodes.interface import (
 from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, StatusLines, publish_health
 from end_effector_hal.nodes.transport import (
     FrameMessage,
-    Header,
+    MessageHeader,
     NodeTransport,
     StatusMessage,
     frame_from_message,
@@ -95,7 +95,7 @@ class ProgramNode:
             return
         with self._lock:
             if self._last is not None:
-                self._last.header = Header()
+                self._last.header = MessageHeader()
                 alarms = (*self._alarms, *self._node.unknown_senders.alarms())
                 if alarms != tuple(self._last.alarms):
                     self._count += 1

@@ -59,10 +59,6 @@ class GoalService(Protocol):
         """Answer every goal, and reject those that still come."""
 
 
-class SentGoal(Protocol):
-    """A goal that a client has sent."""
-
-
 class GoalClient(Protocol):
     """The four actions, from the side of the client."""
 
@@ -73,8 +69,8 @@ class GoalClient(Protocol):
     def wait_for_servers(self) -> None:
         """Wait until every action is up; raises RosError after 30 s."""
 
-    def send(self, command: Command) -> SentGoal:
-        """Send a goal; what becomes of it is said when it is known."""
+    def send(self, command: Command) -> Any:
+        """Send a goal and return it for :meth:`wait`; what becomes of it is said when it is known."""
 
     def wait(self, goal: Any) -> None:
         """Wait until a goal has ended, or its server was silent for too long."""
