@@ -20,7 +20,7 @@ _COMMANDS = {
     "doctor": "what this machine lacks to run a tool, and what to do",
     "init": "a folder with a description to start from, and its schema",
     "model": "show, play, export and check the automata",
-    "owner": "own the output lines of a tool and serve them on a socket",
+    "arbiter": "own the output lines of a tool and serve them on a socket",
     "replay": "decide a recorded run once more, and judge it by its network",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",
