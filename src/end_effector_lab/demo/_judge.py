@@ -7,7 +7,6 @@ from itertools import groupby, pairwise
 
 from end_effector_hal.description import Description
 from end_effector_hal.recording import AttemptOutcome, Grip, RunInfo, StatesLog, Story, read_story
-from end_effector_hal.recording import AttemptOutcome, Grip, RunInfo, StatesLog, Story, tell
 from end_effector_hal.vocabulary import Command, EndEffectorState, TableState
 from end_effector_hal.wires.lines import Edge
 

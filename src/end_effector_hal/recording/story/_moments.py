@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from end_effector_hal.recording.story._story import Grip, GripDecision, Moment, ReleaseCause, Story
-from end_effector_hal.recording.story._story import Grip, Moment, ReleaseCause, Story
 from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 
 from end_effector_hal.recording.story._story import Grip, GripDecision, Release, ReleaseCause, Story
-from end_effector_hal.recording.story._story import Grip, Release, ReleaseCause, Story
 from end_effector_hal.recording.tables import StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
