@@ -16,6 +16,7 @@ CALLED = [
     "setup",
     "check",
     "test",
+    "test-thinned",
     "kill-matrix",
     "demo",
     "link-campaign",
