@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal._extras import missing_extra
+from end_effector_hal.errors import MissingExtraError, UsageError
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
@@ -49,12 +50,16 @@ class Plugins(Generic[Plugin]):
         """The plug-in of that name; one of our own is made once.
 
         Raises:
+            MissingExtraError: it needs a package of an extra that is not installed.
             UsageError: there is none of that name (with the names that there are), or it cannot be loaded.
         """
         if name in self._own:
             if name not in self._made:
                 module, _, attribute = self._own[name].partition(":")
-                self._made[name] = self._wanted(getattr(importlib.import_module(module), attribute))
+                try:
+                    self._made[name] = self._wanted(getattr(importlib.import_module(module), attribute))
+                except ModuleNotFoundError as error:
+                    raise self._missing_extra(name, error) or error from None
             return self._made[name]
         for entry in self._added().select(name=name):
             try:
@@ -63,7 +68,7 @@ class Plugins(Generic[Plugin]):
                 what = f"the {self._noun} {name}: {error.what}"
                 raise UsageError(what, where=entry.value, todo=error.todo) from error
             except (Exception, SystemExit, GeneratorExit) as error:  # a plug-in may raise anything
-                raise UsageError(
+                raise self._missing_extra(name, error) or UsageError(
                     f"the {self._noun} {name} cannot be loaded: {named(error)}",
                     where=entry.value,
                     todo="Repair or remove the distribution that provides it.",
@@ -73,6 +78,11 @@ class Plugins(Generic[Plugin]):
         raise UsageError(
             f"there is no {self._noun} {name!r}.", todo=f"{hint}There are: {', '.join(self.names)}."
         )
+
+    def _missing_extra(self, name: str, error: BaseException) -> MissingExtraError | None:
+        if isinstance(error, ModuleNotFoundError):
+            return missing_extra(f"The {self._noun} {name} needs", error)
+        return None
 
     def _wanted(self, loaded: Any) -> Any:
         return loaded() if self._make and isinstance(loaded, type) else loaded

@@ -17,7 +17,7 @@ from end_effector_hal.description import (
     slow,
     unproven,
 )
-from end_effector_hal.errors import DescriptionError, ReportedError
+from end_effector_hal.errors import DescriptionError, MissingExtraError, ReportedError
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,11 @@ def match_codec(description: Description) -> CodecMatch:
     wanted, known = description.link.codec, codec_names()
     try:
         codec = get_codec(wanted)
+    except MissingExtraError as error:
+        place = description.place("link", "codec")
+        return CodecMatch(
+            (Fault.at(place, "EE-226", error.what.rstrip("."), found="", hint=error.todo.rstrip(".")),)
+        )
     except ReportedError as error:
         what = error.what.rstrip(".") if wanted in known else "there is no such codec"
         place, hint = description.place("link", "codec"), did_you_mean(wanted, known)

@@ -13,7 +13,7 @@ from timed_automata.compiler._expressions import Expressions
 from timed_automata.compiler._scope import ClockSymbol
 from timed_automata.compiler._terms import IndexedTerm
 from timed_automata.document import Span, fault, refused
-from timed_automata.language import ast
+from timed_automata.language import ast, walk
 
 Values = Sequence[int]
 Quantity = int | Callable[[Values], int]  # a number, or a function of the values
@@ -91,7 +91,7 @@ Part = tuple[Expressions, ast.Expression]
 
 def mentions_clock(expressions: Expressions, node: ast.Expression) -> bool:
     """Whether a clock occurs anywhere in an expression."""
-    names = (each.name for each in ast.walk(node) if isinstance(each, ast.Name))
+    names = (each.name for each in walk(node) if isinstance(each, ast.Name))
     return any(isinstance(expressions.scope.find(name), ClockSymbol) for name in names)
 
 

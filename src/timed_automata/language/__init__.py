@@ -1,7 +1,7 @@
 """UPPAAL's language: grammar, syntax tree and parser."""
 
 from . import ast
-from ._parser import (
+from ._parts import (
     parse_declarations,
     parse_expression,
     parse_instantiations,
@@ -11,6 +11,7 @@ from ._parser import (
     parse_system,
     parse_updates,
 )
+from ._walk import walk
 
 __all__ = [
     "ast",
@@ -22,4 +23,5 @@ __all__ = [
     "parse_synchronisation",
     "parse_system",
     "parse_updates",
+    "walk",
 ]

@@ -14,7 +14,6 @@ from lark.lexer import PatternStr
 from timed_automata._limits import NESTING, TEXT_CHARACTERS
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.errors import ModelError
-from timed_automata.language import ast
 from timed_automata.language._builder import Builder
 from timed_automata.language._refused_words import REFUSED_WORDS
 
@@ -123,7 +122,8 @@ def _check_size(text: Text) -> None:
             )
 
 
-def _parse(text: Text, start: str) -> Any:
+def parse(text: Text, start: str) -> Any:
+    """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
     _check_size(text)
     try:
         return Builder(text).transform(_lark().parse(text.content, start=start))
@@ -137,43 +137,3 @@ def _parse(text: Text, start: str) -> Any:
         raise error.orig_exc from None
     except RecursionError:
         raise fault(text.whole, "This text is nested too deeply.") from None
-
-
-def parse_declarations(text: Text) -> tuple[ast.Declaration, ...]:
-    """The declarations of the network or of a template."""
-    return cast("tuple[ast.Declaration, ...]", _parse(text, "declarations"))
-
-
-def parse_instantiations(text: Text) -> tuple[ast.Declaration | ast.Instantiation, ...]:
-    """The ``instantiation`` element that older files have before ``system``."""
-    return cast("tuple[ast.Declaration | ast.Instantiation, ...]", _parse(text, "instantiations"))
-
-
-def parse_system(text: Text) -> ast.System:
-    """The system section."""
-    return cast(ast.System, _parse(text, "system"))
-
-
-def parse_parameters(text: Text) -> tuple[ast.Parameter, ...]:
-    """The parameters of a template."""
-    return cast("tuple[ast.Parameter, ...]", _parse(text, "parameters"))
-
-
-def parse_selects(text: Text) -> tuple[ast.Select, ...]:
-    """A select label."""
-    return cast("tuple[ast.Select, ...]", _parse(text, "selects"))
-
-
-def parse_expression(text: Text) -> ast.Expression:
-    """A guard, an invariant."""
-    return cast(ast.Expression, _parse(text, "expression"))
-
-
-def parse_synchronisation(text: Text) -> ast.Synchronisation:
-    """A synchronisation label."""
-    return cast(ast.Synchronisation, _parse(text, "synchronisation"))
-
-
-def parse_updates(text: Text) -> tuple[ast.Expression, ...]:
-    """An assignment label: a list separated by commas."""
-    return cast("tuple[ast.Expression, ...]", _parse(text, "items"))

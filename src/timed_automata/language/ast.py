@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from timed_automata.document import Span
@@ -288,15 +287,3 @@ class Return(Node):
 
 
 Statement = Block | Evaluate | If | For | DoWhile | Iterate | Return
-
-
-def walk(node: object, *, into_members: bool = True) -> Iterator[Node]:
-    """A node and all nodes inside it; without ``into_members`` not what stands before a dot."""
-    if isinstance(node, tuple):
-        for item in node:
-            yield from walk(item, into_members=into_members)
-    elif isinstance(node, Node):
-        yield node
-        if into_members or not isinstance(node, Member):
-            for name in node.__dataclass_fields__:
-                yield from walk(getattr(node, name), into_members=into_members)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from timed_automata.compiler import Bound, ClockConstraint, ClockSymbol, IndexedTerm, Relation
 from timed_automata.document import fault, refused
 from timed_automata.errors import ModelError
-from timed_automata.language import ast
+from timed_automata.language import ast, walk
 from timed_automata.network import Network, State
 from timed_automata.queries._query_names import ARGUMENTS, QueryExpressions, QueryScope
 
@@ -167,7 +167,7 @@ def compile_integer(
 
 def mentions_clock(expressions: QueryExpressions, node: ast.Expression) -> bool:
     """Whether a clock occurs anywhere in an expression."""
-    return any(_is_clock(expressions, each) for each in ast.walk(node, into_members=False))
+    return any(_is_clock(expressions, each) for each in walk(node, into_members=False))
 
 
 def _is_clock(expressions: QueryExpressions, node: ast.Node) -> bool:
@@ -183,7 +183,7 @@ def _is_clock(expressions: QueryExpressions, node: ast.Node) -> bool:
 
 
 def _names_deadlock(node: ast.Expression) -> bool:
-    return any(isinstance(each, ast.Name) and each.name == "deadlock" for each in ast.walk(node))
+    return any(isinstance(each, ast.Name) and each.name == "deadlock" for each in walk(node))
 
 
 class _Compiler:

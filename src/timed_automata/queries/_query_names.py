@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from timed_automata.compiler import Effects, Expressions, GeneratedCode, Scope, Term, Value
 from timed_automata.document import did_you_mean, fault
-from timed_automata.language import ast
+from timed_automata.language import ast, walk
 from timed_automata.network import Network, Process
 
 ARGUMENTS = "v, l, r=None"  # of compiled conditions: values, locations
@@ -62,7 +62,7 @@ class QueryExpressions(Expressions):
 
     def _quantified(self, node: ast.Quantified) -> Value:
         if any(
-            isinstance(each, ast.Member) for each in ast.walk(node.body)
+            isinstance(each, ast.Member) for each in walk(node.body)
         ):  # which process must be known: written out
             return self._unrolled(node)
         return super()._quantified(node)

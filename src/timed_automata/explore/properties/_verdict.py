@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 
 from timed_automata.network import Trace
 
@@ -44,8 +43,3 @@ class Verdict:
     states: int
     trace: Trace | None = None
     extremes: tuple[Extreme, ...] = ()
-
-    @property
-    def milliseconds(self) -> Fraction | None:
-        """The length of the trace in model time."""
-        return self.trace.end if self.trace else None

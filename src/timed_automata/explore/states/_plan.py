@@ -12,8 +12,6 @@ from operator import itemgetter
 
 from timed_automata.explore.zones import INFINITY, Constraint, Unique, Widening, Zone, extrapolated, tighten
 
-Key = tuple[object, ...]
-
 
 class Plan:
     """The way of zones along a move.

@@ -21,13 +21,6 @@ def below(value: int) -> int:
     return 2 * value
 
 
-def plus(left: int, right: int) -> int:
-    """The bound of a path of two bounds: strict if one of them is."""
-    if left == INFINITY or right == INFINITY:
-        return INFINITY
-    return left + right - ((left | right) & 1)
-
-
 def negated(bound: int) -> int:
     """The bound on ``y - x`` that says that ``x - y`` is *not* within ``bound``."""
     return 1 - bound

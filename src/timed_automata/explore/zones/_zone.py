@@ -8,7 +8,7 @@ Clocks are never negative. Which clock is which is the caller's affair.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from operator import le
 
 from timed_automata.explore.zones._bound import AT_MOST_ZERO, INFINITY, negated
@@ -26,11 +26,6 @@ class Unique(tuple[int, ...]):
 
 
 Constraint = tuple[int, int, int]  # i, j, bound: x_i - x_j within bound
-
-
-def origin(n: int) -> Zone:
-    """All clocks zero; ``n`` counts x_0."""
-    return (AT_MOST_ZERO,) * (n * n)
 
 
 def everything(n: int) -> Zone:
@@ -138,32 +133,6 @@ def down(zone: Zone, n: int) -> Zone:
     z = list(zone)
     for column in range(1, n):
         z[column] = min(AT_MOST_ZERO, *zone[n + column :: n])
-    return tuple(z)
-
-
-def reset(zone: Zone, n: int, clock: int, value: int = 0) -> Zone:
-    """Set a clock to a value."""
-    z = list(zone)
-    _copy(z, n, clock, zone, value)
-    return tuple(z)
-
-
-def _copy(z: list[int], n: int, clock: int, zone: Sequence[int], value: int) -> None:
-    row, column = list(zone[:n]), list(zone[::n])
-    if value:
-        row = [bound + 2 * value for bound in row]
-        column = [bound - 2 * value if bound != INFINITY else bound for bound in column]
-    z[clock * n : clock * n + n] = row
-    z[clock::n] = column
-    z[clock * n + clock] = AT_MOST_ZERO
-
-
-def free(zone: Zone, n: int, clock: int) -> Zone:
-    """Forget everything about a clock."""
-    z = list(zone)
-    z[clock * n : clock * n + n] = [INFINITY] * n
-    z[clock::n] = z[::n]
-    z[clock] = z[clock * n + clock] = AT_MOST_ZERO
     return tuple(z)
 
 
