@@ -13,7 +13,7 @@ from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from tests.support.keeping import BOTTOM, LINES, TOP
 
-pytestmark = pytest.mark.wall
+pytestmark = [pytest.mark.wall, pytest.mark.alone]
 FLOOD = """
 import json, socket, sys, threading
 def connected():

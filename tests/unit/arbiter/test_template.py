@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from _pytest.mark import ParameterSet
 
 from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.description import Description, load, profile_path
@@ -13,6 +14,11 @@ from tests.support.declared import declared
 from tests.unit.arbiter.template_runs import random_run
 
 SEEDS = range(24)
+
+
+def first(count: int, seeds: range) -> list[ParameterSet]:
+    """The first seeds of some are in an ordinary run, the others in that of the night."""
+    return [pytest.param(seed, marks=[pytest.mark.nightly] if seed >= count else []) for seed in seeds]
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +37,7 @@ def policy(description: Description) -> Policy:
     return replace(arbiter_policy(description), needs={}, min_switch_us=0)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", first(8, SEEDS))
 def test_what_the_line_arbiter_does_is_a_run_of_its_template(
     description: Description, text: str, policy: Policy, seed: int
 ) -> None:
@@ -48,7 +54,7 @@ MIXED = {
 }
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", first(3, range(8)))
 @pytest.mark.parametrize("mixed", MIXED)
 def test_so_it_is_with_endings_of_each_actuator(text: str, policy: Policy, mixed: str, seed: int) -> None:
     assert random_run(MIXED[mixed], policy, seed).is_one_of(text)

@@ -17,6 +17,7 @@ CALLED = [
     "check",
     "test-dist",
     "test",
+    "test-thinned",
     "kill-matrix",
     "demo",
     "link-campaign",
