@@ -2,9 +2,9 @@
 
 from ._constants import model_constants
 from ._controller import PROGRAMS, Controller
+from ._last_wills import changer_will, grip_will, maintenance_will
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
-from ._will import will_of
 
 __all__ = [
     "PROGRAMS",
@@ -13,6 +13,8 @@ __all__ = [
     "ControllerSnapshot",
     "Status",
     "StepReport",
+    "changer_will",
+    "grip_will",
+    "maintenance_will",
     "model_constants",
-    "will_of",
 ]

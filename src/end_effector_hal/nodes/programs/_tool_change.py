@@ -13,6 +13,7 @@ from end_effector_hal.nodes.interface import (
     set_tool_changer,
 )
 from end_effector_hal.nodes.transport import NodeTransport, StampCheck, StatusMessage
+from end_effector_hal.runtime import ChangerProgram
 from end_effector_hal.vocabulary import ChangerState, Command
 
 from ._program_node import ProgramNode
@@ -26,8 +27,8 @@ class ToolChangeNode:
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
-        self._node = ProgramNode(node, description, "tool_change", TOOL_CHANGE_STATE, TOOL_CHANGE_COMMAND)
-        self._unit = self._node.unit
+        self._node = ProgramNode(node, description, ChangerProgram, TOOL_CHANGE_STATE, TOOL_CHANGE_COMMAND)
+        self._program = self._node.program
         self._changer = description.tool_changer
         self._ee: int | None = None
         self._stamps = StampCheck("States of Grip", node.log)
@@ -40,29 +41,29 @@ class ToolChangeNode:
     def _on_grip(self, message: StatusMessage) -> None:
         if self._stamps.accepts(message.since_us, message.at_us) and message.state != self._ee:
             self._ee = message.state
-            self._unit.tell(ee=message.state)
+            self._program.update_peer(ee=message.state)
 
     def _on_arm(self, _request: Any) -> Answer:
-        answer = self._unit.command("arm")
+        answer = self._program.command("arm")
         if not answer.accepted:
             self._node.log_refusal("arm", answer.reason)
         return answer
 
     def _on_set(self, request: Any) -> Answer:
         wanted = ChangerState.UNLOCKED if request.data else ChangerState.LOCKED
-        if self._unit.status.changer == wanted:
+        if self._program.status.changer == wanted:
             return Answer(True, f"The tool changer is {wanted.name} already, proven by its sensors.")
         word = "unlock" if request.data else "lock"
-        answer = self._unit.command(word)
+        answer = self._program.command(word)
         if not answer.accepted:
             self._node.log_refusal(word, answer.reason)
             return answer
         limit_s = (self._changer.prove_s if self._changer else 0.0) + MARGIN_S
-        self._unit.wait(lambda status: status.command == Command.NONE, limit_s)
-        reached = ChangerState(self._unit.status.changer)
+        self._program.wait(lambda status: status.command == Command.NONE, limit_s)
+        reached = ChangerState(self._program.status.changer)
         if reached is wanted:
             return Answer(True, f"The tool changer is {wanted.name}, proven by its sensors.")
         why = f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
-        why = f"{why} {self._unit.status.reason}".rstrip()
+        why = f"{why} {self._program.status.reason}".rstrip()
         self._node.log_refusal(word, why)
         return Answer(False, why)
