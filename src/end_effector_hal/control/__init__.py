@@ -2,7 +2,7 @@
 
 from ._constants import model_constants
 from ._controller import PROGRAMS, Controller
-from ._last_wills import changer_will, grip_will, maintenance_will
+from ._last_wills import GripLastWill, changer_will, maintenance_will
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
 
@@ -11,10 +11,10 @@ __all__ = [
     "Answer",
     "Controller",
     "ControllerSnapshot",
+    "GripLastWill",
     "Status",
     "StepReport",
     "changer_will",
-    "grip_will",
     "maintenance_will",
     "model_constants",
 ]

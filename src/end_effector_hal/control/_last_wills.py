@@ -10,29 +10,42 @@ from end_effector_hal.vocabulary import EndEffectorState, LastWill, LastWillStep
 from ._status import Status
 
 
-def grip_will(description: Description, status: Status, *, on: str = "process_death") -> LastWill:
+class GripLastWill:
     """Deactivations in release order of what is engaged now and is declared to be released; empty: hold.
 
     Held, or left active by an unwinding: it stays, unless the description says otherwise (IL-09). Before GRIPPED:
     as it says; while releasing: the release is carried out. The owner sees no sensors, so it gives each step the whole
     time that the release allows it.
-
-    Args:
-        description: the tool.
-        status: its state when the will is written.
-        on: ``process_death`` or ``sigterm``, the ending that it is for.
     """
-    if True not in status.outputs:
-        return ()
-    steps: list[LastWillStep] = []
-    after_us = 0
-    for name in description.releasing:
-        index = description.sequence.index(name)
-        if status.outputs[index] and not _stays(description, status, name, on, left=index in status.kept):
-            actuator = description.actuators[name]
-            steps.append(LastWillStep(actuator.line, after_us=after_us))
-            after_us += to_us(actuator.release_s)
-    return tuple(steps)
+
+    def __init__(self, description: Description) -> None:
+        actuators, place = description.actuators, description.sequence.index
+        self._parts = [
+            (
+                place(name),
+                actuators[name].line,
+                to_us(actuators[name].release_s),
+                description.endings_of(name),
+            )
+            for name in description.releasing
+        ]
+
+    def of(self, status: Status, *, on: str = "process_death") -> LastWill:
+        """The last will for a status, and for an ending: ``process_death`` or ``sigterm``."""
+        steps: list[LastWillStep] = []
+        after_us = 0
+        releasing = status.ee == EndEffectorState.RELEASING
+        for index, line, release_us, endings in self._parts:
+            if not status.outputs[index]:
+                continue
+            if status.held or index in status.kept:
+                released = getattr(endings.held, on) == "release"
+            else:
+                released = releasing or getattr(endings.gripping, on) == "release"
+            if released:
+                steps.append(LastWillStep(line, after_us=after_us))
+                after_us += release_us
+        return tuple(steps)
 
 
 def changer_will(description: Description, status: Status, *, on: str = "process_death") -> LastWill:
@@ -46,10 +59,3 @@ def changer_will(description: Description, status: Status, *, on: str = "process
 def maintenance_will(lines: Iterable[str]) -> LastWill:
     """Everything that maintenance has activated is deactivated at once, however the program ends; in this order."""
     return tuple(LastWillStep(line) for line in lines)
-
-
-def _stays(description: Description, status: Status, name: str, on: str, *, left: bool) -> bool:
-    endings = description.endings_of(name)
-    if status.held or left:
-        return bool(getattr(endings.held, on) != "release")
-    return status.ee != EndEffectorState.RELEASING and bool(getattr(endings.gripping, on) != "release")

@@ -39,7 +39,7 @@ class Maintenance:
     @property
     def will(self) -> LastWill:
         """The last will meanwhile."""
-        return maintenance_will(self.lines)
+        return maintenance_will(self.lines) if self._lines else ()
 
     def will_with(self, line: str, active: bool) -> LastWill:
         """The last will once a line is driven so."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from end_effector_hal.control import Status, changer_will, grip_will
+from end_effector_hal.control import GripLastWill, Status, changer_will
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import EndEffectorState, LastWill
 
@@ -31,7 +31,7 @@ class GripOutputs:
     """The lines of the actuators; maintenance drives them, too, and the automata know nothing of that."""
 
     def __init__(self, description: Description, maintenance: Maintenance) -> None:
-        self._description, self._maintenance = description, maintenance
+        self._maintenance, self._last_will = maintenance, GripLastWill(description)
         self._lines = [part.line for _, part in description.ordered]
 
     def adopted(self, status: Status) -> bool:
@@ -44,7 +44,7 @@ class GripOutputs:
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
         """What the line owner does at an ending."""
-        return self._maintenance.will or grip_will(self._description, status, on=on)
+        return self._maintenance.will or self._last_will.of(status, on=on)
 
     def gripping(self, status: Status) -> bool:
         """Whether a grip is at work."""
