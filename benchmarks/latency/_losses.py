@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.description import Description
+from end_effector_hal.kinds.vacuum import VacuumActuator
 from end_effector_hal.vocabulary import EndEffectorState
 
 from ._blocks import LONGEST_S, Tail, read

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the services of a folder that deploy/build.sh made, and starts the line owner and the nodes with it.
+# Installs the services of a folder that deploy/build.sh made, and starts the line arbiter and the nodes with it.
 # Usage: deploy/systemd/install.sh [PREFIX]     as root; default: /opt/eehal-<version>. Run it again to update.
 # DESTDIR: install below this folder, and start nothing.
 set -eu
@@ -10,7 +10,7 @@ dest=${DESTDIR:-}
 [ -x "$prefix/bin/eehal" ] || { echo "There is no $prefix/bin/eehal: run deploy/build.sh first" >&2; exit 2; }
 
 put() { install -D -m 644 "$here/$1" "$dest$2"; }
-put eehal-owner.service /etc/systemd/system/eehal-owner.service
+put eehal-arbiter.service /etc/systemd/system/eehal-arbiter.service
 put eehal-hal.service /etc/systemd/system/eehal-hal.service
 put eehal.sysusers /etc/sysusers.d/eehal.conf
 put eehal.udev.rules /etc/udev/rules.d/60-eehal.rules
@@ -26,12 +26,18 @@ fi
 [ -z "$dest" ] || exit 0
 
 systemd-sysusers
+# the unit of earlier releases would keep the lines; its nodes end first, while it still runs
+if [ -e /etc/systemd/system/eehal-arbiter.service ]; then
+    systemctl stop eehal-hal
+    systemctl disable --now eehal-arbiter
+    rm /etc/systemd/system/eehal-arbiter.service
+fi
 udevadm control --reload
 udevadm trigger --subsystem-match=gpio
 systemctl daemon-reload
-systemctl enable eehal-owner eehal-hal
-# the nodes first: they end in order while their owner still lives
+systemctl enable eehal-arbiter eehal-hal
+# the nodes first: they end in order while the arbiter still runs
 systemctl stop eehal-hal
-systemctl restart eehal-owner
+systemctl restart eehal-arbiter
 systemctl start eehal-hal
-EEHAL_RUN_DIR=/run/eehal "$prefix/bin/eehal" doctor /etc/eehal/end_effector.yaml --passive --only description,lines,owner,link
+EEHAL_RUN_DIR=/run/eehal "$prefix/bin/eehal" doctor /etc/eehal/end_effector.yaml --passive --only description,lines,arbiter,link

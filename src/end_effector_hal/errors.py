@@ -16,6 +16,7 @@ __all__ = [
     "LineRefusedError",
     "LinkBusyError",
     "LinkError",
+    "MissingExtraError",
     "ModelError",
     "NotReadyError",
     "RangeError",
@@ -43,6 +44,12 @@ class DescriptionError(ReportedError, ValueError):
         return self._diagnostics
 
 
+class MissingExtraError(UsageError):
+    """A command or a codec needs a package of an extra that is not installed; says how to install it."""
+
+    code = "EE-101"
+
+
 class WireError(ReportedError, OSError):
     """A line or a link cannot be used."""
 
@@ -63,7 +70,7 @@ class LineBusyError(WireError):
 
 
 class LineRefusedError(WireError):
-    """The line owner refused a write because of an interlock."""
+    """The line arbiter refused a write because of an interlock."""
 
     code = "EE-403"
 
@@ -81,7 +88,7 @@ class LinkBusyError(LinkError):
 
 
 class ArbiterError(WireError):
-    """The line owner cannot be reached, or does not answer."""
+    """The line arbiter cannot be reached, or does not answer."""
 
     code = "EE-420"
 

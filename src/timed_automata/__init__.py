@@ -1,23 +1,22 @@
-"""Networks of timed automata from UPPAAL files: read, checked, executed, written back. Knows nothing of grippers."""
+"""Networks of timed automata from UPPAAL files: read, executed and written back here, and used by the rooms.
 
-from ._boundary import ExecutionBoundary
-from ._clocks import NEVER, ClockInstants
-from ._conditions import Bound, ClockConstraint, Condition, Relation, Values
-from ._document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
-from ._execution import Execution
-from ._expressions import Expressions
-from ._faults import did_you_mean, fault, refused
-from ._generated_code import GeneratedCode
-from ._given import Given
-from ._loader import export, load_network, make_network
-from ._network import Channel, Edge, Location, Network, Process, State, Variable, effects_of
-from ._parser import parse_expression
-from ._scope import ClockSymbol, Effects, Function, Scope, Storage
-from ._semantics import Fired, Semantics, Transition
-from ._snapshots import Resumed, resume, snapshot_of
-from ._steps import (
+Faults of a file: ``timed_automata.check``; runs: ``simulate``; proofs: ``explore``; judging what happened: ``monitor``.
+"""
+
+from .document import (
+    Document,
+    DrawnEdge,
+    DrawnLocation,
+    Label,
+    Template,
+    load_document,
+    read_document,
+    write_document,
+)
+from .execute import (
     Begun,
     Event,
+    Execution,
     ExecutionSnapshot,
     Observation,
     Reaction,
@@ -26,74 +25,33 @@ from ._steps import (
     TakenEdge,
     Written,
 )
-from ._terms import IndexedTerm, Term
-from ._text import Span, Text
-from ._trace import Change
-from ._values import Value
-from ._xml_reader import load_document, read_document
-from ._xml_writer import write_document
+from .network import Change, Network, State, Trace, TraceStep, export, load_network, make_network
 
 __all__ = [
-    "NEVER",
     "Begun",
-    "Bound",
     "Change",
-    "Channel",
-    "ClockConstraint",
-    "ClockInstants",
-    "ClockSymbol",
-    "Condition",
     "Document",
     "DrawnEdge",
     "DrawnLocation",
-    "Edge",
-    "Effects",
     "Event",
     "Execution",
-    "ExecutionBoundary",
     "ExecutionSnapshot",
-    "Expressions",
-    "Fired",
-    "Function",
-    "GeneratedCode",
-    "Given",
-    "IndexedTerm",
     "Label",
-    "Location",
     "Network",
     "Observation",
-    "Process",
     "Reaction",
     "Received",
-    "Relation",
-    "Resumed",
-    "Scope",
-    "Semantics",
-    "Span",
     "State",
     "Step",
-    "Storage",
-    "StoredQuery",
     "TakenEdge",
     "Template",
-    "Term",
-    "Text",
-    "Transition",
-    "Value",
-    "Values",
-    "Variable",
+    "Trace",
+    "TraceStep",
     "Written",
-    "did_you_mean",
-    "effects_of",
     "export",
-    "fault",
     "load_document",
     "load_network",
     "make_network",
-    "parse_expression",
     "read_document",
-    "refused",
-    "resume",
-    "snapshot_of",
     "write_document",
 ]

@@ -68,18 +68,20 @@ def check(path: Path) -> Checked:
     description = examination.description
     if description is None:
         return Checked(None, examination.diagnostics)
-    from end_effector_hal.codecs import fitting
+    from end_effector_hal.codecs import match_codec
     from end_effector_hal.nodes.interface import name_faults
     from end_effector_hal.runtime import load_automata
 
-    fits = fitting(description)
-    faults = tuple(fault.diagnostic(str(path)) for fault in fits.faults) + name_faults(description, str(path))
-    if not any(fault.code == "EE-226" for fault in fits.faults):  # without a codec nothing is put together
+    match = match_codec(description)
+    faults = tuple(fault.diagnostic(str(path)) for fault in match.faults) + name_faults(
+        description, str(path)
+    )
+    if not any(fault.code == "EE-226" for fault in match.faults):  # without a codec nothing is put together
         try:
             load_automata(description)
         except ReportedError as error:
             faults += error.diagnostics
-    return Checked(description, faults, fits.not_fitted, fits.slow)
+    return Checked(description, faults, match.not_fitted, match.slow)
 
 
 def _print_summary(description: Description, checked: Checked) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 from importlib.metadata import entry_points
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal._extras import command_for, missing_extra
+from end_effector_hal.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo, StatesLog
@@ -35,13 +36,15 @@ class Figures(Protocol):
 
 
 def figures() -> Figures:
-    """What draws; raises UsageError when it is not installed."""
+    """The module that draws; raises MissingExtraError when it or what it needs is not installed."""
     for point in entry_points(group=GROUP):
-        if find_spec("matplotlib") is not None:
+        try:
+            import_module("matplotlib")  # the module that draws imports it later
             return cast(Figures, point.load())
-    raise UsageError(
-        "Figures need matplotlib, which is not installed.",
-        todo="Install it: pip install 'end-effector-hal[lab]'.",
+        except ModuleNotFoundError as error:
+            raise missing_extra("Figures need", error) or error from None
+    raise MissingExtraError(
+        "Nothing that draws figures is installed.", todo=f"Install it: {command_for('lab')}."
     )
 
 

@@ -10,6 +10,7 @@ from typing import cast
 
 import click
 
+from end_effector_hal._extras import missing_extra
 from end_effector_hal.errors import ReportedError, UsageError
 
 GROUP = "end_effector_hal.commands"
@@ -19,7 +20,7 @@ _COMMANDS = {
     "doctor": "what this machine lacks to run a tool, and what to do",
     "init": "a folder with a description to start from, and its schema",
     "model": "show, play, export and check the automata",
-    "owner": "own the output lines of a tool and serve them on a socket",
+    "arbiter": "own the output lines of a tool and serve them on a socket",
     "replay": "decide a recorded run once more, and judge it by its network",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",
@@ -71,7 +72,7 @@ def main() -> None:
         sys.exit(eehal(standalone_mode=False) or 0)
     except click.ClickException as error:
         if _wants_json():
-            _tell(UsageError(error.format_message()))
+            _report(UsageError(error.format_message()))
         else:
             error.show()
         sys.exit(UsageError.exit_code)
@@ -80,11 +81,13 @@ def main() -> None:
     except click.Abort:
         sys.exit(130)
     except ReportedError as error:
-        if _wants_json():
-            _tell(error)
-        else:
-            click.echo(str(error), err=True)
+        _report(error)
         sys.exit(error.exit_code)
+    except ModuleNotFoundError as error:
+        if (missing := missing_extra("This command needs", error)) is None:
+            raise
+        _report(missing)
+        sys.exit(missing.exit_code)
     except BrokenPipeError:
         # the reader of our output has gone; there is nobody to tell
         sys.stderr.close()
@@ -96,7 +99,10 @@ def _wants_json() -> bool:
     return "--json" in sys.argv[1:]
 
 
-def _tell(error: ReportedError) -> None:
+def _report(error: ReportedError) -> None:
+    if not _wants_json():
+        click.echo(str(error), err=True)
+        return
     # in one line: what prints JSON lines may end with it
     faults = [fault.as_json() for fault in error.diagnostics]
     document = {"ok": False, "exit_code": error.exit_code, "faults": faults}

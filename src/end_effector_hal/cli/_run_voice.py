@@ -82,16 +82,16 @@ class Changes:
 
     def __init__(self, description: Description, voice: Voice) -> None:
         self._description, self._voice = description, voice
-        self._kinds = {name: part.kind for name, part in description.ordered}
         self._last: tuple[str, dict[str, str]] | None = None
         self._alarms: tuple[str, ...] = ()
 
     def status(self, status: Status) -> None:
         """One more."""
-        from end_effector_hal.vocabulary import EndEffectorState, actuator_states
+        from end_effector_hal.kinds import kind_of
+        from end_effector_hal.vocabulary import EndEffectorState
 
-        states = zip(self._description.sequence, status.actuators, strict=True)
-        actuators = {name: actuator_states(name, self._kinds)(state).label for name, state in states}
+        states = zip(self._description.ordered, status.actuators, strict=True)
+        actuators = {name: kind_of(part).states(state).label for (name, part), state in states}
         if (now := (EndEffectorState(status.ee).label, actuators)) != self._last:
             self._last = now
             self._voice.state(*now)

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 import click
 
 from end_effector_hal.cli.model import DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.errors import MissingExtraError
 
 from ._figures import draw_timeline
 from ._path_name import PathName
 
 if TYPE_CHECKING:
-    from end_effector_hal.recording import RunInfo
+    from end_effector_hal.recording import RunInfo, StatesLog
     from end_effector_hal.verification.proof import Finding, Proof
 
 _FAILED = 4
@@ -45,13 +46,16 @@ def command(description: Path | None, model: Path | None, as_json: bool, output:
     source = open_source(description, model)
     with _Progress() as progress:
         proof = prove(source.network, progress)
-    files = _write(source, proof, output) if output is not None else {}
+    drawing = _Drawing()
+    files = _write(source, proof, output, drawing) if output is not None else {}
     if as_json:
         click.echo(json.dumps(proof.document(), indent=2, ensure_ascii=False))
         for file in (file for each in files.values() for file in each):
             click.echo(str(file), err=True)
     else:
         _print(source, proof, files)
+    if drawing.note:
+        click.echo(f"Note: {drawing.note}", err=True)
     if not proof.holds:
         sys.exit(_FAILED)
 
@@ -67,7 +71,9 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
             f"  {name.removesuffix('_s').replace('_', '-'):16} {worst!s:>9}  {worst.declared_ms / 1000:g} s"
         )
     if proof.off:
-        click.echo(f"\n{len(proof.off)} edges are for other constants than these; --json lists them")
+        click.echo(
+            f"\n{len(proof.off)} edges can never be taken with the values of this description; --json lists them"
+        )
     for finding in proof.findings:
         if finding.trace is not None:
             _print_run(finding, files.get(finding.id, []))
@@ -101,12 +107,12 @@ def _print_run(finding: Finding, files: list[Path]) -> None:
         click.echo(str(file))
 
 
-def _write(source: Source, proof: Proof, output: Path) -> dict[str, list[Path]]:
+def _write(source: Source, proof: Proof, output: Path, draw: _Drawing) -> dict[str, list[Path]]:
     from end_effector_hal.verification.proof import write_counterexample
 
     names = tuple(source.description.sequence) if source.description is not None else ()
     info, refuted = _info(source), [finding for finding in proof.findings if finding.trace is not None]
-    return {each.id: write_counterexample(each, output, info, draw_timeline, names) for each in refuted}
+    return {each.id: write_counterexample(each, output, info, draw, names) for each in refuted}
 
 
 def _info(source: Source) -> RunInfo:
@@ -115,6 +121,20 @@ def _info(source: Source) -> RunInfo:
     if source.description is None:
         return RunInfo(description=Path(source.name).name)
     return replace(run_info(source.description), simulated=True)
+
+
+class _Drawing:
+    """Draws counterexamples; ``note`` says why there is no figure, where the extra for figures is not installed."""
+
+    def __init__(self) -> None:
+        self.note = ""
+
+    def __call__(self, log: StatesLog, info: RunInfo, folder: Path) -> list[Path]:
+        try:
+            return draw_timeline(log, info, folder)
+        except MissingExtraError as error:
+            self.note = f"There is no figure. {error}"
+            return []
 
 
 class _Progress:

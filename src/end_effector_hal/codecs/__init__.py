@@ -10,8 +10,7 @@ from ._declared import declared
 from ._ees1_ascii import Ees1Ascii
 from ._ees1_cobs import Ees1Cobs
 from ._legacy_nibble import LegacyNibble
-from ._load import fitting, load_tool
-from ._named import named
+from ._match import load_tool, match_codec
 from ._polled import Device, Polled, PolledCodec, PolledDecoder, asks, is_polled
 from ._registry import codec_names, codec_of, get_codec
 from ._sequence import Sequence, sequence_of
@@ -31,11 +30,10 @@ __all__ = [
     "codec_names",
     "codec_of",
     "declared",
-    "fitting",
     "get_codec",
     "is_polled",
     "load_tool",
-    "named",
+    "match_codec",
     "parity_of",
     "resolution_of",
     "sequence_of",

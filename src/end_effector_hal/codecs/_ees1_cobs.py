@@ -10,8 +10,9 @@ import struct
 from binascii import crc_hqx
 from collections.abc import Mapping
 
+from cobs import cobs
+
 from end_effector_hal.codecs import _ees1 as ees1
-from end_effector_hal.codecs._cobs import stuff, unstuff
 from end_effector_hal.codecs._codec import Decoder
 from end_effector_hal.codecs._ees1_decoder import Ees1Decoder
 from end_effector_hal.signals import Frame, Kind, Value
@@ -45,7 +46,7 @@ class Ees1Cobs:
         status = sum(1 << bit for bit, count in enumerate(counts) if count == INVALID)
         seq, clock = (frame.seq or 0) % (1 << 16), (frame.device_ms or 0) % (1 << 32)
         body = _BODY.pack(VERSION, TYPE, seq, clock, *counts, ees1.din_of(frame.values), status)
-        return b"\0%s\0" % stuff(body + _CRC.pack(crc_hqx(body, 0xFFFF)))
+        return b"\0%s\0" % cobs.encode(body + _CRC.pack(crc_hqx(body, 0xFFFF)))
 
     def _count(self, name: str, value: Value) -> int:
         if value is None:
@@ -68,9 +69,12 @@ class Ees1CobsDecoder(Ees1Decoder):
         return frames
 
     def _frame(self, part: bytes, at: int) -> Frame | None:
-        data = unstuff(part) if len(part) <= LONGEST else None
-        body = data[: _BODY.size] if data and len(data) == SIZE else b""
-        if not data or not body or body[:2] != bytes((VERSION, TYPE)):
+        try:
+            data = cobs.decode(part) if len(part) <= LONGEST else b""
+        except cobs.DecodeError:
+            data = b""
+        body = data[: _BODY.size]
+        if len(data) != SIZE or body[:2] != bytes((VERSION, TYPE)):
             self.errors["format"] += 1
             return None
         if _CRC.unpack(data[_BODY.size :]) != (crc_hqx(body, 0xFFFF),):

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
-from difflib import get_close_matches
-from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from end_effector_hal.codecs._codec import Codec
 from end_effector_hal.codecs._declared import declared
-from end_effector_hal.codecs._named import named
 from end_effector_hal.errors import UsageError
+from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoints
-
     from end_effector_hal.description import Description
 
 GROUP = "end_effector_hal.codecs"
-# The entry points of this distribution, as pyproject.toml has them too: known without reading any metadata, which
-# takes longer than all of the rest; each is imported when it is wanted.
 OWN = {
     "ees1-ascii": "end_effector_hal.codecs:Ees1Ascii",
     "ees1-cobs": "end_effector_hal.codecs:Ees1Cobs",
@@ -33,7 +26,7 @@ _PARTS = ("name", "channels", "period_us", "baudrate", "decoder", "encode")
 
 def codec_names() -> tuple[str, ...]:
     """All that `get_codec` knows, our own first."""
-    return (*OWN, *sorted(_added().names - set(OWN)))
+    return _CODECS.names
 
 
 def get_codec(name: str) -> Codec:
@@ -44,32 +37,7 @@ def get_codec(name: str) -> Codec:
     Raises:
         UsageError: there is none of that name (did you mean …), or it cannot be loaded.
     """
-    if name in OWN:
-        return _own(name)
-    for entry in _added().select(name=name):
-        try:
-            loaded = entry.load()
-            codec: Codec = loaded() if isinstance(loaded, type) else loaded
-            missing = [part for part in _PARTS if not hasattr(codec, part)]
-            codec = codec if missing else declared(codec)
-        except UsageError as error:
-            raise UsageError(f"the codec {name}: {error.what}", where=entry.value, todo=error.todo) from error
-        except (Exception, SystemExit, GeneratorExit) as error:  # a plug-in may raise anything
-            raise UsageError(
-                f"the codec {name} cannot be loaded: {named(error)}",
-                where=entry.value,
-                todo="Repair or remove the distribution that provides it.",
-            ) from error
-        if missing:
-            raise UsageError(
-                f"the codec {name} is none: it has no {', '.join(missing)}.",
-                where=entry.value,
-                todo="Inherit end_effector_hal.codecs.conformance.CodecConformance in its tests.",
-            )
-        return codec
-    close = get_close_matches(name, codec_names(), n=1)
-    hint = f"Did you mean {close[0]}?" if close else f"There are: {', '.join(codec_names())}."
-    raise UsageError(f"there is no codec {name!r}.", todo=hint)
+    return _CODECS.get(name)
 
 
 def codec_of(description: Description) -> Codec:
@@ -80,13 +48,13 @@ def codec_of(description: Description) -> Codec:
         raise UsageError(error.what, where=description.where("link", "codec"), todo=error.todo) from error
 
 
-@cache
-def _own(name: str) -> Codec:
-    module, _, attribute = OWN[name].partition(":")
-    codec: Codec = getattr(importlib.import_module(module), attribute)()
-    return codec
+def _checked(codec: Any) -> Codec:
+    if missing := [part for part in _PARTS if not hasattr(codec, part)]:
+        raise UsageError(
+            f"this is no codec: it has no {', '.join(missing)}.",
+            todo="Inherit end_effector_hal.codecs.conformance.CodecConformance in its tests.",
+        )
+    return declared(codec)
 
 
-def _added() -> EntryPoints:
-    found: EntryPoints = importlib.import_module("importlib.metadata").entry_points(group=GROUP)
-    return found
+_CODECS: Plugins[Codec] = Plugins(GROUP, "codec", OWN, _checked)

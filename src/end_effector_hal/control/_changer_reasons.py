@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from end_effector_hal.description import Description, ToolChanger, VacuumActuator
+from end_effector_hal.description import Description, ToolChanger
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.sensing import Senses
 from end_effector_hal.vocabulary import ChangerFault, ChangerState, EndEffectorState, Evidence, display_name
 
@@ -79,7 +80,7 @@ def _unlock_refusal(description: Description, changer: ToolChanger, status: Stat
 def _not_vented(description: Description, changer: ToolChanger, senses: Senses) -> str:
     if present := feedback(description, senses):
         return present
-    vacuums = [display_name(name) for name, part in description.ordered if isinstance(part, VacuumActuator)]
+    vacuums = [display_name(name) for name, part in description.ordered if kind_of(part).below_ambient]
     limit = f"under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s"
     return f"{', '.join(vacuums) or 'a vacuum'}: not proven to be {limit} yet."
 

@@ -1,4 +1,4 @@
-"""Last wills: what the line owner does when a program dies, computed here, so that it knows no gripping logic."""
+"""Last wills: what the line arbiter does when a program dies, computed here, so that it knows no gripping logic."""
 
 from __future__ import annotations
 

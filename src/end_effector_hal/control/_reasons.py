@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from end_effector_hal.description import Actuator, Description, VacuumActuator
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.sensing import Senses
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
 
@@ -17,9 +18,9 @@ def explain(description: Description, cause: int, cause_at: int, senses: Senses,
     if cause == Cause.TIMED_OUT and actuator:
         return f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts."
     if cause == Cause.LOST and actuator:
-        return f"{who} was lost{_shown(actuator, senses, at)}."
+        return f"{who} was lost: {kind_of(actuator).lost(actuator, senses.readings, at)}."
     if cause == Cause.REFUSED:
-        return f"The line owner refused to activate {display_name(name) or 'an output'}."
+        return f"The line arbiter refused to activate {display_name(name) or 'an output'}."
     return {
         Cause.NONE: "",
         Cause.LOST: f"{who} was lost.",
@@ -59,16 +60,6 @@ def _present(description: Description, senses: Senses) -> str:
     pairs = zip(description.sequence, senses.evidence, strict=True)
     names = [display_name(name) for name, level in pairs if level in there]
     return f"{', '.join(names) or 'a sensor'} still show{'' if len(names) > 1 else 's'}"
-
-
-def _shown(actuator: Actuator, senses: Senses, at: int) -> str:
-    """What the sensor of a lost actuator shows, and what it would have to."""
-    value = senses.readings.get(actuator.channel, at)
-    if value is None or isinstance(value, bool):
-        return ": its sensor shows nothing any more"
-    if isinstance(actuator, VacuumActuator):
-        return f": {-value / 1000:.1f} kPa below ambient, it takes {actuator.lost_kpa:g}"
-    return f": {value / 1000:.0f} kPa, it takes {actuator.extended_fraction:.0%} of the supply pressure"
 
 
 def refusal(description: Description, command: str, status: Status, senses: Senses, at: int) -> str:

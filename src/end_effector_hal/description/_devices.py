@@ -6,8 +6,17 @@ from typing import Literal
 
 from pydantic import Field
 
-from ._endings import ChangerEndings
-from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Samples, Seconds, Vacuum, Word
+from end_effector_hal.kinds.stanza import (
+    ChangerEndings,
+    LineName,
+    Name,
+    Part,
+    RosName,
+    Samples,
+    Seconds,
+    Vacuum,
+    Word,
+)
 
 
 class ToolChanger(Part):
@@ -56,20 +65,6 @@ class EStop(Part):
     )
 
 
-class Supply(Part):
-    """The compressed-air supply (IL-06)."""
-
-    channel: Name = Field(default="supply", description="pressure channel of the link; none: no such sensor")
-    nominal_kpa: Kilopascal = Field(default=600.0, description="taken where its channel is none")
-    warn_kpa: Kilopascal = Field(default=450.0, description="less than this: a warning")
-    refuse_kpa: Kilopascal = Field(default=400.0, description="less than this: a new grip is refused")
-    hysteresis_kpa: Kilopascal = Field(default=20.0, description="granted again this far above refuse_kpa")
-    frozen_s: MaybeSeconds = Field(
-        default=None,
-        description="a pressure that does not move by a count for so long is invalid; null: never",
-    )
-
-
 class Lines(Part):
     """How the output lines are reached."""
 
@@ -78,7 +73,7 @@ class Lines(Part):
     )
     path: Word | None = Field(default=None, description="virtual: the file that stands for the chip")
     socket: Word | None = Field(
-        default=None, description="Unix socket of the line owner; default: in the run directory"
+        default=None, description="Unix socket of the line arbiter; default: in the run directory"
     )
 
 

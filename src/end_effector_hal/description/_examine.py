@@ -10,14 +10,14 @@ from pydantic import ValidationError
 
 from end_effector_hal.errors import Diagnostic
 
-from ._explain import explain, likely_kind, no_kind
+from ._explain import explain, likely_kind, no_kind, why_not
 from ._facts import Facts
 from ._fault import Fault
 from ._model import Description
 from ._order import order_faults
 from ._places import Keys, Places
 from ._rules import rule_faults
-from ._shape import KINDS, fields_of
+from ._shape import actuator_stanzas, fields_of
 from ._source import read_text
 from ._wires import shared_faults
 from ._yaml import Reader
@@ -90,8 +90,7 @@ def _kinds(tree: dict[str, Any], places: Places, broken: set[Keys]) -> tuple[lis
     guessed: set[str] = set()
     actuators = tree.get("actuators")
     for name, stanza in actuators.items() if isinstance(actuators, dict) else ():
-        kind = stanza.get("kind") if isinstance(stanza, dict) else "vacuum"
-        if not (isinstance(kind, str) and kind in KINDS):
+        if isinstance(stanza, dict) and why_not(stanza.get("kind")):
             faults.append(no_kind(name, stanza, places))
             broken.add(("actuators", name, "kind"))
             stanza["kind"], sure = likely_kind(stanza)
@@ -105,7 +104,8 @@ def _validate(
     try:
         description = Description.model_validate(tree, by_alias=True, by_name=False)
     except ValidationError as error:
-        explained = [explain(each, places) for each in error.errors(include_url=False)]
+        kinds = dict(Facts(tree, places).actuators())
+        explained = [explain(each, places, kinds) for each in error.errors(include_url=False)]
     else:
         description._places = places
         return description, []
@@ -123,5 +123,6 @@ def _follows(path: Keys, fault: Fault, refused: set[Keys], guessed: set[str]) ->
     """Whether a fault only follows from another that is reported: a value refused before, a kind guessed."""
     if any(path[: len(each)] == each for each in refused):
         return True
-    own_key = fault.code == "EE-205" and any(str(path[-1]) in fields_of(model) for model in KINDS.values())
+    stanzas = actuator_stanzas().values() if fault.code == "EE-205" else ()
+    own_key = any(str(path[-1]) in fields_of(stanza) for stanza in stanzas)
     return own_key and path[0] == "actuators" and path[1] in guessed

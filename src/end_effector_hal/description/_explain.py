@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import get_kind, kind_names
 
 from ._fault import Fault, closest, did_you_mean
 from ._places import Keys, Places
-from ._shape import KINDS, fields_of, homes_of, stanza_at
+from ._shape import actuator_stanzas, fields_of, homes_of, stanza_at
 from ._units import WORDS, right_key, split
 from ._values import no_choice, out_of_range, wrong_form, wrong_type
 
@@ -14,13 +18,13 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 
-def explain(error: ErrorDetails, places: Places) -> tuple[Keys, Fault]:
-    """The path that is wrong, and the fault."""
-    loc: Keys = error["loc"]
-    path, kind = loc, "vacuum"
-    if loc[0] == "actuators" and len(loc) > 2:
-        # pydantic puts in the kind of the actuator, or "[key]" for the key of a mapping.
-        path, kind = loc[:2] + loc[3:], str(loc[2])
+def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tuple[Keys, Fault]:
+    """The path that is wrong, and the fault; ``kinds``: that of each actuator."""
+    path: Keys = error["loc"]
+    # pydantic's sign for the key of a mapping; an unknown key may be called so, too
+    is_key = path[-1] == "[key]" and error["type"] != "extra_forbidden"
+    path = path[:-1] if is_key else path
+    kind = kinds.get(str(path[1]), "") if len(path) > 1 else ""
     match error["type"]:
         case "extra_forbidden":
             return path, _unknown_key(path, kind, error["input"], places)
@@ -31,7 +35,7 @@ def explain(error: ErrorDetails, places: Places) -> tuple[Keys, Fault]:
         case "literal_error":
             return path, no_choice(path, error, places)
         case "string_pattern_mismatch" | "string_too_short" | "string_too_long" | "too_short":
-            place = places.key(*path) if kind == "[key]" else places.value(*path)
+            place = places.key(*path) if is_key else places.value(*path)
             return path, wrong_form(path, error, place)
         case _:
             return path, wrong_type(path, error, places)
@@ -70,18 +74,33 @@ def _missing_key(path: Keys, kind: str, places: Places) -> Fault:
 
 def no_kind(name: str, stanza: dict[str, object], places: Places) -> Fault:
     """An actuator's kind that is missing or unknown; pydantic would stop at it."""
-    kinds = " or ".join(KINDS)
+    names = kind_names()
+    kinds = " or ".join(names)
     if "kind" not in stanza:
         place, what = places.key("actuators", name), f"key 'kind' is missing in {name!r}"
         return Fault.at(place, "EE-206", what, found="", expected=f"kind: {kinds}")
-    place, hint = places.value("actuators", name, "kind"), did_you_mean(stanza["kind"], KINDS)
+    place, hint = places.value("actuators", name, "kind"), did_you_mean(stanza["kind"], names)
     if stanza["kind"] is None:
         return Fault.at(place, "EE-207", "'kind' has no value", found="", expected=kinds)
+    if stanza["kind"] in names:
+        return Fault.at(place, "EE-209", why_not(str(stanza["kind"])), expected="a kind that can be loaded")
     return Fault.at(place, "EE-209", "unknown kind of actuator", expected=kinds, hint=hint)
+
+
+def why_not(kind: object) -> str:
+    """Why a kind cannot be used, in words; empty: it can."""
+    if not isinstance(kind, str):
+        return "this is no kind"
+    try:
+        get_kind(kind)
+    except UsageError as error:
+        return error.what.rstrip(".")
+    return ""
 
 
 def likely_kind(stanza: dict[str, object]) -> tuple[str, bool]:
     """The kind that a stanza without a good one was meant to have; whether its word says so, not its keys."""
-    near = closest(stanza.get("kind"), KINDS)
-    by_keys = max(KINDS, key=lambda kind: len(stanza.keys() & fields_of(KINDS[kind]).keys()))
+    stanzas = actuator_stanzas()
+    near = closest(stanza.get("kind"), stanzas)
+    by_keys = max(stanzas, key=lambda kind: len(stanza.keys() & fields_of(stanzas[kind]).keys()))
     return near or by_keys, near is not None

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from pydantic import Field, PrivateAttr
 
-from ._actuators import Actuator, VacuumActuator
-from ._devices import EStop, Lines, Link, Supply, ToolChanger
-from ._endings import Endings
-from ._part import Name, Names, Part, Word
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Part, Supply, Word
+
+from ._any_actuator import AnyActuator
+from ._devices import EStop, Lines, Link, ToolChanger
 from ._paths import profile_path
 from ._places import Place, Places
-from ._policy import Automata, Bounds, Handwork, Hold, Interlocks
+from ._policy import Automata, Bounds, Handwork, Interlocks
 
 
 class Description(Part):
@@ -26,7 +27,7 @@ class Description(Part):
     link: Link = Field(description="the sensor link")
     sequence: Names = Field(min_length=1, description="actuators in the order of a grip")
     release_order: Names | None = Field(default=None, description="default: the sequence reversed")
-    actuators: dict[Name, Actuator] = Field(description="by name")
+    actuators: dict[Name, AnyActuator] = Field(description="by name")
     tool_changer: ToolChanger | None = Field(default=None, description="absent: none is fitted")
     e_stop: EStop | None = Field(default=None, description="absent: none is fitted")
     supply: Supply = Field(default=Supply(), description="the compressed air")
@@ -69,11 +70,8 @@ class Description(Part):
     @property
     def blow_off_lines(self) -> dict[str, str]:
         """Line of each blow-off valve, by the actuator that it belongs to, in the order of a grip."""
-        return {
-            name: part.blow_off.line
-            for name, part in self.ordered
-            if isinstance(part, VacuumActuator) and part.blow_off
-        }
+        found = ((name, kind_of(part).opposing_output(part)) for name, part in self.ordered)
+        return {name: output.line for name, output in found if output}
 
     def service_of(self, name: str) -> str:
         """ROS service of an actuator (relative name); raises KeyError for an unknown one."""
@@ -103,7 +101,7 @@ class Description(Part):
         return self.model_copy(update={"lines": lines, "link": self.link.model_copy(update={"port": port})})
 
     def with_socket(self, socket: str | Path) -> Description:
-        """The same tool with its line owner at another socket."""
+        """The same tool with its line arbiter at another socket."""
         return self.model_copy(update={"lines": self.lines.model_copy(update={"socket": str(socket)})})
 
     def fingerprint(self) -> str:

@@ -4,22 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from end_effector_hal.kinds import JointRule, Pair, get_kind
+
 from ._facts import Facts
 from ._fault import Fault
 from ._places import Keys
 from ._units import number
 
-Pair = tuple[str, str, str]
-
-# A signal rises through gone, lost at once, lost, confirmed, secure; equal where two may be one.
-VACUUM: tuple[Pair, ...] = (
-    ("gone_kpa", "<", "lost_at_once_kpa"),
-    ("lost_at_once_kpa", "<=", "lost_kpa"),
-    ("lost_kpa", "<", "confirmed_kpa"),
-    ("confirmed_kpa", "<=", "secure_kpa"),
-)
-# What takes longer than its time-out can never happen.
-CYLINDER: tuple[Pair, ...] = (("extended_s", "<", "timeout_s"), ("retracted_s", "<", "release_s"))
 SUPPLY: tuple[Pair, ...] = (("refuse_kpa", "<", "warn_kpa"), ("warn_kpa", "<", "nominal_kpa"))
 LINK: tuple[Pair, ...] = (("stale_s", "<", "down_s"), ("stale_periods", "<", "down_periods"))
 CHANGER: tuple[Pair, ...] = (("proven_s", "<", "prove_s"),)
@@ -32,8 +23,9 @@ def order_faults(facts: Facts) -> Iterator[Fault]:
     if isinstance(facts.get("tool_changer"), dict):
         yield from _pairs(facts, ("tool_changer",), CHANGER)
     for name, kind in facts.actuators():
-        yield from _pairs(facts, ("actuators", name), VACUUM if kind == "vacuum" else CYLINDER)
-        yield from _secure(facts, name) if kind == "vacuum" else _retracted(facts, name)
+        yield from _pairs(facts, ("actuators", name), get_kind(kind).orders)
+        for rule in get_kind(kind).joint_rules:
+            yield from _joint(facts, name, rule)
     yield from _supply_returns(facts)
 
 
@@ -52,29 +44,18 @@ def _pairs(facts: Facts, stanza: Keys, pairs: tuple[Pair, ...]) -> Iterator[Faul
         yield Fault.at(place, "EE-222", f"{key!r} is too {size}", expected=expected)
 
 
-def _secure(facts: Facts, name: str) -> Iterator[Fault]:
-    """A grip stops being secure before it is lost, so that there is a warning."""
-    keys = ("secure_hysteresis_kpa", "secure_kpa", "lost_kpa", "confirmed_kpa")
-    paths = [("actuators", name, key) for key in keys]
-    hysteresis, secure, lost, confirmed = (facts.get(*path) for path in paths)
-    # If secure is not the highest anyhow, that is the fault.
-    if None in (hysteresis, secure, lost, confirmed) or not lost < confirmed <= secure:
+def _joint(facts: Facts, name: str, rule: JointRule) -> Iterator[Fault]:
+    paths: dict[str, Keys] = {
+        key: ("supply", key.removeprefix("supply."))
+        if key.startswith("supply.")
+        else ("actuators", name, key)
+        for key in rule.keys
+    }
+    numbers = {key: facts.get(*path) for key, path in paths.items()}
+    if None in numbers.values():
         return
-    if secure - hysteresis <= lost:
-        expected = f"secure_kpa - secure_hysteresis_kpa = {number(secure - hysteresis)} above"
-        what = "a grip would be lost before it is no longer secure"
-        yield _of_several(facts, paths, what, f"{expected} {_quote(facts, *paths[2])}")
-
-
-def _retracted(facts: Facts, name: str) -> Iterator[Fault]:
-    """At the least supply pressure that is allowed, extended must still lie above retracted."""
-    paths: list[Keys] = [("actuators", name, "retracted_kpa"), ("actuators", name, "extended_fraction")]
-    paths.append(("supply", "refuse_kpa"))
-    retracted, fraction, refuse = (facts.get(*path) for path in paths)
-    if None not in (retracted, fraction, refuse) and retracted >= fraction * refuse:
-        product = f"extended_fraction * supply.refuse_kpa = {number(fraction * refuse)}"
-        expected = f"{_quote(facts, *paths[0])} below {product}"
-        yield _of_several(facts, paths, f"{name!r} would be extended and retracted at once", expected)
+    if found := rule.fault(name, numbers, lambda key: _quote(facts, *paths[key])):
+        yield _of_several(facts, list(paths.values()), *found)
 
 
 def _supply_returns(facts: Facts) -> Iterator[Fault]:
@@ -94,7 +75,7 @@ def _supply_returns(facts: Facts) -> Iterator[Fault]:
 
 def _of_several(facts: Facts, paths: Sequence[Keys], what: str, expected: str) -> Fault:
     """A fault of several numbers together; it stands at the first of them that is written."""
-    path = next(each for each in paths if facts.written(*each))
+    path = next((each for each in paths if facts.written(*each)), paths[0])
     place = facts.places.value(*path)
     return Fault.at(place, "EE-222", what, found=f"{path[-1]}: {place.text}", expected=expected)
 

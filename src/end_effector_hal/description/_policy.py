@@ -2,28 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
-from ._part import Part, Seconds, Texts
+from end_effector_hal.kinds.stanza import Part, Seconds, Texts
 
 Milliseconds = Annotated[int, Field(ge=1, le=10_000)]
-
-
-class Hold(Part):
-    """What is watched while a part is held; it warns, and never releases anything."""
-
-    secure_within_s: Seconds = Field(
-        default=2.0, description="a vacuum that is not secure so long after GRIPPED: a weak grip"
-    )
-    trend_s: Seconds = Field(default=2.0, description="a vacuum is judged over this long for a leak")
-    warn_ahead_s: Seconds = Field(
-        default=10.0, description="a vacuum that would be lost within this, as it falls now: a leak"
-    )
-    lift_needs: Literal["confirmed", "secure"] = Field(
-        default="confirmed", description="secure: lift_allowed also waits for secure_kpa; else a warning only"
-    )
 
 
 class Handwork(Part):

@@ -8,11 +8,11 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
-from ._actuators import ActuatorPart, CylinderActuator, VacuumActuator
-from ._model import Description
-from ._part import Part
+from end_effector_hal.kinds import get_kind, usable_kinds
+from end_effector_hal.kinds.stanza import Actuator, Part
 
-KINDS: dict[str, type[ActuatorPart]] = {"vacuum": VacuumActuator, "cylinder": CylinderActuator}
+from ._model import Description
+
 _KIND = re.compile(r"<\w+>")
 
 
@@ -21,11 +21,16 @@ def fields_of(model: type[Part]) -> dict[str, FieldInfo]:
     return {each.alias or name: each for name, each in model.model_fields.items()}
 
 
-def stanza_at(path: tuple[str | int, ...], kind: str = "vacuum") -> type[Part] | None:
+def actuator_stanzas() -> dict[str, type[Actuator]]:
+    """The stanza of each kind of actuator."""
+    return {name: kind.stanza for name, kind in usable_kinds().items()}
+
+
+def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
     """The model of the stanza at a path; None where no stanza can stand. ``kind`` picks the actuator's."""
     model: type[Part] | None = Description
     if len(path) >= 2 and path[0] == "actuators":
-        model, path = KINDS[kind], path[2:]
+        model, path = get_kind(kind).stanza, path[2:]
     for key in path:
         field = fields_of(model).get(str(key)) if model else None
         model = part_in(field.annotation) if field else None
@@ -50,7 +55,7 @@ def homes_of(key: str) -> list[str]:
 def is_common(stanza: str, among: Collection[str] | None = None) -> bool:
     """Whether every kind of actuator has this stanza."""
     return stanza.startswith("actuators.<") and all(
-        _KIND.sub(f"<{kind}>", stanza, count=1) in (among or stanzas()) for kind in KINDS
+        _KIND.sub(f"<{kind}>", stanza, count=1) in (among or stanzas()) for kind in usable_kinds()
     )
 
 
@@ -70,7 +75,7 @@ def stanzas() -> dict[str, type[Part]]:
             if part := part_in(field.annotation):
                 walk(below, part)
             elif below == "actuators":
-                for kind, actuator in KINDS.items():
+                for kind, actuator in actuator_stanzas().items():
                     walk(f"actuators.<{kind}>", actuator)
 
     walk("", Description)

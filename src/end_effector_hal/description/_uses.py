@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
-from ._actuators import CylinderActuator
+from end_effector_hal.kinds import kind_of, usable_kinds
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Part
+from end_effector_hal.signals import Kind
+
 from ._devices import EStop, ToolChanger
 from ._model import Description
-from ._part import NO_CHANNEL, Part
 
 _CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
-_CYLINDER = ("extended_bit", "retracted_bit")
 
 
 @dataclass(frozen=True)
@@ -40,9 +42,8 @@ def used_channels(description: Description) -> tuple[str, ...]:
 
 def _uses(description: Description) -> Iterator[Use]:
     for name, each in description.ordered:
-        yield from _of(("actuators", name), each, "channel", bit=False)
-        for key in _CYLINDER if isinstance(each, CylinderActuator) else ():
-            yield from _of(("actuators", name), each, key, bit=True)
+        for asked in kind_of(each).channels:
+            yield from _of(("actuators", name), each, asked.key, bit=asked.carries is Kind.BIT)
     if description.tool_changer:
         for key in _CHANGER:
             yield from _of(("tool_changer",), description.tool_changer, key, bit=True)
@@ -57,15 +58,12 @@ def _of(stanza: tuple[str, ...], part: Part, key: str, *, bit: bool) -> Iterator
         yield Use(stanza, key, channel, bit, key in part.model_fields_set)
 
 
-def _defaults() -> Iterator[str]:
-    keyed: list[tuple[type[Part], tuple[str, ...]]] = [
-        (ToolChanger, _CHANGER),
-        (CylinderActuator, _CYLINDER),
-        (EStop, ("channel",)),
+@cache
+def bits_by_default() -> frozenset[str]:
+    """Names of bits that mean something, whether this tool has the device or not."""
+    keyed: list[tuple[type[Part], tuple[str, ...]]] = [(ToolChanger, _CHANGER), (EStop, ("channel",))]
+    keyed += [
+        (kind.stanza, tuple(each.key for each in kind.channels if each.carries is Kind.BIT))
+        for kind in usable_kinds().values()
     ]
-    for model, keys in keyed:
-        yield from (str(model.model_fields[key].default) for key in keys)
-
-
-BITS_BY_DEFAULT = frozenset(_defaults())
-"""Names of bits that mean something, whether this tool has the device or not."""
+    return frozenset(str(model.model_fields[key].default) for model, keys in keyed for key in keys)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from end_effector_hal.kinds.stanza import PRINTABLE
+
 from ._fault import Fault, did_you_mean
 from ._limits import limits_of, wrong_scale
-from ._part import PRINTABLE
 from ._places import Keys, Place, Places
 from ._units import convert, number, split, with_unit
 
@@ -42,7 +43,9 @@ def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
     if error["input"] == "leave" and "endings" in path:
         says_the_same = "write hold: here it says the same"
         hint = (
-            says_the_same if path[-1] != "power_up" else "the line owner drives every line from its start on"
+            says_the_same
+            if path[-1] != "power_up"
+            else "the line arbiter drives every line from its start on"
         )
     return Fault.at(places.value(*path), "EE-209", what, expected=" or ".join(choices), hint=hint)
 

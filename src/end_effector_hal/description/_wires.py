@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from end_effector_hal.kinds import get_kind
+from end_effector_hal.kinds.stanza import NO_CHANNEL
+from end_effector_hal.signals import Kind
+
 from ._facts import Facts
 from ._fault import Fault
 from ._model import camel_case
-from ._part import NO_CHANNEL
 from ._places import Keys
 
 ROS = {"service": "Set", "topic": "Pressure"}
@@ -17,16 +20,16 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     """Every second device on a line, channel, bit, service or topic."""
     changer: list[Keys] = [("tool_changer",)] if isinstance(facts.get("tool_changer"), dict) else []
     actuators: list[Keys] = [("actuators", name) for name, _ in facts.actuators()]
-    cylinders: list[Keys] = [("actuators", name) for name, kind in facts.actuators() if kind == "cylinder"]
+    kinds = [(name, get_kind(kind)) for name, kind in facts.actuators()]
     supply: list[Keys] = [("supply",)]
-    bits = (
-        *_claims(changer, "locked_bit", "unlocked_bit"),
-        *_claims(cylinders, "extended_bit", "retracted_bit"),
-    )
-    blowing: list[Keys] = [(*each, "blow_off") for each in actuators if facts.written(*each, "blow_off")]
-    yield from _second(facts, "line", _claims([*changer, *actuators, *blowing], "line"))
+    bits = [*_claims(changer, "locked_bit", "unlocked_bit")]
+    for name, kind in kinds:
+        bits += _claims([("actuators", name)], *(k.key for k in kind.channels if k.carries is Kind.BIT))
+    opposing: list[Keys] = [("actuators", name, kind.opposing) for name, kind in kinds if kind.opposing]
+    opposing = [each for each in opposing if facts.written(*each)]
+    yield from _second(facts, "line", _claims([*changer, *actuators, *opposing], "line"))
     yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))
-    yield from _second(facts, "bit", bits)
+    yield from _second(facts, "bit", tuple(bits))
     yield from _second(facts, "service", _claims([*changer, *actuators], "service"))
     yield from _second(facts, "topic", _claims(actuators, "topic"))
 

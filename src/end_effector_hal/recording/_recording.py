@@ -18,6 +18,7 @@ from typing import Any, Self
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Actuator, Description
 from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording._run import RunInfo, read_run
 from end_effector_hal.recording.tables import AlarmsWriter, PressuresWriter, StatesWriter
@@ -227,15 +228,12 @@ def pressure_channels(description: Description) -> tuple[str, ...]:
 
 
 def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:
-    limits: dict[str, Any] = {
+    return {
         "channel": actuator.channel,
         "kind": actuator.kind,
         "attempts": actuator.attempts,
+        **kind_of(actuator).limits(actuator, description.supply),
     }
-    if actuator.kind == "vacuum":
-        return limits | {name: getattr(actuator, name) for name in ("confirmed_kpa", "gone_kpa", "lost_kpa")}
-    extended_kpa = actuator.extended_fraction * description.supply.nominal_kpa
-    return limits | {"confirmed_kpa": extended_kpa, "gone_kpa": actuator.retracted_kpa}
 
 
 def _begun(folder: Path) -> datetime | None:

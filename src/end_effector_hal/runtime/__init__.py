@@ -1,5 +1,6 @@
 """A tool put together: description, automata and wires, in real time."""
 
+from ._arbiter import connect_arbiter, run_arbiter
 from ._automata import load_automata
 from ._changer_program import ChangerProgram
 from ._end_effector import EndEffector
@@ -9,7 +10,6 @@ from ._grip_program import GripProgram
 from ._lines import arbiter_policy, output_lines, program_lines
 from ._open_program import open_program
 from ._outputs import LineWriter
-from ._owner import connect_arbiter, run_arbiter
 from ._predicate_publisher import PredicatePublisher
 from ._program import Program
 from ._reset import reset

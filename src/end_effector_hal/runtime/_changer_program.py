@@ -19,11 +19,11 @@ from .boundary import NULL_RECORDER, Recorder
 
 
 class ChangerLines(LineWriter, FaultKeeper, Protocol):
-    """What this program needs of the line owner."""
+    """What this program needs of the line arbiter."""
 
 
 class ChangerProgram(Program):
-    """Executes the automata of the tool changer; the line owner keeps its sensor fault until a reset (IL-04)."""
+    """Executes the automata of the tool changer; the line arbiter keeps its sensor fault until a reset (IL-04)."""
 
     NAME: ClassVar = "tool_change"
 

@@ -1,4 +1,4 @@
-"""A program with its connection to the line owner."""
+"""A program with its connection to the line arbiter."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TypeVar
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 
+from ._arbiter import connect_arbiter
 from ._latest_status import Listener
-from ._owner import connect_arbiter
 from ._program import Program
 from .boundary import NULL_RECORDER, open_recorder
 
@@ -37,7 +37,7 @@ def open_program(
         limits: of that folder.
 
     Raises:
-        ArbiterError: there is no line owner.
+        ArbiterError: there is no line arbiter.
         LineBusyError: another process runs this program; says who.
     """
     lines = connect_arbiter(description, program.NAME, patience_s=patience_s)

@@ -21,7 +21,7 @@ class OutputMapping(Protocol):
         """Line and level of every output that a status asks for."""
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
-        """What the line owner does at an ending, by its name in the description."""
+        """What the line arbiter does at an ending, by its name in the description."""
 
     def gripping(self, status: Status) -> bool:
         """Whether a grip is at work, with activations to come."""
@@ -43,7 +43,7 @@ class GripOutputs:
         return dict(zip(self._lines, status.outputs, strict=True))
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
-        """What the line owner does at an ending."""
+        """What the line arbiter does at an ending."""
         return self._maintenance.will or self._last_will.of(status, on=on)
 
     def gripping(self, status: Status) -> bool:
@@ -67,7 +67,7 @@ class ChangerOutputs:
         return {changer.line: status.unlock_output} if changer else {}
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
-        """What the line owner does at an ending."""
+        """What the line arbiter does at an ending."""
         return changer_will(self._description, status, on=on)
 
     def gripping(self, status: Status) -> bool:

@@ -1,4 +1,4 @@
-"""The process that reads the sensor link sends what it proves to the line owner."""
+"""The process that reads the sensor link sends what it proves to the line arbiter."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ REPEAT_US = 50_000
 
 
 class PredicatePublisher:
-    """Frames in, predicates to the line owner: on change at once, else every 50 ms.
+    """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
 
     Call `frame` before the frame goes to anybody else: then the owner knows of it before any command that
     follows from it. A link that is slower than that is repeated by a thread, for as long as its readings are fresh.
@@ -75,5 +75,5 @@ class PredicatePublisher:
 
     def _send(self, proven: Mapping[str, bool], at: int) -> None:
         needed = {name: holds for name, holds in proven.items() if name in self._needed}
-        if (needed != self._sent or at >= self._due) and self._sender.tell(needed, at):
+        if (needed != self._sent or at >= self._due) and self._sender.send(needed, at):
             self._sent, self._due = needed, at + REPEAT_US * 4 // 5

@@ -25,14 +25,14 @@ from ._serial_worker import FollowUp, SerialWorker
 from .boundary import NULL_RECORDER, Recorder
 
 _log = logging.getLogger("end_effector_hal.runtime")
-HUNG_US = 3_000_000  # longer than the longest wait for the line owner
-DECLARED_DEAD = "The line owner took this program for dead and executed its will: it has begun anew."
+HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
+DECLARED_DEAD = "The line arbiter took this program for dead and executed its will: it has begun anew."
 
 
 class Program:
     """What :class:`GripProgram` and :class:`ChangerProgram` have in common; all methods are thread-safe.
 
-    Rule 1: The automata decide in the thread that brings an event, and the write to the line owner is sent there.
+    Rule 1: The automata decide in the thread that brings an event, and the write to the line arbiter is sent there.
         What waits for its reply runs in the program's own thread.
     Rule 2: The listener is called there, once for each step of the automata, in order, after the lines are written.
     Rule 3: No trouble leaves the program, and no trouble of a listener or of the recorder enters it: each is an alarm.
@@ -41,7 +41,7 @@ class Program:
 
     Args:
         description: the tool.
-        lines: the line owner.
+        lines: the line arbiter.
         on_status: called with each status.
         recorder: of the boundary.
         clock: µs.
@@ -98,11 +98,11 @@ class Program:
         self._worker.submit(lambda: self._reaction(self._peer_changed(values)))
 
     def arbiter_lost(self, error: ArbiterError) -> None:
-        """Submit that the connection to the line owner was lost; returns at once."""
+        """Submit that the connection to the line arbiter was lost; returns at once."""
         self._worker.submit(lambda: partial(self._lose, error))
 
     def faults_changed(self, faults: tuple[str, ...]) -> None:
-        """Submit the faults that the line owner has latched, sentences; returns at once."""
+        """Submit the faults that the line arbiter has latched, sentences; returns at once."""
         self._worker.submit(lambda: self._reaction(self._keep_faults(faults)))
 
     def acknowledge(self) -> None:
@@ -114,7 +114,7 @@ class Program:
         return self._ask(lambda: self._decide(name))
 
     def close(self, ending: str = "sigterm") -> None:
-        """End in good order: the line owner does what the description declares for this ending."""
+        """End in good order: the line arbiter does what the description declares for this ending."""
         self._ending = ending
         self._worker.end()
         if self._thread.is_alive():
@@ -131,7 +131,7 @@ class Program:
         raise NotImplementedError
 
     def _fault_found(self) -> bool:
-        """Whether the line owner keeps a sensor fault of this program; raises WireError."""
+        """Whether the line arbiter keeps a sensor fault of this program; raises WireError."""
         return False
 
     def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
@@ -206,9 +206,9 @@ class Program:
             self._worker.run(self._begin)
             self._lines.close(self._outputs.mapping.last_will(self.status, self._ending))
         except WireError as error:
-            _log.warning("the line owner is not there to take the will of %s: %s", self.NAME, error)
+            _log.warning("the line arbiter is not there to take the will of %s: %s", self.NAME, error)
         finally:
-            # after a defect in here the lease is not renewed any more, and the line owner does what is declared
+            # after a defect in here the lease is not renewed any more, and the line arbiter does what is declared
             self._latest.end()
             self._recorder.close()
 
@@ -274,7 +274,7 @@ class Program:
             self._publish_one(self._completed(status, notices))
 
     def _compare_lines(self, statuses: list[Status]) -> list[Status]:
-        """What may be published of statuses after the line owner was lost."""
+        """What may be published of statuses after the line arbiter was lost."""
         at = self._clock()
         if at >= (self._outputs.retry_at or 0):
             try:

@@ -1,7 +1,6 @@
 """What the sensors prove: detectors, rules of the link, predicates, the watch over a held part; sans-IO."""
 
 from ._hold_monitor import HoldMonitor
-from ._margin import margin_pa
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
 from ._senses import Senses
 from ._stand import ToolPlace, tool_place
@@ -15,7 +14,6 @@ __all__ = [
     "Predicates",
     "Senses",
     "ToolPlace",
-    "margin_pa",
     "predicates_fitted",
     "tool_place",
 ]

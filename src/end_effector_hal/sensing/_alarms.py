@@ -3,17 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import Enum
 from typing import ClassVar
 
-
-class AlarmKind(Enum):
-    """What the hold monitor finds while a part is held."""
-
-    WEAK = "weak grip"
-    LEAK = "leak"
-    STALE = "no valid reading"
-    SUPPLY = "supply pressure"
+from end_effector_hal.kinds import AlarmKind
 
 
 @dataclass(frozen=True, slots=True)

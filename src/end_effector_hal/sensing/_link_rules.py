@@ -8,11 +8,11 @@ from typing import ClassVar
 
 from end_effector_hal.codecs import Codec, sequence_of, shows_noise
 from end_effector_hal.description import Description
+from end_effector_hal.kinds import COMPRESSED_AIR, kind_of
 from end_effector_hal.signals import PART, Frame, Kind, Value
 from end_effector_hal.vocabulary import to_us
 
 from ._frozen_detector import FrozenDetector
-from ._plausible import plausible_ranges
 
 SAID_US = 10_000_000
 """So long a reboot of the device is told."""
@@ -52,10 +52,10 @@ class LinkRules:
     def __init__(self, description: Description, codec: Codec, gap_us: int) -> None:
         self._sequence = sequence_of(codec)
         kinds = codec.channels
+        ranges = {description.supply.channel: COMPRESSED_AIR}
+        ranges |= {part.channel: kind_of(part).plausible(part) for _, part in description.ordered}
         self._ranges = {
-            channel: span
-            for channel, span in plausible_ranges(description).items()
-            if kinds.get(channel) is Kind.PRESSURE
+            channel: span for channel, span in ranges.items() if kinds.get(channel) is Kind.PRESSURE
         }
         self._frozen = {
             channel: FrozenDetector(to_us(after_s), gap_us)

@@ -1,10 +1,10 @@
-"""What the line owner must know of the sensors (section 6 of the contract): predicates, from frames and time."""
+"""What the line arbiter must know of the sensors (section 6 of the contract): predicates, from frames and time."""
 
 from __future__ import annotations
 
 from end_effector_hal.codecs import Codec
 from end_effector_hal.description import Description
-from end_effector_hal.sensing._channels import channels_of
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ToolEvidence
 
@@ -13,7 +13,7 @@ from ._senses import Senses
 LOCKED = "locked"
 """The tool is proven to be locked (IL-05)."""
 NOTHING_GRIPPED = "nothing_gripped"
-"""Every vacuum has been vented for a while and every cylinder is retracted, proven by what is fitted (IL-01)."""
+"""Everything is released, and what is left of a vacuum is vented for a while: by what is fitted (IL-01)."""
 PARKED = "parked"
 """The tool is in its stand, or there is none (IL-02)."""
 E_STOP_CLOSED = "e_stop_closed"
@@ -26,7 +26,7 @@ def predicates_fitted(description: Description, codec: Codec) -> frozenset[str]:
     fitted = set()
     if changer and changer.locked_bit in carried and changer.unlocked_bit in carried:
         fitted.add(LOCKED)
-    proving = (channel for _, part in description.ordered for channel in channels_of(part))
+    proving = (channel for _, part in description.ordered for channel in kind_of(part).channel_names(part))
     if changer and any(channel in carried for channel in proving):
         fitted.add(NOTHING_GRIPPED)
     if changer and changer.stand_bit in carried:

@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import ClassVar
 
 from end_effector_hal.codecs import Codec
-from end_effector_hal.description import Description, VacuumActuator, used_channels
-from end_effector_hal.sensing._channels import channels_of
+from end_effector_hal.description import Description, used_channels
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import PART, Frame, StampGate
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
-from ._cylinder_detector import CylinderDetector
 from ._link_rules import LinkRules
 from ._readings import Readings
 from ._supply_detector import SupplyDetector
 from ._tool_detector import ToolDetector
-from ._vacuum_detector import VacuumDetector
 from ._vented_detector import VentedDetector
 
 _EVIDENCE_CHANNELS = {
@@ -53,13 +51,12 @@ class Senses:
         self._rules = LinkRules(description, codec, self.readings.stale_us)
         self._stamps = StampGate("Sensor frames", old_us=self.readings.stale_us, in_order=True)
         self._wanted = tuple(name for name in used_channels(description) if name in codec.channels)
-        self._channels = {name: frozenset(channels_of(part)) for name, part in description.ordered}
+        self._channels = {
+            name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
+        }
         self._noticed: tuple[str, ...] = ()
         self._detectors = tuple(
-            VacuumDetector(part)
-            if isinstance(part, VacuumActuator)
-            else CylinderDetector(part, description.supply)
-            for _, part in description.ordered
+            kind_of(part).detector(part, description.supply) for _, part in description.ordered
         )
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None

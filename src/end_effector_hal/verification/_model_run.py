@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import StatesLog, StatesRow
-from end_effector_hal.vocabulary import Command, EndEffectorState, VacuumState
-from timed_automata import Network, State
-from timed_automata.explore import Trace
+from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
+from timed_automata import Network, State, Trace
 
 __all__ = ["has_states", "states_of"]
 
@@ -52,7 +51,7 @@ def _row(network: Network, columns: list[str], state: State, time_s: float) -> S
             round(time_s, 6),
             EndEffectorState(values[0]),
             Command(values[1]),
-            tuple(int(VacuumState(value)) for value in values[2:]),
+            tuple(int(ActuatorState(value)) for value in values[2:]),
         )
     except ValueError as error:
         raise UsageError(f"Not in Table II: {error}.", where=network.document.path) from None

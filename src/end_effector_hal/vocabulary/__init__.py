@@ -6,15 +6,13 @@ from ._tables import (
     ACTIVE,
     INACTIVE,
     PENDING,
+    ActuatorState,
     Command,
-    CylinderState,
     EndEffectorState,
     TableState,
-    VacuumState,
-    actuator_states,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, is_name, printable
+from ._text import LONGEST_SENTENCE, hint, is_name, printable
 from ._time import to_s, to_us
 
 __all__ = [
@@ -23,20 +21,19 @@ __all__ = [
     "LEASE_US",
     "LONGEST_SENTENCE",
     "PENDING",
+    "ActuatorState",
     "Cause",
     "ChangerFault",
     "ChangerState",
     "Command",
-    "CylinderState",
     "EndEffectorState",
     "Evidence",
     "LastWill",
     "LastWillStep",
     "TableState",
     "ToolEvidence",
-    "VacuumState",
-    "actuator_states",
     "display_name",
+    "hint",
     "is_name",
     "printable",
     "read_last_will",

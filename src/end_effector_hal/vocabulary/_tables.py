@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from enum import IntEnum
 from typing import Self
 
@@ -53,38 +52,15 @@ class Command(TableState):
     QUIT = 5
 
 
-class VacuumState(TableState):
-    """A vacuum generator with its cups."""
+class ActuatorState(TableState):
+    """What the actuator columns have in common; each kind of device has its own words for the three."""
 
-    OFF = 0
-    PENDING_ON = 1
-    ON = 2
-
-
-class CylinderState(TableState):
-    """A pneumatic cylinder."""
-
-    RETRACTED = 0
-    PENDING_EXTEND = 1
-    EXTENDED = 2
+    INACTIVE = 0
+    PENDING = 1
+    ACTIVE = 2
 
 
 INACTIVE, PENDING, ACTIVE = 0, 1, 2
-"""What the actuator columns have in common, whatever their words."""
-
-_COLUMNS: Mapping[str, type[TableState]] = {"vacuum": VacuumState, "cylinder": CylinderState}
-
-
-def actuator_states(name: str, kinds: Mapping[str, str] | None = None) -> type[TableState]:
-    """The column of Table II whose words an actuator has.
-
-    ``kinds`` (of run.json) decides. A recording without it: the column whose heading is part of the
-    actuator's name, else vacuum's, whose OFF and ON fit anything.
-    """
-    kind = (kinds or {}).get(name, "")
-    if kind in _COLUMNS:
-        return _COLUMNS[kind]
-    return next((states for heading, states in _COLUMNS.items() if heading in name), VacuumState)
 
 
 def display_name(name: str) -> str:

@@ -20,8 +20,8 @@ from ._kept import forget_others, keep
 
 HERE = Path(__file__).parent
 DISTRIBUTION = "end-effector-hal"
-FOR_FIGURES = {"matplotlib"}
-"""They are drawn here, not on the board."""
+EXTRA = "extra == 'modbus'"
+"""On the board, too; figures are drawn here."""
 
 
 def cache() -> Path:
@@ -102,7 +102,7 @@ def _requirements(name: str, known: set[str] | None = None) -> set[str]:
     for text in distribution(name).requires or ():
         needed = re.split(r"[^A-Za-z0-9._-]", text, maxsplit=1)[0]
         key = re.sub(r"[-_.]+", "-", needed).lower()
-        if "extra ==" in text or key in known | FOR_FIGURES:
+        if ("extra ==" in text and EXTRA not in text) or key in known:
             continue
         known.add(key)
         try:

@@ -9,11 +9,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
+from importlib.metadata import distribution
 from pathlib import Path
 
 from end_effector_hal.errors import RosError
 
 from ._cpio import write_archive
+from ._parts import DISTRIBUTION
 
 HERE = Path(__file__).parent
 PACKAGES = [HERE.parents[1] / name for name in ("timed_automata", "end_effector_hal", "end_effector_lab")]
@@ -42,6 +44,7 @@ def write_root(parts: Path, place: Path, job: str, files: Mapping[str, str], *, 
     ignore = shutil.ignore_patterns("__pycache__")
     for package in PACKAGES:
         shutil.copytree(package, site / package.name, ignore=ignore)
+    _write_metadata(site)
     if ros:
         shutil.copytree(_messages(), site / ROS_PACKAGES[0], ignore=ignore)
         for name in ROS_PACKAGES:
@@ -66,6 +69,15 @@ def write_root(parts: Path, place: Path, job: str, files: Mapping[str, str], *, 
         write_archive(more, file)
     shutil.rmtree(more)
     return root
+
+
+def _write_metadata(site: Path) -> None:
+    """The entry points by which `eehal` finds the commands of the workshop."""
+    own = distribution(DISTRIBUTION)
+    place = site / f"{DISTRIBUTION.replace('-', '_')}-{own.version}.dist-info"
+    place.mkdir()
+    for name in ("METADATA", "entry_points.txt"):
+        (place / name).write_text(own.read_text(name) or "", encoding="utf-8")
 
 
 def _messages() -> Path:

@@ -9,7 +9,7 @@ import click
 
 from end_effector_hal.cli import PathName, end_in_order
 
-from ._demo import chosen, console, json_option, no_figures_option, only_option
+from ._demo import chosen, console, figures_wanted, json_option, no_figures_option, only_option
 
 
 @click.command("board", short_help="a scenario on an emulated Verdin, without hardware")
@@ -61,6 +61,7 @@ def command(
     if build_only:
         click.echo(parts)
         return
+    figures = figures_wanted(no_figures, progress)
     reports = []
     for scenario in picked:
         folder = output / f"board-{scenario.name}"
@@ -71,7 +72,7 @@ def command(
                 parts,
                 folder,
                 ros=not no_ros,
-                figures=not no_figures,
+                figures=figures,
                 while_running=shown.update,
             )
         reports.append(played.report)

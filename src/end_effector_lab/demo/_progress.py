@@ -11,8 +11,9 @@ from typing import Self
 from rich.console import Console
 from rich.status import Status
 
+from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import RunInfo
-from end_effector_hal.vocabulary import actuator_states, display_name
+from end_effector_hal.vocabulary import display_name
 
 from ._last_state import last_row
 
@@ -71,7 +72,7 @@ class Progress:
         log, row = found
         words = [row.end_effector.label]
         words += [
-            f"{display_name(name)} {actuator_states(name, self._info.actuators)(value).label}"
+            f"{display_name(name)} {recorded_kind(name, self._info.actuators).states(value).label}"
             for name, value in zip(log.actuators, row.actuators, strict=True)
             if value
         ]

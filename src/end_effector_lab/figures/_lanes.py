@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
+from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import RunInfo, StatesLog
-from end_effector_hal.vocabulary import TableState, actuator_states, display_name
+from end_effector_hal.vocabulary import TableState, display_name
 from end_effector_lab.figures._labels import Box, Point, Sheet, first_fitting, height_of, width_of
 from end_effector_lab.figures._style import kind_of, wordings
 
@@ -77,7 +78,7 @@ def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:
         ("command", "Command", [row.command for row in log.rows]),
     ]
     for index, name in enumerate(log.actuators):
-        table = actuator_states(name, info.actuators)
+        table = recorded_kind(name, info.actuators).states
         columns.append((name, display_name(name), [table(row.actuators[index]) for row in log.rows]))
     return [Lane(name, title, segments_of(times, states, end_s)) for name, title, states in columns]
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import PressuresLog, RunInfo
-from end_effector_hal.vocabulary import CylinderState, actuator_states, display_name
+from end_effector_hal.vocabulary import display_name
 from end_effector_lab.figures._labels import height_of, spread, width_of
 from end_effector_lab.figures._style import BAND, BAND_INK, CURVES, SUPPLY
 
@@ -20,7 +21,7 @@ _GAP_S = 1.5
 
 
 @dataclass(frozen=True)
-class Curve:
+class PanelCurve:
     """One channel, kPa gauge; NaN where there was none."""
 
     title: str
@@ -40,7 +41,7 @@ class Panel:
 
     title: str
     below: bool
-    curves: list[Curve] = field(default_factory=list)
+    curves: list[PanelCurve] = field(default_factory=list)
     bands: dict[float, list[str]] = field(default_factory=dict)
 
     def range_kpa(self) -> tuple[float, float]:
@@ -76,7 +77,7 @@ def panels_of(pressures: PressuresLog | None, info: RunInfo, actuators: tuple[st
         owner = _owner(channel, info, actuators)
         panel = vacuum if _is_vacuum(owner, values, info) else above
         title, colour = (display_name(owner), colours[owner]) if owner else (display_name(channel), SUPPLY)
-        panel.curves.append(Curve(title, colour, *_broken(pressures.times_s, curve)))
+        panel.curves.append(PanelCurve(title, colour, *_broken(pressures.times_s, curve)))
         limit = info.limits.get(owner or "", {}).get("confirmed_kpa")
         if owner and isinstance(limit, int | float) and math.isfinite(limit) and 0 < limit < 1e4:
             panel.bands.setdefault(-limit if panel.below else limit, []).append(display_name(owner))
@@ -92,7 +93,7 @@ def _owner(channel: str, info: RunInfo, actuators: tuple[str, ...]) -> str | Non
 
 def _is_vacuum(owner: str | None, values: list[float], info: RunInfo) -> bool:
     if owner is not None:
-        return actuator_states(owner, info.actuators) is not CylinderState
+        return recorded_kind(owner, info.actuators).below_ambient
     return max(values) < 20
 
 

@@ -3,62 +3,43 @@
 from ._bench import Bench
 from ._carried import carried
 from ._clock import Clock, Monotonic, clock_of
-from ._cylinder import Cylinder
-from ._device import Device
 from ._faults import FAULTS, Fault
 from ._gpio_inputs import GpioInputs
-from ._grid import STEP_US, Model
 from ._inputs import LineInputs, OnEdge, VirtualInputs
 from ._noise import Noise
 from ._parse import parse_scenario
 from ._places import open_inputs, open_port
-from ._plant import Plant
 from ._ports import Port, PtyPort, SerialPort
 from ._qemu_inputs import QemuInputs
 from ._records import Events, Record, edges_of
 from ._run import run_testbench
 from ._scenario import Effect, Scenario
-from ._sensor import Sensor
 from ._sensor_board import SensorBoard, Sent
 from ._sim_inputs import GpioSimInputs
-from ._supply import Supply
 from ._testbench import Testbench, Watcher
-from ._tool_changer import ToolChanger
-from ._vacuum import VacuumCircuit
-from ._valve import Valve
 
 __all__ = [
     "FAULTS",
-    "STEP_US",
     "Bench",
     "Clock",
-    "Cylinder",
-    "Device",
     "Effect",
     "Events",
     "Fault",
     "GpioInputs",
     "GpioSimInputs",
     "LineInputs",
-    "Model",
     "Monotonic",
     "Noise",
     "OnEdge",
-    "Plant",
     "Port",
     "PtyPort",
     "QemuInputs",
     "Record",
     "Scenario",
-    "Sensor",
     "SensorBoard",
     "Sent",
     "SerialPort",
-    "Supply",
     "Testbench",
-    "ToolChanger",
-    "VacuumCircuit",
-    "Valve",
     "VirtualInputs",
     "Watcher",
     "carried",

@@ -8,20 +8,15 @@ from difflib import get_close_matches
 from end_effector_hal.description import Description
 from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
-from end_effector_hal.signals import Value
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.signals import Kind, Value
 
-from ._cylinder import Cylinder
-from ._device import Device
 from ._noise import Noise
-from ._parse import TOOL_CHANGER, device_kinds, parse_scenario
-from ._plant import Plant
+from ._parse import TOOL_CHANGER, device_physics, parse_scenario
 from ._scenario import Scenario
 from ._station import Station
-from ._supply import Supply
-from ._tool_changer import ToolChanger
-from ._vacuum import VacuumCircuit
-from ._valve import Valve
 from ._wire import disturbed
+from .physics import Device, Plant, Supply, Valve
 
 NOISE_KPA = 0.1
 BOOT_US = 300_000
@@ -57,8 +52,12 @@ class Bench:
         self._start = self._chosen_at = self._booted = start
         self._frozen: dict[str, Value] = {}
         supply = Supply(self._supply_kpa(), start=start)
-        kinds = device_kinds(description)
-        devices = {name: self._device(name, kind, supply, start) for name, kind in kinds.items()}
+        devices = {
+            name: physics.on_air(
+                Valve(self._noise.between(f"valve {name}", *physics.valve_us)), supply, start
+            )
+            for name, physics in device_physics(description).items()
+        }
         self._plant = Plant(supply, devices, start)
         lines = self.lines
         self._stations = {
@@ -150,9 +149,9 @@ class Bench:
             device = devices[name]
             if device.pressure_kpa is not None:
                 values[actuator.channel] = self._shown(name, actuator.channel, device.pressure_kpa, at)
-            if actuator.kind == "cylinder":
-                places = {actuator.extended_bit: "extended", actuator.retracted_bit: "retracted"}
-                values |= {bit: device.bits[place] for bit, place in places.items() if bit}
+            for key in kind_of(actuator).channels:
+                if key.carries is Kind.BIT and (bit := getattr(actuator, key.key)):
+                    values[bit] = device.bits[key.meaning]
         if description.tool_changer is not None:
             values |= self._changer_bits(description.tool_changer, devices[TOOL_CHANGER].bits)
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
@@ -206,13 +205,3 @@ class Bench:
     def _supply_kpa(self) -> float:
         kpa = self.scenario.supply_kpa
         return self._description.supply.nominal_kpa if kpa is None else kpa
-
-    def _device(self, name: str, kind: str, supply: Supply, start: int) -> Device:
-        """A device of its kind, with a valve whose dead time is its own."""
-        low, high = (20_000, 45_000) if kind == "vacuum" else (15_000, 60_000)
-        valve = Valve(self._noise.between(f"valve {name}", low, high))
-        if kind == "vacuum":
-            return VacuumCircuit(valve, start=start)
-        if kind == "cylinder":
-            return Cylinder(valve, supply, start=start)
-        return ToolChanger(valve, start=start)

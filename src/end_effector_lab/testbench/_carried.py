@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Kind, Value
 
 
@@ -32,7 +33,7 @@ def _present_pa(channel: str, description: Description) -> float:
     """Where a pressure switch on this channel closes, as a magnitude."""
     for actuator in description.actuators.values():
         if actuator.channel == channel:
-            if actuator.kind == "vacuum":
-                return actuator.confirmed_kpa * 1000
-            return actuator.extended_fraction * description.supply.nominal_kpa * 1000
+            limits = kind_of(actuator).limits(actuator, description.supply)
+            if "confirmed_kpa" in limits:
+                return limits["confirmed_kpa"] * 1000
     return description.supply.refuse_kpa * 1000

@@ -6,10 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ._scenario import NEVER
+from .physics import ACTUATOR, CHANGER, LEAKS, PRESSURE
 
-ANY = frozenset({"vacuum", "cylinder", "tool_changer"})
-AIR = frozenset({"vacuum", "cylinder"})
-CHANGER = frozenset({"tool_changer"})
+ANY = ACTUATOR, CHANGER
 
 
 @dataclass(frozen=True)
@@ -31,14 +30,14 @@ class Fault:
         name: as it stands in a scenario, ``name[:actuator][:number]``.
         meaning: a phrase for people.
         changes: field of :class:`Effect` (or of :class:`Scenario`) and value, from the number.
-        on: kinds of devices that can have it; empty: it concerns the whole bench.
+        on: traits of devices, one of which it takes; empty: it concerns the whole bench.
         number: what else is to be given.
     """
 
     name: str
     meaning: str
     changes: Callable[[float], Mapping[str, object]]
-    on: frozenset[str] = frozenset()
+    on: tuple[str, ...] = ()
     number: Number | None = None
 
     @property
@@ -67,24 +66,24 @@ FAULTS: tuple[Fault, ...] = (
           Number("times", 1, 1000, whole=True)),
     Fault("never-confirms", "no activation has any effect", lambda _: {"dead_activations": NEVER}, ANY),
     Fault("stuck-release", "its feedback stays after the deactivation", lambda _: {"stuck": True}, ANY),
-    Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, frozenset({"vacuum"}),
+    Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, (LEAKS,),
           Number("l_min", 0.1, 2000, default=4.0)),
     Fault("leak-grows", "its leak grows by so much in each second: weak, and lost in the end",
-          lambda q: {"leak_grows_l_min_s": q}, frozenset({"vacuum"}), Number("l_min_s", 0.01, 100, default=1.0)),
+          lambda q: {"leak_grows_l_min_s": q}, (LEAKS,), Number("l_min_s", 0.01, 100, default=1.0)),
     Fault("lost-after", "what it holds is lost, so long after the activation",
-          lambda s: {"lost_after_us": _micros(s)}, AIR, Number("seconds", 0.001, 86400)),
-    Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, AIR),
-    Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, AIR,
+          lambda s: {"lost_after_us": _micros(s)}, (ACTUATOR,), Number("seconds", 0.001, 86400)),
+    Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, (PRESSURE,)),
+    Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, (PRESSURE,),
           Number("kpa", -110, 800)),
-    Fault("frozen-after", "its sensor stays at what it shows", lambda s: {"frozen_after_us": _micros(s)}, AIR,
+    Fault("frozen-after", "its sensor stays at what it shows", lambda s: {"frozen_after_us": _micros(s)}, (PRESSURE,),
           Number("seconds", 0, 86400)),
-    Fault("swapped", "its sensor is exchanged with that of the next actuator", lambda _: {"swapped": True}, AIR),
+    Fault("swapped", "its sensor is exchanged with the next actuator's", lambda _: {"swapped": True}, (PRESSURE,)),
     Fault("locked-shows", "its sensor of locked shows this bit, whatever is there",
-          lambda b: {"locked_shows": bool(b)}, CHANGER, BIT),
+          lambda b: {"locked_shows": bool(b)}, (CHANGER,), BIT),
     Fault("unlocked-shows", "its sensor of unlocked shows this bit, whatever is there",
-          lambda b: {"unlocked_shows": bool(b)}, CHANGER, BIT),
+          lambda b: {"unlocked_shows": bool(b)}, (CHANGER,), BIT),
     Fault("stand-shows", "the sensor of the tool's stand shows this bit, wherever the tool is",
-          lambda b: {"stand_shows": bool(b)}, CHANGER, BIT),
+          lambda b: {"stand_shows": bool(b)}, (CHANGER,), BIT),
     Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
           number=Number("kpa", 0, 2000)),
     Fault("silent-after", "the link falls silent", lambda s: {"silent_after_us": _micros(s)},

@@ -13,14 +13,15 @@ from end_effector_hal.errors import UsageError
 
 from ._faults import FAULTS, Fault, Number
 from ._scenario import Effect, Scenario
+from .physics import Device, ToolChanger, physics_of
 
 TOOL_CHANGER = "tool_changer"
 
 
-def device_kinds(description: Description) -> dict[str, str]:
-    """Name and kind of each device that a fault can concern: ``tool_changer``, then the actuators."""
-    changer = {TOOL_CHANGER: TOOL_CHANGER} if description.tool_changer else {}
-    return changer | {name: actuator.kind for name, actuator in description.ordered}
+def device_physics(description: Description) -> dict[str, type[Device]]:
+    """How each device behaves that a fault can concern: ``tool_changer``, then the actuators."""
+    changer: dict[str, type[Device]] = {TOOL_CHANGER: ToolChanger} if description.tool_changer else {}
+    return changer | {name: physics_of(actuator.kind) for name, actuator in description.ordered}
 
 
 def parse_scenario(text: str, description: Description) -> Scenario:
@@ -30,11 +31,11 @@ def parse_scenario(text: str, description: Description) -> Scenario:
         UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the
             actuator cannot have, or two faults that contradict each other.
     """
-    kinds = device_kinds(description)
+    physics = device_physics(description)
     whole: dict[str, Any] = {}
     devices: dict[str, dict[str, Any]] = {}
     for part in (each.strip() for each in text.split(",")):
-        fault, device, number = _read(part, kinds)
+        fault, device, number = _read(part, physics)
         changed = devices.setdefault(device, {}) if device else whole
         for key, value in fault.changes(number).items():
             if changed.get(key, value) != value:
@@ -44,7 +45,7 @@ def parse_scenario(text: str, description: Description) -> Scenario:
     return replace(Scenario(text=text, effects=effects), **whole)
 
 
-def _read(part: str, kinds: Mapping[str, str]) -> tuple[Fault, str, float]:
+def _read(part: str, physics: Mapping[str, type[Device]]) -> tuple[Fault, str, float]:
     """Fault, device (empty: none) and number (NaN: none) of one part."""
     name, *values = part.split(":")
     fault = next((fault for fault in FAULTS if fault.name == name), None)
@@ -55,11 +56,11 @@ def _read(part: str, kinds: Mapping[str, str]) -> tuple[Fault, str, float]:
     device = ""
     if fault.on:
         device = values.pop(0) if values else ""
-        if device not in kinds:
+        if device not in physics:
             what = f"{part!r}: no actuator is named {device!r}." if device else f"{part!r} names no actuator."
-            raise UsageError(what, todo=_instead(device, kinds))
-        if kinds[device] not in fault.on:
-            raise UsageError(f"{part!r}: a {kinds[device].replace('_', ' ')} cannot have this fault.")
+            raise UsageError(what, todo=_instead(device, physics))
+        if physics[device].traits.isdisjoint(fault.on):
+            raise UsageError(f"{part!r}: {device} cannot have this fault.")
     number = _number(part, values, fault.number) if fault.number else math.nan
     if values:
         raise UsageError(f"{part!r} has too many parts.", todo=f"Expected: {fault.usage}.")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ._device import Device
 from ._scenario import Effect
+from .physics import Device
 
 
 class Station:

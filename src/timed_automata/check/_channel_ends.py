@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from timed_automata import Edge, Network
+from timed_automata.network import Edge, Network
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,33 +6,49 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from timed_automata import Network, StoredQuery, Text
-from timed_automata import _ast as ast
-from timed_automata._trace import Trace
+from timed_automata.document import StoredQuery, Text
 from timed_automata.errors import RangeError
-from timed_automata.explore._collector import without_collector
-from timed_automata.explore._concrete import Leg, NoRunError, concrete
-from timed_automata.explore._delay import Only, Within
-from timed_automata.explore._discrete import DiscreteSpace
-from timed_automata.explore._divergence import Timelocks, taken, zeno_run
-from timed_automata.explore._extremes import FoundExtreme, extreme_clock, extreme_integer
-from timed_automata.explore._formula import (
+from timed_automata.explore.properties import (
+    FoundExtreme,
+    Reachability,
+    SanityReport,
+    Timelocks,
+    Verdict,
+    answer,
+    extreme_clock,
+    extreme_integer,
+    sanity_of,
+    taken,
+    zeno_run,
+)
+from timed_automata.explore.search import (
+    Lasso,
+    LassoSearch,
+    Leg,
+    NoRunError,
+    Only,
+    OutOfRangeError,
+    Progress,
+    Search,
+    Start,
+    Within,
+    ZoneCondition,
+    concrete,
+    without_collector,
+)
+from timed_automata.explore.states import DiscreteSpace, InvariantGuardedSpace, SymbolicSpace
+from timed_automata.explore.zones import Limit, Limits, limits_of, merged
+from timed_automata.language import ast
+from timed_automata.network import Network, Trace
+from timed_automata.queries import (
     All,
     Formula,
+    Query,
     compile_clock,
     compile_integer,
     compile_without_deadlock,
+    parse_query,
 )
-from timed_automata.explore._invariant_guarded import InvariantGuardedSpace
-from timed_automata.explore._limits import Limit, Limits, limits_of, merged
-from timed_automata.explore._liveness import Lasso, LassoSearch, Start
-from timed_automata.explore._query import Query, parse_query
-from timed_automata.explore._reach import OutOfRangeError, Progress, Search
-from timed_automata.explore._reachability import Reachability, answer
-from timed_automata.explore._sanity import SanityReport, sanity_of
-from timed_automata.explore._symbolic import SymbolicSpace
-from timed_automata.explore._verdict import Verdict
-from timed_automata.explore._zone_condition import ZoneCondition
 
 
 class RunTimeError(RangeError):
@@ -254,6 +270,6 @@ def _anywhere(_: object, zone: tuple[int, ...]) -> tuple[int, ...]:
     return zone
 
 
-def check(network: Network, query: Query | StoredQuery | Text | str) -> Verdict:
+def verify(network: Network, query: Query | StoredQuery | Text | str) -> Verdict:
     """The answer to one query; see :meth:`Explorer.check`. For several about one network make an Explorer."""
     return Explorer(network).check(query)

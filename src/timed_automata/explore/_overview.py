@@ -9,30 +9,39 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from timed_automata import Network
-from timed_automata import _ast as ast
-from timed_automata.explore._bounded import BoundedResponse, bounded
-from timed_automata.explore._collector import without_collector
-from timed_automata.explore._condition_filter import ConditionFilter
-from timed_automata.explore._coverage_report import CoverageReport, coverage_report, open_channels
-from timed_automata.explore._deadlock import Deadlocks
-from timed_automata.explore._deadlock_free import DeadlockFree
-from timed_automata.explore._discrete import DiscreteSpace
-from timed_automata.explore._divergence import taken
-from timed_automata.explore._first_hit_watch import FirstHitWatch
-from timed_automata.explore._formula import Data, Formula, compile_formula, mentions_deadlock
-from timed_automata.explore._invariant_guarded import InvariantGuardedSpace
-from timed_automata.explore._leads_to import LeadsTo
-from timed_automata.explore._limits import Limit, limits_of
-from timed_automata.explore._located import LocatedLimits, QueryLimits, tested_clocks
-from timed_automata.explore._query import Query
-from timed_automata.explore._query_terms import location_of
-from timed_automata.explore._reach import Progress, SearchNode
-from timed_automata.explore._sliced import SlicedSemantics
-from timed_automata.explore._symbolic import StateRecord
-from timed_automata.explore._widest_first import WidestFirst
-from timed_automata.explore._zeno import zeno_cycle
-from timed_automata.explore._zone_condition import ZoneCondition
+from timed_automata.explore.properties import (
+    BoundedResponse,
+    CoverageReport,
+    LeadsTo,
+    bounded,
+    coverage_report,
+    open_channels,
+    taken,
+    zeno_cycle,
+)
+from timed_automata.explore.search import (
+    DeadlockFree,
+    Deadlocks,
+    Progress,
+    SearchNode,
+    WidestFirst,
+    ZoneCondition,
+    without_collector,
+)
+from timed_automata.explore.states import DiscreteSpace, InvariantGuardedSpace, SlicedSemantics, StateRecord
+from timed_automata.explore.zones import Limit, LocatedLimits, QueryLimits, limits_of, tested_clocks
+from timed_automata.language import ast
+from timed_automata.network import Network
+from timed_automata.queries import (
+    ConditionFilter,
+    Data,
+    FirstHitWatch,
+    Formula,
+    Query,
+    compile_formula,
+    location_of,
+    mentions_deadlock,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,19 +6,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from operator import eq, ge, gt, le, lt
 from typing import Any, NamedTuple
 
-from timed_automata import (
-    Bound,
-    Edge,
-    ExecutionSnapshot,
-    Fired,
-    Network,
-    Resumed,
-    Semantics,
-    State,
-    Transition,
-    snapshot_of,
-)
+from timed_automata.compiler import Bound
 from timed_automata.errors import RangeError
+from timed_automata.execute import ExecutionSnapshot, Resumed, snapshot_of
+from timed_automata.network import Edge, Fired, Network, Semantics, State, Transition
 
 _OPS: dict[str, Callable[[Any, Any], bool]] = {"<": lt, "<=": le, "==": eq, ">=": ge, ">": gt}
 

@@ -8,25 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from timed_automata import (
+from timed_automata.errors import RangeError, UsageError
+from timed_automata.execute import (
     Begun,
     ExecutionBoundary,
     ExecutionSnapshot,
-    Network,
     Observation,
     Received,
-    State,
     Step,
-    Transition,
     Written,
     resume,
 )
-from timed_automata._trace import changes_between
-from timed_automata.errors import RangeError, UsageError
 from timed_automata.monitor._concrete_state import ConcreteState
 from timed_automata.monitor._monitored_query import monitored_queries
 from timed_automata.monitor._objection import Objection, ObjectionKind
 from timed_automata.monitor._words import changes_in_words, in_words, named, same_edges, why_not
+from timed_automata.network import Network, State, Transition, changes_between
 
 
 class Monitor:

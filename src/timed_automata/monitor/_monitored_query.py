@@ -6,8 +6,9 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
-from timed_automata import ClockSymbol, Function, Network, Process, Scope, State, Storage, effects_of
-from timed_automata.explore import Case, Formula, compile_formula, parse_query
+from timed_automata.compiler import ClockSymbol, Function, Scope, Storage
+from timed_automata.network import Network, Process, State, effects_of
+from timed_automata.queries import Case, Formula, compile_formula, parse_query
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from timed_automata import Change, Edge, Network, State, Step, Transition
+from timed_automata.execute import Step
+from timed_automata.network import Change, Edge, Network, State, Transition
 
 
 def same_edges(network: Network, transition: Transition, step: Step) -> bool:

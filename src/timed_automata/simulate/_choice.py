@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from timed_automata import Network, State, Text, parse_expression
+from timed_automata.document import Text
 from timed_automata.errors import UsageError
-from timed_automata.explore import Data, compile_formula
+from timed_automata.language import parse_expression
+from timed_automata.network import Network, State
+from timed_automata.queries import Data, compile_formula
 from timed_automata.simulate._machine import US_PER_UNIT, Option
 
 _TIMED = re.compile(r"(?P<what>.*?)(?:(?P<sign>[@+])\s*(?P<ms>\d+(?:\.\d+)?)\s*(?:ms)?)?", re.DOTALL)

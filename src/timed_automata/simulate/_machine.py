@@ -5,11 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple
 
-from timed_automata import Fired, Network, Semantics, Transition
-from timed_automata._clocks import NEVER, ClockInstants
-from timed_automata._successors import SuccessorCache
-from timed_automata._trace import TraceStep, changes_between
 from timed_automata.errors import ModelError, RangeError
+from timed_automata.execute import NEVER, ClockInstants, SuccessorCache
+from timed_automata.network import Fired, Network, Semantics, TraceStep, Transition, changes_between
 
 US_PER_UNIT = 1000  # the model's unit is the millisecond
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
-from timed_automata import Network
-from timed_automata._trace import Trace, TraceStep
 from timed_automata.errors import RangeError, UsageError
+from timed_automata.network import Network, Trace, TraceStep
 from timed_automata.simulate._choice import Choice
 from timed_automata.simulate._machine import US_PER_UNIT, Machine, Option
 

@@ -1,6 +1,6 @@
 """The container image, as it was built: what is in it, who runs it, and one grip against the testbench outside of it.
 
-In the order of the file: the container is not started, then its line owner runs, then the nodes run, too.
+In the order of the file: the container is not started, then its line arbiter runs, then the nodes run, too.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def health(box: Box, parts: str) -> int:
     return box.run(*command, env={"EEHAL_HEALTH": parts}).returncode
 
 
-OWNER, HAL = "description,lines,owner", "description,ros,owner,link"
+OWNER, HAL = "description,lines,arbiter", "description,ros,arbiter,link"
 
 
 def test_it_is_not_healthy_before_anything_runs(box: Box) -> None:
@@ -78,8 +78,8 @@ def test_it_is_not_healthy_before_anything_runs(box: Box) -> None:
 
 @pytest.fixture(scope="module")
 def owner(box: Box) -> Child:
-    """The line owner, by the entry that the image declares."""
-    assert box.config["Cmd"] == ["owner"]
+    """The line arbiter, by the entry that the image declares."""
+    assert box.config["Cmd"] == ["arbiter"]
     child = box.start("owner", *box.config["Entrypoint"], *box.config["Cmd"])
     child.wait_until(lambda: health(box, OWNER) == 0, timeout_s=box.limit_s, what="its health")
     return child

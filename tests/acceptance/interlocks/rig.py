@@ -1,4 +1,4 @@
-"""One end-effector in this process: real line owner on a real socket, real programs, simulated sensors."""
+"""One end-effector in this process: real line arbiter on a real socket, real programs, simulated sensors."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from pathlib import Path
 from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import CHANNELS
-from end_effector_hal.description import BlowOff, Description, EStop, VacuumActuator, load, profile_path
+from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.kinds.vacuum import BlowOff, VacuumActuator
 from end_effector_hal.runtime import (
     ChangerProgram,
     GoalRunner,
@@ -48,7 +49,7 @@ def quick() -> Description:
 
 
 class Rig:
-    """Answers every line as its device would; ``odd`` are channels that show something else.
+    """RequestHandler every line as its device would; ``odd`` are channels that show something else.
 
     ``silent``: no frame comes. ``programs``: Grip and ToolChange; without them the lines are free for a hand.
     """

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
-from end_effector_hal.description import Description, VacuumActuator
+from end_effector_hal.description import Description
+from end_effector_hal.kinds.vacuum import VacuumActuator
 from end_effector_lab.testbench import Bench
 
 MARGIN_KPA = 1.5

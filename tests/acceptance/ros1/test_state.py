@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.vocabulary import Command, CylinderState, EndEffectorState, VacuumState
+from end_effector_hal.kinds.cylinder import CylinderState
+from end_effector_hal.kinds.vacuum import VacuumState
+from end_effector_hal.vocabulary import Command, EndEffectorState
 from tests.support.patience import PATIENCE_S
 
 pytestmark = pytest.mark.ros

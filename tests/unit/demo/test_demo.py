@@ -115,11 +115,11 @@ def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
     left: Callable[[], set[int]],
 ) -> None:
     real = world_module.EEHAL
-    program = "import sys; args = sys.argv[1:]; sys.exit('no chip today') if args[0] == 'owner' else None; "
+    program = "import sys; args = sys.argv[1:]; sys.exit('no chip today') if args[0] == 'arbiter' else None; "
     monkeypatch.setattr(world_module, "EEHAL", (*real[:2], program + real[2]))
     with pytest.raises(ArbiterError) as raised:
         list(run_demo(verdin, scenarios(verdin)[:1], tmp_path, ros=False, progress=Console(quiet=True)))
-    assert str(raised.value).startswith("The line owner ended (exit code 1) before its socket.")
+    assert str(raised.value).startswith("The line arbiter ended (exit code 1) before its socket.")
     assert str(raised.value).endswith("no chip today")
     assert left() == set()
     assert (tmp_path / "nominal" / "owner.log").read_text() == "no chip today\n"

@@ -9,9 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from end_effector_hal.description import (
-    CylinderActuator,
     Description,
-    VacuumActuator,
     _paths,
     camel_case,
     examine_text,
@@ -21,6 +19,8 @@ from end_effector_hal.description import (
     socket_path,
 )
 from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds.cylinder import CylinderActuator
+from end_effector_hal.kinds.vacuum import VacuumActuator
 
 
 @pytest.fixture

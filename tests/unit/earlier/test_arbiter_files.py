@@ -1,4 +1,4 @@
-"""What a line owner of version 0.1 left for the next one is believed: last wills, levels, latched faults."""
+"""What a line arbiter of version 0.1 left for the next one is believed: last wills, levels, latched faults."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires.lines import read_chip
 
 BOTTOM, CYLINDER, TOP, UNLOCK = "SODIMM_208", "SODIMM_210", "SODIMM_212", "SODIMM_206"
-NOT_EXECUTED = (
-    "No last will was executed, because no record of the sessions was found: what was active stays active."
-)
+NOT_EXECUTED = "No last will was executed, because no session record was found: what was active stays active."
 
 
 def storage(path: Path) -> FileStorage:

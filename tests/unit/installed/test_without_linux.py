@@ -9,35 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.blocked import eehal_without
+from tests.support.refuted import REFUTED
 from tests.unit.earlier.conftest import ARCHIVE
 
 BLOCKED = ("fcntl", "termios", "pwd", "grp", "gpiod", "inotify_simple")
-WITHOUT = f"""
-import sys
-
-class Blocked:
-    def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in {BLOCKED}:
-            raise ModuleNotFoundError(f"{{name}} is blocked", name=name)
-
-for name in {BLOCKED}:
-    sys.modules.pop(name, None)
-sys.meta_path.insert(0, Blocked())
-"""
-EEHAL = f"{WITHOUT}\nfrom end_effector_hal.cli import main\nmain()\n"
-MODEL = """<nta><declaration>clock x; int ee = 6, command = -1, actuator[1];</declaration><template><name>P</name>
-<location id="a"><name>A</name><label kind="invariant">x &lt;= 3</label></location>
-<location id="b"><name>B</name></location>
-<init ref="a"/><transition><source ref="a"/><target ref="b"/></transition></template>
-<system>system P;</system>
-<queries><query><formula>A[] P.A</formula><comment>[stays] It stays.</comment></query></queries></nta>
-"""
 
 
 def eehal(*words: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-c", EEHAL, *map(str, words)], capture_output=True, text=True, check=False
-    )
+    return eehal_without(BLOCKED, *words)
 
 
 @pytest.fixture
@@ -53,7 +33,7 @@ def test_a_tool_is_looked_at(words: tuple[str, ...]) -> None:
 
 
 def test_a_network_is_verified_and_a_counterexample_written(tmp_path: Path) -> None:
-    (tmp_path / "model.xml").write_text(MODEL, encoding="utf-8")
+    (tmp_path / "model.xml").write_text(REFUTED, encoding="utf-8")
     done = eehal("verify", "--model", tmp_path / "model.xml", "-o", tmp_path / "out")
     assert (done.returncode, done.stderr) == (4, "")
     written = {path.name for path in (tmp_path / "out" / "stays").iterdir()}

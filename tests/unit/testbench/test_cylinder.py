@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_lab.testbench import Cylinder, Supply, Valve
+from end_effector_lab.testbench.physics import Cylinder, Supply, Valve
 
 
 def at(cylinder: Cylinder, seconds: float) -> Cylinder:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_lab.testbench import Plant, Supply, VacuumCircuit, Valve
+from end_effector_lab.testbench.physics import Plant, Supply, VacuumCircuit, Valve
 
 
 def test_follows_its_regulator() -> None:

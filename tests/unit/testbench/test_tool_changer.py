@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from end_effector_lab.testbench import ToolChanger, Valve
+from end_effector_lab.testbench.physics import ToolChanger, Valve
 
 
 def test_inactive_is_locked_active_is_unlocked_and_between_is_neither() -> None:

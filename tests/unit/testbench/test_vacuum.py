@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_lab.testbench import STEP_US, VacuumCircuit, Valve
+from end_effector_lab.testbench.physics import STEP_US, VacuumCircuit, Valve
 
 
 def passes(circuit: VacuumCircuit, kpa: float, within_s: float = 20.0) -> float | None:

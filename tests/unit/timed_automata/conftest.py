@@ -10,7 +10,8 @@ from xml.sax.saxutils import escape, unescape
 import pytest
 
 from end_effector_hal.errors import ReportedError
-from timed_automata import Network, State, Transition, load_network
+from timed_automata import Network, State, load_network
+from timed_automata.network import Transition
 
 _LABELS = {"select": "select", "guard": "guard", "sync": "synchronisation", "assign": "assignment"}
 

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from timed_automata import Event, Execution, _successors, load_network
+from timed_automata import Event, Execution, load_network
+from timed_automata.execute import _successors
 
 MODEL = Path(__file__).parent / "models" / "two_steps.xml"
 EVENTS = ["begin", "stop", "confirmed[0]", "confirmed[1]", "gone[0]", "gone[1]"]

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import ModelError, RangeError
-from timed_automata import Semantics, load_network, make_network, read_document
+from timed_automata import load_network, make_network, read_document
+from timed_automata.network import Semantics
 
 WORLD = """
 int[-100000, 100000] r;

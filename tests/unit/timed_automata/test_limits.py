@@ -10,15 +10,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.errors import ModelError
-from timed_automata import (
-    Network,
-    _definitions,
-    _parser,
-    load_network,
-    make_network,
-    read_document,
-)
-from timed_automata._expressions import Expressions
+from timed_automata import Network, load_network, make_network, read_document
 from timed_automata._limits import (
     DIGITS,
     ELEMENTS,
@@ -31,6 +23,9 @@ from timed_automata._limits import (
     XML_DEPTH,
     XML_ELEMENTS,
 )
+from timed_automata.compiler._expressions import Expressions
+from timed_automata.language import _parser
+from timed_automata.network import _definitions
 
 BIG = 2_000_000_000
 

@@ -3,7 +3,7 @@
 import pytest
 
 from end_effector_hal.errors import RangeError
-from timed_automata import Semantics
+from timed_automata.network import Semantics
 
 IDLE = "state A, B; init A; trans"
 

@@ -3,7 +3,8 @@
 import pytest
 
 from end_effector_hal.errors import ModelError
-from timed_automata import Semantics, load_network
+from timed_automata import load_network
+from timed_automata.network import Semantics
 
 
 def all_values(network):

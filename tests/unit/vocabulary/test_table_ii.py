@@ -3,14 +3,10 @@
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import (
-    Command,
-    CylinderState,
-    EndEffectorState,
-    VacuumState,
-    actuator_states,
-    display_name,
-)
+from end_effector_hal.kinds import recorded_kind
+from end_effector_hal.kinds.cylinder import CylinderState
+from end_effector_hal.kinds.vacuum import VacuumState
+from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
 PAPER = {
     EndEffectorState: ["OFF", "GRIPPING", "GRIP ERROR", "GRIPPED", "RELEASING", "RELEASE ERROR", "STAND-BY"],
@@ -48,10 +44,17 @@ def test_an_unknown_name_is_refused_with_the_known_ones():
 
 
 def test_the_words_of_an_actuator_come_from_its_kind_then_from_its_name():
-    assert actuator_states("grabber", {"grabber": "cylinder"}) is CylinderState
-    assert actuator_states("left_cylinder") is CylinderState
-    assert actuator_states("left_cylinder", {"left_cylinder": "vacuum"}) is VacuumState
-    assert actuator_states("grabber", {"grabber": "magnet"}) is VacuumState
+    assert recorded_kind("grabber", {"grabber": "cylinder"}).states is CylinderState
+    assert recorded_kind("left_cylinder", {}).states is CylinderState
+    assert recorded_kind("left_cylinder", {"left_cylinder": "vacuum"}).states is VacuumState
+    assert recorded_kind("grabber", {}).states is VacuumState
+
+
+def test_an_unknown_kind_in_a_recording_is_refused_with_the_known_ones():
+    with pytest.raises(
+        UsageError, match=r"there is no kind of actuator 'magnet'.*There are: vacuum, cylinder"
+    ):
+        recorded_kind("grabber", {"grabber": "magnet"})
 
 
 def test_display_name():

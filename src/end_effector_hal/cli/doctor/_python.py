@@ -7,14 +7,16 @@ import re
 import sys
 from importlib import metadata
 
-from ._finding import Findings, Part
+from end_effector_hal._extras import DISTRIBUTION, command_for, extras
 
-DISTRIBUTION = "end-effector-hal"
+from ._check_result import CheckedPart, CheckResults
+
+_NEEDED_BY = {"lab": "figures", "modbus": "the codecs modbus-rtu-*"}
 _DEBIAN = "/usr/lib/python3/dist-packages"
-_say = Part("python")
+_say = CheckedPart("python")
 
 
-def look_at_python() -> Findings:
+def look_at_python() -> CheckResults:
     """Version, packages, and a variable that breaks them."""
     version = ".".join(map(str, sys.version_info[:3]))
     yield _say.ok(f"Python {version} at {sys.executable}")
@@ -30,6 +32,12 @@ def look_at_python() -> Findings:
         )
     else:
         yield _say.ok(f"{DISTRIBUTION} {own.version}")
+    for extra, packages in extras().items():
+        if not all(_installed(name) for name in packages):
+            yield _say.warning(
+                f"the extra {extra} is not installed ({', '.join(packages)})",
+                f"Needed by {_NEEDED_BY[extra]} only: {command_for(extra)}",
+            )
     if _DEBIAN in os.environ.get("PYTHONPATH", "").split(":"):
         yield _say.warning(
             f"PYTHONPATH names {_DEBIAN}: Debian's packages hide newer ones of this environment",

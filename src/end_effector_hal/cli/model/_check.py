@@ -49,14 +49,14 @@ def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import model_constants
     from timed_automata import load_document, make_network
-    from timed_automata.check import faults_of
+    from timed_automata.check import find_faults
 
     constants = None
     if not is_uppaal(path):
         description = load_tool(path)
         constants, path = model_constants(description), description.automata_path
     document = load_document(path)
-    faults: list[ReportedError] = [*faults_of(document, constants)]
+    faults: list[ReportedError] = [*find_faults(document, constants)]
     return (None, faults) if faults else (make_network(document, constants), [])
 
 

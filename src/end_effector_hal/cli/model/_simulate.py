@@ -20,11 +20,11 @@ from end_effector_hal.cli.model._source import (
     the_folder,
     write_whole,
 )
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import MissingExtraError, UsageError
 
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo
-    from timed_automata.explore import Trace, TraceStep
+    from timed_automata import Trace, TraceStep
 
 _LONGEST_S = 1e7
 
@@ -106,7 +106,10 @@ def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[lis
         for row in log.rows:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
     files += [states, info.write(folder)]
-    return [*files, *draw_timeline(log, info, folder)], ""
+    try:
+        return [*files, *draw_timeline(log, info, folder)], ""
+    except MissingExtraError as error:
+        return files, f"There is no figure. {error}"
 
 
 def _info(source: Source, seed: int) -> RunInfo:

@@ -6,8 +6,8 @@ import math
 from collections.abc import Collection
 
 from end_effector_hal.description import Actuator, Description
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.nodes.transport import AMBIENT_PA
-from end_effector_hal.sensing import margin_pa
 
 
 class Margins:
@@ -29,7 +29,8 @@ class Margins:
     def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
         supply = self._gauge(self._supply.channel, stale)
         gauge = self._gauge(part.channel, stale)
-        return margin_pa(part, self._supply, gauge, None if math.isnan(supply) else supply)
+        supply = self._supply.nominal_kpa * 1000 if math.isnan(supply) else supply
+        return kind_of(part).margin_pa(part, gauge, supply)
 
     def _gauge(self, channel: str, stale: Collection[str] | None) -> float:
         if stale is None or channel in stale:

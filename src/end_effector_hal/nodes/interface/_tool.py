@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from end_effector_hal.description import CylinderActuator, Description, camel_case
+from end_effector_hal.description import Description, camel_case
+from end_effector_hal.kinds import kind_of
 
 from ._entries import Service, Topic
 from ._table import (
@@ -40,14 +41,14 @@ def pressure_topics(description: Description) -> tuple[tuple[str, Topic], ...]:
 
 
 def position_topics(description: Description) -> dict[str, Topic]:
-    """Cylinder to the topic of its position."""
+    """What moves between two end positions, to the topic of its position."""
     return {
         name: Topic(
             "Position" + camel_case(name), "end_effector_msgs/CylinderPosition", (POSITION,), (HAL_MAIN,),
             rate_hz=STATE_HZ, latched=True,
         )
         for name, part in description.ordered
-        if isinstance(part, CylinderActuator)
+        if kind_of(part).moves
     }  # fmt: skip
 
 

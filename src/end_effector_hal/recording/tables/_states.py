@@ -11,7 +11,7 @@ from typing import Self
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording.tables._rows import LONGEST_S, Line, RowFile, read_header, read_lines
-from end_effector_hal.vocabulary import Command, EndEffectorState, VacuumState
+from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 FIXED = ("time_s", "end_effector", "command")
 
@@ -110,7 +110,7 @@ class StatesWriter:
             raise UsageError(f"{time_s} is no time since the start in seconds.", where=str(self._file.path))
         try:
             states = (EndEffectorState(end_effector), Command(command))
-            row = tuple(int(VacuumState(value)) for value in values)
+            row = tuple(int(ActuatorState(value)) for value in values)
         except ValueError as error:
             raise UsageError(f"Not in Table II: {error}.", where=str(self._file.path)) from None
         with self._lock:
@@ -168,11 +168,13 @@ def _row(line: Line, actuators: tuple[str, ...], earliest_s: float) -> StatesRow
         line.seconds(time, earliest_s),
         EndEffectorState(_state(line, end_effector, "end_effector", EndEffectorState)),
         Command(_state(line, command, "command", Command)),
-        tuple(_state(line, text, name, VacuumState) for text, name in zip(values, actuators, strict=True)),
+        tuple(_state(line, text, name, ActuatorState) for text, name in zip(values, actuators, strict=True)),
     )
 
 
-def _state(line: Line, text: str, column: str, table: type[EndEffectorState | Command | VacuumState]) -> int:
+def _state(
+    line: Line, text: str, column: str, table: type[EndEffectorState | Command | ActuatorState]
+) -> int:
     digits = text.removeprefix("-")
     if not (digits.isascii() and digits.isdigit() and len(digits) < 10):
         raise line.fault(f"{column} is {text[:40]!r}, expected is an integer of Table II.")

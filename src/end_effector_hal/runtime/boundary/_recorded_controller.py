@@ -46,7 +46,7 @@ class RecordedController:
         return self._decided(self._controller.update_peer(values, at))
 
     def refused(self, at: int) -> list[Status]:
-        """The line owner refused an activation."""
+        """The line arbiter refused an activation."""
         self._put("refused", at, Refused(at))
         return self._decided(self._controller.refused(at))
 

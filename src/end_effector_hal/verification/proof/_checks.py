@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from timed_automata import Network, make_network
-from timed_automata.explore import CoverageReport, Explorer, Overview, Trace, overview
+from timed_automata import Network, Trace, make_network
+from timed_automata.explore import CoverageReport, Explorer, Overview, overview
 
 from ._finding import Finding
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import RunInfo, StatesLog, StatesWriter
 from end_effector_hal.verification._model_run import has_states, states_of
-from timed_automata.explore import Trace
+from timed_automata import Trace
 
 from ._finding import Finding
 

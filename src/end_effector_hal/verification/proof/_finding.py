@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from timed_automata.explore import Trace
+from timed_automata import Trace
 
 
 @dataclass(frozen=True, slots=True)

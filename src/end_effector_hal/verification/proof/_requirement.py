@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from end_effector_hal.errors import ModelError
 from timed_automata import Network
-from timed_automata.explore import Query, parse_query
+from timed_automata.queries import Query, parse_query
 
 _COMMENT = re.compile(r"\s*\[([a-z0-9][a-z0-9-]*)\]\s*(.*)", re.DOTALL)
 

@@ -6,8 +6,8 @@ import threading
 from collections.abc import Callable
 from typing import TypeVar
 
-from end_effector_hal.codecs import named
 from end_effector_hal.errors import LinkError
+from end_effector_hal.plugins import named
 from end_effector_hal.wires._clock import now_us
 
 T = TypeVar("T")

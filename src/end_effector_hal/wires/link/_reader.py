@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
 from typing import TYPE_CHECKING
 
-from end_effector_hal.codecs import Codec, get_codec, named, parity_of
+from end_effector_hal.codecs import Codec, get_codec, parity_of
 from end_effector_hal.errors import LinkBusyError, LinkError
+from end_effector_hal.plugins import named
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.link._codec_calls import CodecCalls, CodecFailure

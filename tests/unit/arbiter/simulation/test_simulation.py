@@ -1,4 +1,4 @@
-"""The line owner with its disk, its client and the gripping program: whoever dies when, and whatever the disk does."""
+"""The line arbiter with its disk, its client and the gripping program: any of them dies or fails at any time."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     patch(_session_store.SessionStore, "keep", keep)
     patch(_session_store.SessionStore, "_fail", fail)
     patch(_session_store.SessionStore, "begin", lambda _: None)
-    patch(LineArbiter, "_differing", lambda *_: "")
+    patch(LineArbiter, "_changed_meanwhile", lambda *_: "")
 
 
 def a_token_that_two_programs_share(patch: Patch) -> None:

@@ -1,4 +1,4 @@
-"""docs/model.md says what really happens: its table of refusals and its commands."""
+"""The pages say what happens: the refusals in docs/timed_automata.md, the commands in docs/model.md."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from end_effector_hal.cli.model._model import command
 from end_effector_hal.errors import ModelError
 from tests.support.places import DOCS
 from timed_automata import read_document
-from timed_automata.check import faults_of
+from timed_automata.check import find_faults
 
+LIBRARY = (DOCS / "timed_automata.md").read_text(encoding="utf-8")
 PAGE = (DOCS / "model.md").read_text(encoding="utf-8")
-ROWS = re.findall(r"^\| ([^|]+) \| (\w+) \| `(.+?)` \| (.+) \|$", PAGE, re.MULTILINE)
+ROWS = re.findall(r"^\| ([^|]+) \| (\w+) \| `(.+?)` \| (.+) \|$", LIBRARY, re.MULTILINE)
 COMMANDS = re.findall(r"^\$ eehal model (.*)$", PAGE, re.MULTILINE)
 
 MODEL = """<nta><declaration>clock x, y; int a; broadcast chan c; urgent chan u;
@@ -40,12 +41,12 @@ def faults(where: str, written: str) -> list[ModelError]:
         parts[where] = written
     text = MODEL.format(**{key: escape(value) if key in TEXTS else value for key, value in parts.items()})
     try:
-        return faults_of(read_document(text.encode(), "m.xml"))
+        return find_faults(read_document(text.encode(), "m.xml"))
     except ModelError as error:
         return [error]
 
 
-def test_the_page_has_its_rows_and_commands() -> None:
+def test_the_pages_have_their_rows_and_commands() -> None:
     assert (len(ROWS), len(COMMANDS)) == (27, 5)
     assert faults("guard", "x > 3") == []
 

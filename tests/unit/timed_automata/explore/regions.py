@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterator
 from itertools import product
 from typing import NamedTuple
 
-from timed_automata import Edge, Network
+from timed_automata import Network
+from timed_automata.network import Edge
 
 BEYOND = (-1, 0)
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.support.nightly import NIGHTLY
 from tests.unit.timed_automata.explore.classics import bridge, csma_cd, doors, fischer, train_gate
-from timed_automata.explore import Explorer, check
+from timed_automata.explore import Explorer, verify
 
 EXCLUSION = "A[] forall (i : pid_t) forall (j : pid_t) P(i).cs && P(j).cs imply i == j"
 
@@ -26,7 +26,7 @@ def test_fischer_excludes(n: int) -> None:
 @pytest.mark.parametrize("n", range(2, MOST + 1))
 @pytest.mark.parametrize("wait", ["x >= 2", "x > 1", "true"])
 def test_fischer_that_waits_too_short(n: int, wait: str) -> None:
-    verdict = check(fischer(n, wait=wait), EXCLUSION)
+    verdict = verify(fischer(n, wait=wait), EXCLUSION)
     assert not verdict.holds
     assert verdict.trace is not None
     assert sum(process == 3 for process in verdict.trace.steps[-1].state.locations) == 2
@@ -34,7 +34,7 @@ def test_fischer_that_waits_too_short(n: int, wait: str) -> None:
 
 
 def test_limits_by_location_keep_fischer_small() -> None:
-    states = [check(fischer(n), EXCLUSION).states for n in (2, 3, 4, 5)]
+    states = [verify(fischer(n), EXCLUSION).states for n in (2, 3, 4, 5)]
     assert states == [18, 71, 282, 1100]  # 6: 4140; by global limits it would be 81,214
 
 
@@ -89,7 +89,7 @@ def test_doors() -> None:
     assert (
         explorer.check("Door(0).waiting --> Door(0).open").holds is False
     )  # the other may be faster, for ever
-    assert check(doors(), "sup{Door(0).open}: Door(0).x").extremes[0].value == 8
+    assert verify(doors(), "sup{Door(0).open}: Door(0).x").extremes[0].value == 8
 
 
 def test_csma_cd_collisions_are_heard() -> None:

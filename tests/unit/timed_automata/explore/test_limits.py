@@ -8,9 +8,10 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError
 from tests.unit.timed_automata.explore.classics import csma_cd, fischer, train_gate
 from tests.unit.timed_automata.explore.models import Template, network
-from timed_automata import Semantics, load_network
-from timed_automata.explore._discrete import DiscreteSpace
-from timed_automata.explore._limits import NEVER, Limit, Limits, largest
+from timed_automata import load_network
+from timed_automata.explore.states._discrete import DiscreteSpace
+from timed_automata.explore.zones._limits import NEVER, Limit, Limits, largest
+from timed_automata.network import Semantics
 
 
 def test_limits_run_back_along_the_edges_until_a_clock_is_set() -> None:

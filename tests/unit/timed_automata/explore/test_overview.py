@@ -10,7 +10,8 @@ from tests.support.nightly import NIGHTLY, PHASES, examples
 from tests.unit.timed_automata.explore.models import Template, network
 from tests.unit.timed_automata.explore.random_networks import LARGEST, Condition, conditions, networks
 from timed_automata import Network
-from timed_automata.explore import Explorer, overview, parse_query
+from timed_automata.explore import Explorer, overview
+from timed_automata.queries import parse_query
 
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 many = settings(

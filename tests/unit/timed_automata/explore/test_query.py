@@ -7,7 +7,8 @@ import pytest
 from end_effector_hal.errors import ModelError
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import Network
-from timed_automata.explore import Explorer, parse_query
+from timed_automata.explore import Explorer
+from timed_automata.queries import parse_query
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 
 from end_effector_hal.errors import ModelError
 from tests.unit.timed_automata.explore.models import Template, network
-from timed_automata.explore import Explorer, RunTimeError, check
+from timed_automata.explore import Explorer, RunTimeError, verify
 
 
 def test_constants_of_the_query_enter_the_limits() -> None:
@@ -40,7 +40,7 @@ def test_a_deadlock_that_only_the_coarser_widening_has() -> None:
     late = Template(
         "P", ["a -> b", "b -> a; guard: x <= 2; do: x = 0"], invariants={"a": "x <= 3"}, urgent="b"
     )
-    verdict = check(network("clock x;", late), "A[] not deadlock")
+    verdict = verify(network("clock x;", late), "A[] not deadlock")
     assert not verdict.holds
     assert verdict.trace is not None
     assert verdict.trace.end > 2
@@ -105,9 +105,9 @@ def test_no_time_in_urgent_and_committed_locations(mark: str) -> None:
 def test_only_committed_processes_move() -> None:
     quick = Template("Q", ["a -> b; do: n = 0", "b -> c"], committed="b")
     other = Template("O", ["a -> a; do: n = 1"])
-    assert not check(network("int[0,1] n;", quick, other), "E<> Q.b && n == 1").holds
+    assert not verify(network("int[0,1] n;", quick, other), "E<> Q.b && n == 1").holds
     urgent = Template("Q", ["a -> b; do: n = 0", "b -> c"], urgent="b")
-    assert check(network("int[0,1] n;", urgent, other), "E<> Q.b && n == 1").holds
+    assert verify(network("int[0,1] n;", urgent, other), "E<> Q.b && n == 1").holds
 
 
 def test_urgent_channels_stop_time_only_when_both_ends_are_ready() -> None:
@@ -119,7 +119,9 @@ def test_urgent_channels_stop_time_only_when_both_ends_are_ready() -> None:
     assert explorer.check("E<> S.b && R.a && x > 1").holds
     assert explorer.check("sup{S.b && R.b}: x").extremes[0].value is None  # R may come as late as it likes
     prompt = Template("R", ["a -> b; guard: y >= 5; do: y = 0", "b -> c; sync: now?"])
-    assert check(network("clock x, y; urgent chan now;", sender, prompt), "A[] S.b && R.b imply y <= 0").holds
+    assert verify(
+        network("clock x, y; urgent chan now;", sender, prompt), "A[] S.b && R.b imply y <= 0"
+    ).holds
 
 
 def test_a_value_out_of_range_is_an_error_with_its_trace() -> None:
@@ -140,18 +142,18 @@ def test_an_out_of_range_update_that_no_run_reaches_is_none() -> None:
     counter = Template(
         "P", ["a -> a; guard: x >= 5; do: n = n + 3", "a -> b; guard: x >= 2"], invariants={"a": "x <= 4"}
     )
-    assert check(network("clock x; int[0,2] n;", counter), "A[] n == 0").holds
+    assert verify(network("clock x; int[0,2] n;", counter), "A[] n == 0").holds
 
 
 def test_an_unconditional_update_out_of_range_is_found_though_no_time_passes() -> None:
     with pytest.raises(RunTimeError, match="out of its range"):
-        check(network("int[0,2] n;", Template("P", ["a -> a; do: n = n + 1"])), "A[] true")
+        verify(network("int[0,2] n;", Template("P", ["a -> a; do: n = n + 1"])), "A[] true")
 
 
 def test_an_index_out_of_range_in_a_guard_is_an_error_with_its_trace() -> None:
     template = Template("P", ["a -> b; do: i = 2", "b -> c; guard: v[i] == 0"])
     with pytest.raises(RunTimeError, match="Index 2") as error:
-        check(network("int[0,2] i; int[0,1] v[2];", template), "A[] true")
+        verify(network("int[0,2] i; int[0,1] v[2];", template), "A[] true")
     assert len(error.value.trace.steps) == 1
 
 
@@ -170,7 +172,7 @@ def test_a_timelock_hides_behind_an_edge_that_is_always_enabled() -> None:
 def test_an_initial_state_outside_of_its_invariant_is_refused() -> None:
     template = Template("P", ["a -> a"], invariants={"a": "n == 1"})
     with pytest.raises(ModelError, match="initial state"):
-        check(network("int[0,1] n;", template), "A[] true")
+        verify(network("int[0,1] n;", template), "A[] true")
 
 
 def test_a_transition_into_a_violated_invariant_is_disabled() -> None:
@@ -205,14 +207,14 @@ def test_a_supremum_beyond_the_limits_is_not_taken_from_a_widened_zone() -> None
     # At first x is exact up to 3 only; that y <= 3 keeps x below it then says 5, which y < 3 forbids.
     first = Template("P", ["a -> c; guard: y <= 2; do: y = 0"])
     second = Template("Q", ["a -> a; guard: y > 0 && x == 0"], invariants={"a": "y < 3"})
-    (extreme,) = check(network("clock x, y;", first, second), "sup{y <= 3}: x").extremes
+    (extreme,) = verify(network("clock x, y;", first, second), "sup{y <= 3}: x").extremes
     assert (extreme.value, extreme.attained) == (5, False)
 
 
 def test_no_supremum_is_seen_although_an_invariant_keeps_the_clock_near_its_limit() -> None:
     # In a the clock is never more than 1 past the last round: each limit is passed by a little only, for ever.
     rounds = Template("P", ["a -> b", "b -> a; guard: y == 3; do: y = 0"], invariants={"a": "y <= 1"})
-    verdict = check(network("clock x, y;", rounds), "sup{P.a}: x")
+    verdict = verify(network("clock x, y;", rounds), "sup{P.a}: x")
     (extreme,) = verdict.extremes
     assert (extreme.value, extreme.attained) == (None, False)
     assert verdict.states < 100

@@ -19,15 +19,13 @@ from tests.unit.timed_automata.explore.valuations import (
     satisfies,
     zones,
 )
-from timed_automata.explore import _zone
-from timed_automata.explore._bound import AT_MOST_ZERO, INFINITY, at_most, below, negated, plus
+from timed_automata.explore.states._plan import Plan
+from timed_automata.explore.zones import _zone
+from timed_automata.explore.zones._bound import AT_MOST_ZERO, INFINITY, at_most, below, negated
 
 
 def test_bounds_are_ordered_by_tightness_and_add_up() -> None:
     assert below(3) < at_most(3) < below(4) < INFINITY
-    assert plus(at_most(2), at_most(3)) == at_most(5)
-    assert plus(at_most(2), below(3)) == below(5) == plus(below(2), below(3))
-    assert plus(at_most(2), INFINITY) == INFINITY
     assert negated(at_most(3)) == below(-3)
     assert negated(below(3)) == at_most(-3)
     assert at_most(0) == AT_MOST_ZERO
@@ -83,8 +81,9 @@ def put(v: Valuation, clock: int, value: int) -> Valuation:
 
 
 @given(zones(), st.integers(1, 2), st.integers(0, HIGH))
-def test_reset_to_a_value(zone: _zone.Zone, clock: int, value: int) -> None:
-    result = _zone.reset(zone, 3, clock, value)
+def test_a_plan_sets_a_clock_to_a_value(zone: _zone.Zone, clock: int, value: int) -> None:
+    sources = [(0, value) if at == clock else (at, 0) for at in range(3)]
+    result = Plan(3, (), sources, False, (), None)(zone)
     expected = {
         v
         for v in GRID
@@ -95,10 +94,14 @@ def test_reset_to_a_value(zone: _zone.Zone, clock: int, value: int) -> None:
 
 
 @given(zones(), st.integers(1, 2))
-def test_free_forgets_a_clock(zone: _zone.Zone, clock: int) -> None:
-    result = _zone.free(zone, 3, clock)
+def test_a_plan_drops_a_clock(zone: _zone.Zone, clock: int) -> None:
+    other = 3 - clock
+    result = Plan(3, (), [(0, 0), (other, 0)], False, (), None)(zone)
+    assert result is not None
     assert result == canonical(result)
-    assert members(result) == {v for v in GRID if any(inside(zone, put(v, clock, x)) for x in range(2 * END))}
+    assert {v for v in GRID if inside(result, (0, v[other]))} == {
+        v for v in GRID if any(inside(zone, put(v, clock, x)) for x in range(2 * END))
+    }
 
 
 @given(zones(), st.lists(constraints(), max_size=4))
@@ -118,9 +121,10 @@ def test_a_zone_can_be_told_by_its_constraints(zone: _zone.Zone) -> None:
 
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_origin_and_everything_are_canonical(n: int) -> None:
-    for zone in (_zone.origin(n), _zone.everything(n)):
+    origin = (AT_MOST_ZERO,) * (n * n)
+    for zone in (origin, _zone.everything(n)):
         assert canonical(zone) == zone
-    assert _zone.included(_zone.origin(n), _zone.everything(n))
+    assert _zone.included(origin, _zone.everything(n))
     assert _zone.unbounded(_zone.everything(n), n)
-    assert _zone.unbounded(_zone.up(_zone.origin(n), n), n)
-    assert n == 1 or not _zone.unbounded(_zone.origin(n), n)
+    assert _zone.unbounded(_zone.up(origin, n), n)
+    assert n == 1 or not _zone.unbounded(origin, n)

@@ -89,7 +89,7 @@ def play(network: Network, seed: int) -> list[object]:
 
 
 def command(execution: Execution, chooser: random.Random) -> str:
-    """One that is given, or the line owner's answer to the one before."""
+    """One that is given, or the line arbiter's answer to the one before."""
     if execution.value("changer") == 3 and chooser.random() < 0.3:
         return "unlock_refused"
     if execution.value("ee") in (1, 3) and chooser.random() < 0.1:

@@ -15,7 +15,7 @@ from tests.unit.timed_automata.explore.models import Template, network
 from tests.unit.timed_automata.explore.random_networks import LARGEST, Condition, conditions, networks
 from tests.unit.timed_automata.explore.regions import Region, Regions
 from timed_automata import Network
-from timed_automata.explore import parse_query
+from timed_automata.queries import parse_query
 
 GOOD = ["locations", "edges", "channels", "time"]
 

@@ -7,7 +7,8 @@ from itertools import product
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
 from timed_automata import load_network
-from timed_automata.explore import overview, parse_query
+from timed_automata.explore import overview
+from timed_automata.queries import parse_query
 
 
 def test_apart_reaches_every_state_of_grip_that_anything_reaches() -> None:

@@ -1,0 +1,72 @@
+"""From cylinder pressure and position bits to evidence."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from end_effector_hal.kinds import ChannelReadings
+from end_effector_hal.kinds.stanza import Supply
+from end_effector_hal.signals import PART, Streak
+from end_effector_hal.vocabulary import Evidence, to_us
+
+from ._stanza import CylinderActuator
+
+
+class CylinderDetector:
+    """Extended (confirmed), retracted (gone), or in between.
+
+    Extended: its position bit, or 85 % of the supply pressure for 100 ms. Retracted: under 50 kPa for 200 ms and
+    no extended bit; where no pressure is carried, its position bit, or else the extended bit being off.
+    """
+
+    MEMORY: ClassVar = {"_held": bool, "_high": PART, "_low": PART, "level": Evidence}
+
+    def __init__(self, actuator: CylinderActuator, supply: Supply) -> None:
+        self._actuator, self._supply = actuator, supply
+        self._held = False
+        self._high, self._low = Streak(), Streak()
+        self.level = Evidence.UNKNOWN
+
+    def sample(self, readings: ChannelReadings, at: int) -> Evidence:
+        """The evidence after one more sample at ``at`` µs."""
+        part = self._actuator
+        pressure = readings.get(part.channel, at)
+        extended = readings.get(part.extended_bit, at)
+        retracted = readings.get(part.retracted_bit, at)
+        lacking = pressure is None and (
+            part.channel in readings.carried or (extended is None and retracted is None)
+        )
+        if lacking and not extended:
+            return self.expire()
+        if pressure is not None and readings.arrived(part.channel):
+            self._high.take(pressure >= self._threshold_pa(readings, at), at)
+            self._low.take(pressure < part.retracted_kpa * 1000, at)
+        if extended or self._high.lasted(at, to_us(part.extended_s)):
+            self._held = True
+            self.level = Evidence.CONFIRMED
+        elif not (self._held and self._high.samples):
+            # what was confirmed and still stands at its pressure is not lost: it is being confirmed again
+            self._held = False
+            gone = self._is_retracted(pressure, extended, retracted, at)
+            self.level = Evidence.GONE if gone else Evidence.PARTIAL
+        return self.level
+
+    def expire(self) -> Evidence:
+        """The evidence without a fresh reading."""
+        self._high, self._low = Streak(), Streak()
+        self.level = Evidence.UNKNOWN
+        return self.level
+
+    def _is_retracted(
+        self, pressure: int | None, extended: int | None, retracted: int | None, at: int
+    ) -> bool:
+        if pressure is not None:
+            return self._low.lasted(at, to_us(self._actuator.retracted_s))
+        return bool(retracted) if retracted is not None else not extended
+
+    def _threshold_pa(self, readings: ChannelReadings, at: int) -> float:
+        supply = readings.get(self._supply.channel, at)
+        supply_pa = self._supply.nominal_kpa * 1000 if supply is None else supply
+        # a little lower once extended: noise at the threshold is no loss
+        margin_pa = self._supply.hysteresis_kpa * 1000 if self._held else 0.0
+        return self._actuator.extended_fraction * supply_pa - margin_pa

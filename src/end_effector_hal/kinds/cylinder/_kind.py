@@ -1,0 +1,75 @@
+"""A cylinder as a kind of device."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from end_effector_hal.kinds import ChannelKey, ChannelReadings, DeviceKind, JointRule, Quote
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Supply
+from end_effector_hal.signals import Kind
+
+from ._detector import CylinderDetector
+from ._stanza import CylinderActuator
+from ._states import CylinderState
+
+
+def _apart(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, str] | None:
+    """At the least supply pressure that is allowed, extended must still lie above retracted."""
+    retracted, fraction, refuse = numbers.values()
+    if retracted < fraction * refuse:
+        return None
+    product = f"extended_fraction * supply.refuse_kpa = {fraction * refuse:.10g}"
+    return f"{name!r} would be extended and retracted at once", f"{quote('retracted_kpa')} below {product}"
+
+
+class Cylinder(DeviceKind[CylinderActuator]):
+    """Confirmed when it is extended, by a share of the supply pressure or by its position bit."""
+
+    name = "cylinder"
+    stanza = CylinderActuator
+    channels = (
+        ChannelKey("channel", Kind.PRESSURE, confirms=True),
+        ChannelKey("extended_bit", Kind.BIT, confirms=True),
+        ChannelKey("retracted_bit", Kind.BIT),
+    )
+    states = CylinderState
+    # What takes longer than its time-out can never happen.
+    orders = (("extended_s", "<", "timeout_s"), ("retracted_s", "<", "release_s"))
+    joint_rules = (JointRule(("retracted_kpa", "extended_fraction", "supply.refuse_kpa"), _apart),)
+    moves = True
+
+    def detector(self, part: CylinderActuator, supply: Supply) -> CylinderDetector:
+        """From pressure and position bits."""
+        return CylinderDetector(part, supply)
+
+    def margin_pa(self, part: CylinderActuator, gauge_pa: float, supply_pa: float) -> float:
+        """Beyond the threshold of confirmation."""
+        return gauge_pa - part.extended_fraction * supply_pa
+
+    def lost(self, part: CylinderActuator, readings: ChannelReadings, at: int) -> str:
+        """The pressure that is left."""
+        value = readings.get(part.channel, at)
+        if value is None or isinstance(value, bool):
+            return super().lost(part, readings, at)
+        return f"{value / 1000:.0f} kPa, it takes {part.extended_fraction:.0%} of the supply pressure"
+
+    def not_fitted(self, part: CylinderActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
+        """Which sensor proves a position alone, and what is not seen then."""
+        if part.channel not in carried:
+            proof = f"{part.extended_bit} alone proves extended, thresholds are off"
+            yield f"channel: {part.channel}: {proof}: that its air is lost is not seen"
+        for key, bit in (("extended_bit", part.extended_bit), ("retracted_bit", part.retracted_bit)):
+            if bit not in carried:
+                yield f"{key}: {bit or NO_CHANNEL}: {self._instead(part, key.removesuffix('_bit'), carried)}"
+
+    def limits(self, part: CylinderActuator, supply: Supply) -> dict[str, float]:
+        """At the nominal pressure of the supply."""
+        extended_kpa = part.extended_fraction * supply.nominal_kpa
+        return {"confirmed_kpa": extended_kpa, "gone_kpa": part.retracted_kpa}
+
+    def _instead(self, part: CylinderActuator, position: str, carried: Mapping[str, Kind]) -> str:
+        if part.channel in carried:
+            return f"the pressure {part.channel} alone proves {position}: a rod that is stuck is not seen"
+        if position == "extended":
+            return "extended cannot be proven"
+        return "retracted is taken as the opposite of extended: a rod that stops on its way is taken for retracted"

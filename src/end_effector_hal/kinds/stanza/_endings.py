@@ -1,0 +1,103 @@
+"""What an actuator does when something ends: one default for the whole tool, and what an actuator has of its own.
+
+Safe is not "all off": while a part is held, safe is to hold.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ._part import Part
+
+Ending = Literal["hold", "release"]
+ProgramEnding = Literal["hold", "release", "leave"]
+"""Of a program; `leave` moves nothing, as `hold` does, and nobody takes responsibility for the level."""
+
+_CANCEL = "a grip is cancelled; hold: stays active, latched GRIP_ERROR"
+_TIMEOUT = "between two attempts; hold: stays active"
+_ABORT = "a grip is given up; hold: stays active, latched GRIP_ERROR"
+_LOST = "one actuator's feedback is lost; hold: latched GRIP_ERROR, this one stays active"
+_SIGTERM = "the program is told to end"
+_DEATH = "the program dies; the line arbiter does this"
+_POWER_UP = "found active at the start; hold: stays and is judged; release: deactivated"
+
+
+class GrippingEndings(Part):
+    """What an ending does before GRIPPED, when nothing is held yet (release: in its place of the release order)."""
+
+    cancel: Ending = Field(default="release", description=_CANCEL)
+    timeout: Ending = Field(default="release", description=_TIMEOUT)
+    abort: Ending = Field(default="release", description=_ABORT)
+    sigterm: ProgramEnding = Field(default="release", description=_SIGTERM)
+    process_death: ProgramEnding = Field(default="release", description=_DEATH)
+
+
+class HeldEndings(Part):
+    """What an ending does while a part is held; `release` needs IL-09 switched off."""
+
+    lost: Ending = Field(default="hold", description=_LOST)
+    sigterm: ProgramEnding = Field(default="hold", description=_SIGTERM)
+    process_death: ProgramEnding = Field(default="hold", description=_DEATH)
+
+
+class Endings(Part):
+    """What endings do to every actuator that has none of its own. A Drop releases all, whatever is declared."""
+
+    gripping: GrippingEndings = Field(
+        default=GrippingEndings(), description="before GRIPPED: nothing is held yet"
+    )
+    held: HeldEndings = Field(default=HeldEndings(), description="while a part is held")
+    power_up: Ending = Field(default="hold", description=_POWER_UP)
+
+
+class OwnGrippingEndings(Part):
+    """Before GRIPPED, of this actuator alone; null: as `endings` says for the whole tool."""
+
+    cancel: Ending | None = Field(default=None, description=_CANCEL)
+    timeout: Ending | None = Field(default=None, description=_TIMEOUT)
+    abort: Ending | None = Field(default=None, description=_ABORT)
+    sigterm: ProgramEnding | None = Field(default=None, description=_SIGTERM)
+    process_death: ProgramEnding | None = Field(default=None, description=_DEATH)
+
+
+class OwnHeldEndings(Part):
+    """While a part is held, of this actuator alone; null: as `endings` says for the whole tool."""
+
+    lost: Ending | None = Field(default=None, description=_LOST)
+    sigterm: ProgramEnding | None = Field(default=None, description=_SIGTERM)
+    process_death: ProgramEnding | None = Field(default=None, description=_DEATH)
+
+
+class OwnEndings(Part):
+    """Endings of one actuator; what is not written is as `endings` says for the whole tool."""
+
+    gripping: OwnGrippingEndings = Field(
+        default=OwnGrippingEndings(), description="before GRIPPED: nothing is held yet"
+    )
+    held: OwnHeldEndings = Field(default=OwnHeldEndings(), description="while a part is held")
+    power_up: Ending | None = Field(default=None, description=_POWER_UP)
+
+    def over(self, default: Endings) -> Endings:
+        """Those of the tool, with these put over them."""
+        return Endings(
+            gripping=default.gripping.model_copy(update=_written(self.gripping)),
+            held=default.held.model_copy(update=_written(self.held)),
+            power_up=self.power_up or default.power_up,
+        )
+
+
+class ChangerEndings(Part):
+    """What an ending does to the unlock output; inactive is locked, by a spring."""
+
+    sigterm: ProgramEnding = Field(
+        default="release", description="the program is told to end; hold: active until IL-03 ends it"
+    )
+    process_death: ProgramEnding = Field(
+        default="release", description="the program dies; hold: active until IL-03 ends it"
+    )
+
+
+def _written(part: Part) -> dict[str, str]:
+    return {key: value for key, value in part if value is not None}

@@ -1,0 +1,57 @@
+"""From vacuum samples to evidence: threshold, hysteresis, consecutive samples."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from end_effector_hal.kinds import ChannelReadings, below_ambient_kpa
+from end_effector_hal.signals import PART, Streak
+from end_effector_hal.vocabulary import Evidence
+
+from ._stanza import VacuumActuator
+
+
+class VacuumDetector:
+    """Confirmed, partial or gone, from the pressure of one vacuum circuit.
+
+    Once confirmed it stays so down to ``lost_kpa``, also over an interruption of the link: what was confirmed
+    before is confirmed again at ``lost_kpa``, or a short silence would look like a loss.
+    """
+
+    MEMORY: ClassVar = {"_held": bool, "_above": PART, "_below": PART, "level": Evidence}
+
+    def __init__(self, actuator: VacuumActuator) -> None:
+        self._actuator = actuator
+        self._held = False
+        self._above = Streak()
+        self._below = Streak()
+        self.level = Evidence.UNKNOWN
+
+    def sample(self, readings: ChannelReadings, at: int) -> Evidence:
+        """The evidence after one more sample at ``at`` µs."""
+        value = readings.get(self._actuator.channel, at)
+        if value is None:
+            return self.expire()
+        if not readings.arrived(self._actuator.channel):
+            return self.level
+        part = self._actuator
+        kpa = below_ambient_kpa(value)
+        self._above.take(kpa >= (part.lost_kpa if self._held else part.confirmed_kpa), at)
+        self._below.take(kpa < part.lost_kpa, at)
+        if self._held:
+            if kpa < part.lost_at_once_kpa or self._below.samples >= part.lost_samples:
+                self._held = False
+            elif self._above.samples >= part.confirmed_samples:
+                self.level = Evidence.CONFIRMED
+        elif self._above.samples >= part.confirmed_samples:
+            self._held = True
+            self.level = Evidence.CONFIRMED
+        if not self._held:
+            self.level = Evidence.GONE if kpa < part.gone_kpa else Evidence.PARTIAL
+        return self.level
+
+    def expire(self) -> Evidence:
+        """The evidence without a fresh reading."""
+        self._above, self._below = Streak(), Streak()
+        self.level = Evidence.UNKNOWN
+        return self.level

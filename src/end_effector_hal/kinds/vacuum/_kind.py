@@ -1,0 +1,84 @@
+"""A vacuum as a kind of device."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from end_effector_hal.kinds import (
+    COMPRESSED_AIR,
+    ChannelKey,
+    ChannelReadings,
+    DeviceKind,
+    JointRule,
+    PressureRange,
+    Quote,
+)
+from end_effector_hal.kinds.stanza import Hold, Supply
+from end_effector_hal.signals import Kind
+
+from ._detector import VacuumDetector
+from ._hold import VacuumWatch
+from ._stanza import VacuumActuator
+from ._states import VacuumState
+
+# Ambient pressure is 101 kPa at most at sea level; a transmitter may be a few kPa off. What is left of a vacuum that
+# is no longer "gone" must not pass for compressed air: then exchanged sensors would be believed.
+LOWEST_KPA, HIGHEST_KPA = -110.0, 50.0
+
+
+def _secure(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, str] | None:
+    """A grip stops being secure before it is lost, so that there is a warning."""
+    hysteresis, secure, lost, confirmed = numbers.values()
+    # If secure is not the highest anyhow, that is the fault.
+    if not lost < confirmed <= secure or secure - hysteresis > lost:
+        return None
+    expected = f"secure_kpa - secure_hysteresis_kpa = {secure - hysteresis:.10g} above {quote('lost_kpa')}"
+    return "a grip would be lost before it is no longer secure", expected
+
+
+class Vacuum(DeviceKind[VacuumActuator]):
+    """Confirmed by a vacuum that is deep enough, held down to ``lost_kpa``, secure from ``secure_kpa`` on."""
+
+    name = "vacuum"
+    stanza = VacuumActuator
+    channels = (ChannelKey("channel", Kind.PRESSURE, confirms=True, bit_instead=True),)
+    states = VacuumState
+    # A signal rises through gone, lost at once, lost, confirmed, secure; equal where two may be one.
+    orders = (
+        ("gone_kpa", "<", "lost_at_once_kpa"),
+        ("lost_at_once_kpa", "<=", "lost_kpa"),
+        ("lost_kpa", "<", "confirmed_kpa"),
+        ("confirmed_kpa", "<=", "secure_kpa"),
+    )
+    joint_rules = (JointRule(("secure_hysteresis_kpa", "secure_kpa", "lost_kpa", "confirmed_kpa"), _secure),)
+    opposing = "blow_off"
+    samples = "confirmed_samples"
+    below_ambient = True
+
+    def detector(self, part: VacuumActuator, supply: Supply) -> VacuumDetector:
+        """From samples of one vacuum circuit."""
+        return VacuumDetector(part)
+
+    def plausible(self, part: VacuumActuator) -> PressureRange:
+        """A blow-off puts compressed air into the circuit."""
+        high = COMPRESSED_AIR.high if part.blow_off is not None else HIGHEST_KPA
+        return PressureRange(LOWEST_KPA, high, "a vacuum circuit")
+
+    def margin_pa(self, part: VacuumActuator, gauge_pa: float, supply_pa: float) -> float:
+        """Beyond the threshold of loss."""
+        return -gauge_pa - part.lost_kpa * 1000
+
+    def hold_watch(self, part: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch:
+        """Weak grips and leaks."""
+        return VacuumWatch(part, hold, period_us)
+
+    def lost(self, part: VacuumActuator, readings: ChannelReadings, at: int) -> str:
+        """The vacuum that is left."""
+        value = readings.get(part.channel, at)
+        if value is None or isinstance(value, bool):
+            return super().lost(part, readings, at)
+        return f"{-value / 1000:.1f} kPa below ambient, it takes {part.lost_kpa:g}"
+
+    def limits(self, part: VacuumActuator, supply: Supply) -> dict[str, float]:
+        """Below ambient."""
+        return {name: getattr(part, name) for name in ("confirmed_kpa", "gone_kpa", "lost_kpa")}

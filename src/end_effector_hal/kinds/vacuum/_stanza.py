@@ -1,0 +1,40 @@
+"""The keys of a vacuum; defaults are those of the paper's tool, and of Schmalz's data sheets where it is silent."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from end_effector_hal.kinds.stanza import Actuator, LineName, Part, Samples, Seconds
+from end_effector_hal.kinds.stanza import Vacuum as BelowAmbient
+
+
+class BlowOff(Part):
+    """A blow-off valve on a vacuum circuit (IL-08). The line arbiter guards it; no automaton drives it."""
+
+    line: LineName = Field(description="name of the GPIO line; active means blowing")
+    gap_s: Seconds = Field(
+        default=0.05, description="IL-08: between the end of suction and blowing, and back"
+    )
+
+
+class VacuumActuator(Actuator):
+    """A vacuum generator with its cups."""
+
+    kind: Literal["vacuum"] = Field(description="what it is")
+    blow_off: BlowOff | None = Field(default=None, description="absent: none is fitted")
+    confirmed_kpa: BelowAmbient = Field(
+        default=55.0, description="at least this far below ambient: confirmed"
+    )
+    confirmed_samples: Samples = Field(default=3, description="consecutive samples that confirm")
+    gone_kpa: BelowAmbient = Field(default=10.0, description="less than this: gone")
+    lost_kpa: BelowAmbient = Field(default=50.0, description="less than this, once confirmed: lost")
+    lost_samples: Samples = Field(default=2, description="consecutive samples that lose")
+    lost_at_once_kpa: BelowAmbient = Field(
+        default=20.0, description="less than this, once confirmed: lost at once"
+    )
+    secure_kpa: BelowAmbient = Field(default=75.0, description="at least this: a secure grip")
+    secure_hysteresis_kpa: BelowAmbient = Field(
+        default=15.0, description="no longer secure this far below secure_kpa"
+    )

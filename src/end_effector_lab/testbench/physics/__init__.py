@@ -1,0 +1,35 @@
+"""How devices behave: what the lines switch, and what the sensors would show, in steps of a millisecond.
+
+The physics of a kind of your own is a subclass of `Device`, an entry point in the group ``end_effector_hal.physics``
+under the name of the kind, and a test that inherits `PhysicsConformance` of its ``conformance``.
+"""
+
+from ._cylinder import Cylinder
+from ._device import ACTUATOR, CHANGER, LEAKS, PRESSURE, Device
+from ._grid import STEP_S, STEP_US, Model
+from ._plant import Plant
+from ._registry import physics_of
+from ._sensor import Sensor
+from ._supply import Supply
+from ._tool_changer import ToolChanger
+from ._vacuum import VacuumCircuit
+from ._valve import Valve
+
+__all__ = [
+    "ACTUATOR",
+    "CHANGER",
+    "LEAKS",
+    "PRESSURE",
+    "STEP_S",
+    "STEP_US",
+    "Cylinder",
+    "Device",
+    "Model",
+    "Plant",
+    "Sensor",
+    "Supply",
+    "ToolChanger",
+    "VacuumCircuit",
+    "Valve",
+    "physics_of",
+]

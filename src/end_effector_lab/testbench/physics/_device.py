@@ -1,0 +1,67 @@
+"""What every driven device of the bench has: a valve, and a way to fail."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import ClassVar, Self
+
+from ._grid import Model
+from ._supply import Supply
+from ._valve import Valve
+
+ACTUATOR, PRESSURE, LEAKS, CHANGER = "actuator", "pressure", "leaks", "changer"
+"""What the faults of a scenario ask for: it holds something, has a pressure sensor, can leak, is a tool changer."""
+
+
+class Device(Model):
+    """A model behind a valve that a line switches.
+
+    Attributes:
+        traits: which faults it can have: `ACTUATOR`, `PRESSURE`, `LEAKS`, `CHANGER`.
+        valve_us: the least and the longest dead time of its valve.
+    """
+
+    traits: ClassVar[frozenset[str]] = frozenset({ACTUATOR})
+    valve_us: ClassVar[tuple[int, int]] = (15_000, 60_000)
+
+    def __init__(self, valve: Valve, start: int = 0) -> None:
+        super().__init__(start)
+        self.valve = valve
+
+    @classmethod
+    def on_air(cls, valve: Valve, supply: Supply, start: int) -> Self:
+        """A new one behind this valve, on this air, from ``start`` (µs) on."""
+        return cls(valve, start=start)
+
+    def command(self, active: bool, at: int) -> None:
+        """Switch the valve's coil at ``at`` (µs)."""
+        self.valve.command(active, at)
+
+    def lose(self, at: int) -> None:
+        """Lose what is held, with the valve still energised: here, the air supply of this device fails."""
+        self.valve.command(False, at)
+
+    def leak(self, litres_min: float, grows_l_min_s: float = 0.0) -> None:
+        """Leak this much from now on, and more with each second of suction; only what `LEAKS` does."""
+        if litres_min or grows_l_min_s:
+            raise ValueError(f"{type(self).__name__} has no leak")
+
+    @property
+    def draw_kpa(self) -> float:
+        """How far it pulls down the supply at this moment."""
+        return 0.0
+
+    @abstractmethod
+    def settle(self, active: bool) -> None:
+        """Take the state that it has after being active, or inactive, for a long time."""
+
+    @property
+    @abstractmethod
+    def pressure_kpa(self) -> float | None:
+        """Gauge pressure at its sensor (vacuum negative); ``None``: it has no pressure sensor."""
+
+    @property
+    @abstractmethod
+    def bits(self) -> Mapping[str, bool]:
+        """Its switches, by what they mean: ``extended`` is shown on the channel that ``extended_bit`` names."""

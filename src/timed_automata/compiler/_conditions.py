@@ -1,0 +1,200 @@
+"""Guards and invariants, split into data and clock constraints.
+
+Clock constraints are kept symbolic, so that one evaluation serves instants and zones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, NoReturn
+
+from timed_automata.compiler._expressions import Expressions
+from timed_automata.compiler._scope import ClockSymbol
+from timed_automata.compiler._terms import IndexedTerm
+from timed_automata.document import Span, fault, refused
+from timed_automata.language import ast, walk
+
+Values = Sequence[int]
+Quantity = int | Callable[[Values], int]  # a number, or a function of the values
+Relation = Literal["<", "<=", "==", ">=", ">"]
+
+
+class Bound(NamedTuple):
+    """A clock constraint in one discrete state: ``clock op value``, in the model's unit of time."""
+
+    clock: int
+    op: Relation
+    value: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClockConstraint:
+    """``clock op bound``; both sides may depend on the discrete state.
+
+    Attributes:
+        clock: its number, or a function of the values.
+        bound: a number, or a function of the values.
+        clocks: all that it can be about.
+        low, high: between these the bound always lies.
+    """
+
+    clock: Quantity
+    op: Relation
+    bound: Quantity
+    clocks: range
+    low: int
+    high: int
+    span: Span
+
+    @property
+    def fixed(self) -> Bound | None:
+        """The constraint, where it is the same in all states."""
+        if isinstance(self.clock, int) and isinstance(self.bound, int):
+            return Bound(self.clock, self.op, self.bound)
+        return None
+
+    def at(self, values: Values) -> Bound:
+        """The constraint in a discrete state."""
+        clock, bound = self.clock, self.bound
+        return Bound(
+            clock if isinstance(clock, int) else clock(values),
+            self.op,
+            bound if isinstance(bound, int) else bound(values),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Condition:
+    """A guard or an invariant: a condition on data and a conjunction of clock constraints.
+
+    Attributes:
+        data: whether the part without clocks holds; None where it always does.
+        never: the part without clocks is constant and false.
+        clocks: to be evaluated only where ``data`` holds.
+    """
+
+    data: Callable[[Values], Any] | None = None
+    never: bool = False
+    clocks: tuple[ClockConstraint, ...] = ()
+
+    def holds(self, values: Values) -> bool:
+        """Whether the part without clocks holds."""
+        return not self.never and (self.data is None or bool(self.data(values)))
+
+
+_RELATIONS: dict[str, Relation] = {"<": "<", "<=": "<=", "==": "==", ">=": ">=", ">": ">"}
+_FLIPPED: dict[str, Relation] = {"<": ">", "<=": ">=", "==": "==", ">=": "<=", ">": "<"}
+
+Part = tuple[Expressions, ast.Expression]
+
+
+def mentions_clock(expressions: Expressions, node: ast.Expression) -> bool:
+    """Whether a clock occurs anywhere in an expression."""
+    names = (each.name for each in walk(node) if isinstance(each, ast.Name))
+    return any(isinstance(expressions.scope.find(name), ClockSymbol) for name in names)
+
+
+def _parts(expressions: Expressions, node: ast.Expression) -> Iterator[Part]:
+    """The parts of a conjunction, each with its scope; forall over clocks is written out."""
+    if isinstance(node, ast.Binary) and node.op == "&&":
+        yield from _parts(expressions, node.left)
+        yield from _parts(expressions, node.right)
+    elif isinstance(node, ast.Quantified) and node.kind == "forall" and mentions_clock(expressions, node):
+        low, high = expressions.bounds(node.type)
+        for value in range(low, high + 1):
+            yield from _parts(expressions.binding(node.variable, value), node.body)
+    else:
+        yield expressions, node
+
+
+def _refuse(expressions: Expressions, node: ast.Expression) -> NoReturn:
+    """Say what is wrong with a clock in this place."""
+    todo = "Expected a conjunction of 'clock <= number' and conditions without clocks."
+    match node:
+        case ast.Binary(op="||" | "imply"):
+            construct = "a disjunction over clocks"
+        case ast.Binary(op="!="):
+            construct = "'!=' on a clock"
+        case ast.Binary(op="<" | "<=" | "==" | ">=" | ">", left=left, right=right):
+            both = mentions_clock(expressions, left) and mentions_clock(expressions, right)
+            difference = any(isinstance(side, ast.Binary) and side.op == "-" for side in (left, right))
+            construct = "a diagonal constraint" if both or difference else "arithmetic with a clock"
+            todo = "Compare each clock with a number." if both or difference else todo
+        case ast.Conditional():
+            construct = "a clock in '?:'"
+        case ast.Unary(op="!"):
+            construct = "the negation of a clock constraint"
+        case ast.Quantified():
+            construct = f"'{node.kind}' over clock constraints"
+        case _:
+            construct = "a clock in an expression over data"
+    raise refused(node.span, f"'{node.span.snippet}', {construct}", todo)
+
+
+def _clock(expressions: Expressions, node: ast.Expression) -> IndexedTerm | None:
+    if not isinstance(node, ast.Name | ast.Index):
+        return None
+    base: ast.Expression = node
+    while isinstance(base, ast.Index):
+        base = base.base
+    if not isinstance(base, ast.Name) or not isinstance(expressions.scope.find(base.name), ClockSymbol):
+        return None
+    term = expressions.term(node)
+    if not isinstance(term, IndexedTerm) or term.type.dimensions:
+        raise fault(node.span, f"'{node.span.snippet}' is an array of clocks.", "Expected an index.")
+    return term
+
+
+def _constraint(expressions: Expressions, node: ast.Expression) -> ClockConstraint:
+    if not isinstance(node, ast.Binary) or node.op not in _RELATIONS:
+        _refuse(expressions, node)
+    term, op, bound = _clock(expressions, node.left), _RELATIONS[node.op], node.right
+    if term is None:
+        term, op, bound = _clock(expressions, node.right), _FLIPPED[node.op], node.left
+    if term is None or mentions_clock(expressions, bound):
+        _refuse(expressions, node)
+    expressions.effects.reads.add(term.name)
+    value = expressions.integer(bound)
+    return ClockConstraint(
+        clock=number_of(expressions, term),
+        op=op,
+        bound=value.known if value.known is not None else _function(expressions, value.source),
+        clocks=term.possible,
+        low=value.low,
+        high=value.high,
+        span=node.span,
+    )
+
+
+def number_of(expressions: Expressions, term: IndexedTerm) -> Quantity:
+    """The number of a clock or a channel."""
+    return _function(expressions, term.source) if term.computed else term.possible.start
+
+
+def _function(expressions: Expressions, source: str) -> Quantity:
+    return expressions.code.expression("v, r=None", source)
+
+
+def compile_condition(expressions: Expressions, node: ast.Expression, what: str) -> Condition:
+    """A guard or an invariant.
+
+    Raises:
+        ModelError: it has an effect, or clocks stand in it in a way that is outside of the subset.
+    """
+    clocks: list[ClockConstraint] = []
+    data: list[str] = []
+    never = False
+    for inner, part in _parts(expressions, node):
+        if mentions_clock(inner, part):
+            clocks.append(_constraint(inner, part))
+            continue
+        value = inner.value(part)
+        if value.known is None:
+            data.append(value.source)
+        never = never or value.known == 0
+    if expressions.effects.writes:
+        changed = ", ".join(sorted(expressions.effects.writes))
+        raise fault(node.span, f"The {what} '{node.span.snippet}' changes {changed}.")
+    function = expressions.code.expression("v, r=None", " and ".join(data)) if data else None
+    return Condition(function, never, tuple(clocks))

@@ -1,0 +1,121 @@
+"""The generated Python of a network, and what it calls while it runs.
+
+A checker evaluates guards millions of times: compiled Python is several times faster than walking a tree. No text
+of the file reaches the compiler, only what was rebuilt from the checked syntax tree: numbers and generated names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NoReturn
+
+from timed_automata.document import Span
+from timed_automata.errors import RangeError
+
+LOOP_LIMIT = 100_000  # iterations of one loop of a function: more is taken for endless
+
+
+def divide(left: int, right: int) -> int:
+    """C's division: towards zero."""
+    quotient = abs(left) // abs(right)
+    return quotient if (left < 0) == (right < 0) else -quotient
+
+
+def remainder(left: int, right: int) -> int:
+    """C's remainder: the sign of the dividend."""
+    return left - right * divide(left, right)
+
+
+class GeneratedCode:
+    """Collects generated code; ``sites`` are the places in the model that run-time errors refer to."""
+
+    def __init__(self) -> None:
+        self._sites: list[tuple[Span, str]] = []
+        self._cache: dict[str, Callable[..., Any]] = {}
+        self._count = 0
+        self.elements = 0
+        """Scalars and elements of arrays that were declared so far."""
+        self.parts = 0
+        """Locations and edges that were made so far."""
+        self.names: dict[str, Any] = {
+            "_range": self._range,
+            "_index": self._index,
+            "_div": self._div,
+            "_mod": self._mod,
+            "_shl": self._shl,
+            "_shr": self._shr,
+            "_endless": self._endless,
+            "_missing": self._missing,
+            "__builtins__": {each.__name__: each for each in (all, any, enumerate, max, min, range, sum)},
+        }
+
+    def name(self, prefix: str) -> str:
+        """A Python name that is used nowhere else."""
+        self._count += 1
+        return f"{prefix}{self._count}"
+
+    def site(self, span: Span, what: str) -> int:
+        """The number by which generated code refers to a place."""
+        self._sites.append((span, what))
+        return len(self._sites) - 1
+
+    def constant(self, values: tuple[int, ...]) -> str:
+        """A tuple that generated code can index."""
+        name = self.name("K")
+        self.names[name] = values
+        return name
+
+    def expression(self, arguments: str, source: str) -> Callable[..., Any]:
+        """A function of one expression; equal code gives the same function."""
+        code = f"lambda {arguments}: {source}"
+        if code not in self._cache:
+            self._cache[code] = eval(compile(code, "<network>", "eval"), self.names)  # noqa: S307 - see module
+        return self._cache[code]
+
+    def function(self, name: str, arguments: str, lines: list[str]) -> Callable[..., Any]:
+        """A function of statements; its name is known to all code generated from now on."""
+        code = "\n".join([f"def {name}({arguments}):", *(f" {line}" for line in lines or ["pass"])])
+        exec(compile(code, "<network>", "exec"), self.names)  # noqa: S102 - see module
+        function: Callable[..., Any] = self.names[name]
+        return function
+
+    def procedure(self, arguments: str, lines: list[str]) -> Callable[..., Any]:
+        """A function of statements that nobody calls by name; equal code gives the same function."""
+        code = arguments + "\n" + "\n".join(lines)
+        if code not in self._cache:
+            self._cache[code] = self.function(self.name("u"), arguments, lines)
+        return self._cache[code]
+
+    # Called by generated code
+
+    def _fail(self, site: int, what: str) -> NoReturn:
+        span, name = self._sites[site]
+        raise RangeError(what.format(name), where=span.where)
+
+    def _range(self, value: int, low: int, high: int, site: int) -> int:
+        if not low <= value <= high:
+            self._fail(site, f"{{}} = {value} is out of its range [{low},{high}].")
+        return value
+
+    def _index(self, value: int, low: int, high: int, site: int) -> int:
+        if not low <= value <= high:
+            self._fail(site, f"Index {value} of {{}} is outside of {low} to {high}.")
+        return value
+
+    def _div(self, left: int, right: int, site: int) -> int:
+        return divide(left, right) if right else self._fail(site, "Division by zero in {}.")
+
+    def _mod(self, left: int, right: int, site: int) -> int:
+        return remainder(left, right) if right else self._fail(site, "Division by zero in {}.")
+
+    def _shl(self, left: int, right: int, site: int) -> int:
+        return left << right if 0 <= right < 32 else self._fail(site, f"Shift by {right} in {{}}.")
+
+    def _shr(self, left: int, right: int, site: int) -> int:
+        return left >> right if 0 <= right < 32 else self._fail(site, f"Shift by {right} in {{}}.")
+
+    def _endless(self, site: int) -> NoReturn:
+        self._fail(site, f"This loop does not end within {LOOP_LIMIT} rounds: {{}}.")
+
+    def _missing(self, site: int) -> NoReturn:
+        self._fail(site, "{} ends without a value: a 'return' is missing.")

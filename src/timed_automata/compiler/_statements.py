@@ -1,0 +1,149 @@
+"""Compiling the bodies of functions to Python statements."""
+
+from __future__ import annotations
+
+from timed_automata.compiler._declared_types import flatten, resolve_dimensions, resolve_type
+from timed_automata.compiler._expressions import Expressions
+from timed_automata.compiler._generated_code import LOOP_LIMIT
+from timed_automata.compiler._scope import Alias, Local, Scope, Storage
+from timed_automata.compiler._types import Type
+from timed_automata.compiler._updates import Updates
+from timed_automata.document import fault, refused
+from timed_automata.language import ast
+
+
+class Statements(Updates):
+    """Collects the lines of one function that returns ``result``."""
+
+    def __init__(self, expressions: Expressions, result: Type) -> None:
+        super().__init__(expressions)
+        self.result = result
+
+    def body(self, node: ast.Block) -> None:
+        """All of a function; its own declarations share the scope of the parameters."""
+        self._contents(node)
+        if self.result.kind != "void":
+            self.emit(f"_missing({self.code.site(node.span, 'The function')})")
+
+    def _contents(self, node: ast.Block) -> None:
+        for declaration in node.declarations:
+            self._declare(declaration)
+        for statement in node.statements:
+            self._run(statement)
+
+    def _run(self, node: ast.Statement) -> None:
+        getattr(self, f"_{type(node).__name__.lower()}")(node)
+
+    def _indented(self, node: ast.Statement) -> None:
+        self.depth += 1
+        self.emit("pass")
+        self._run(node)
+        self.depth -= 1
+
+    def _block(self, node: ast.Block) -> None:
+        outer = self.expressions
+        self.expressions = outer.inside(Scope(outer.scope))
+        self._contents(node)
+        self.expressions = outer
+
+    # Local variables
+
+    def _declare(self, node: ast.Declaration) -> None:
+        if isinstance(node, ast.FunctionDefinition):
+            raise refused(node.span, f"'{node.name}', a function inside a function")
+        base = resolve_type(self.expressions, node.type)
+        for declarator in node.declarators:
+            type_ = resolve_dimensions(self.expressions, base, declarator)
+            if isinstance(node, ast.TypeDefinition):
+                symbol: Alias | Local | Storage = Alias(declarator.name, type_)
+            elif not type_.integral:
+                what = f"'{declarator.name}', {type_} in a function"
+                raise refused(declarator.span, what, "Expected int or bool.")
+            else:
+                symbol = (
+                    self._array(declarator, type_) if type_.dimensions else self._scalar(declarator, type_)
+                )
+            self.expressions.scope.declare(declarator.name, symbol, declarator.span)
+
+    def _scalar(self, node: ast.Declarator, type_: Type) -> Local:
+        source = str(type_.default)
+        if node.initialiser is not None:
+            value = self.expressions.value(node.initialiser)
+            source = self.expressions.checked(value, type_, node.span, node.name)
+        python = self.code.name("l")
+        self.emit(f"{python} = {source}")
+        return Local(node.name, type_, python, written=not type_.constant)
+
+    def _array(self, node: ast.Declarator, type_: Type) -> Storage:
+        items = [str(type_.default)] * type_.size
+        if node.initialiser is not None:
+            checked, scalar = self.expressions.checked, type_.scalar
+            items = [
+                checked(self.expressions.value(item), scalar, item.span, node.name)
+                for item in flatten(node.initialiser, type_, node.name)
+            ]
+        python = self.code.name("a")
+        self.emit(f"{python} = [{', '.join(items)}]")
+        return Storage(node.name, type_, python, 0, written=not type_.constant)
+
+    # Statements
+
+    def _evaluate(self, node: ast.Evaluate) -> None:
+        if node.expression is not None:
+            self.effect(node.expression)
+
+    def _if(self, node: ast.If) -> None:
+        self.emit(f"if {self.expressions.value(node.test).source}:")
+        self._indented(node.yes)
+        if node.no is not None:
+            self.emit("else:")
+            self._indented(node.no)
+
+    def _for(self, node: ast.For) -> None:
+        for first in node.first:
+            self.effect(first)
+        self._head()
+        if node.test is not None:
+            self._leave_unless(node.test)
+        self._indented(node.body)
+        self.depth += 1
+        for then in node.then:
+            self.effect(then)
+        self.depth -= 1
+        self._end(node)
+
+    def _dowhile(self, node: ast.DoWhile) -> None:
+        self._head()
+        self._indented(node.body)
+        self._leave_unless(node.test)
+        self._end(node)
+
+    def _head(self) -> None:
+        self.emit(f"for {self.code.name('n')} in range({LOOP_LIMIT}):")
+
+    def _leave_unless(self, test: ast.Expression) -> None:
+        self.emit(f" if not {self.expressions.value(test).source}: break")
+
+    def _end(self, node: ast.Node) -> None:
+        self.emit(f"else: _endless({self.code.site(node.span, node.span.snippet)})")
+
+    def _iterate(self, node: ast.Iterate) -> None:
+        low, high = self.expressions.bounds(node.type)
+        outer, python = self.expressions, self.code.name("i")
+        scope = Scope(outer.scope)
+        scope.symbols[node.variable] = Local(node.variable, Type("int", low, high), python, written=False)
+        self.expressions = outer.inside(scope, repeats=outer.repeated(high - low + 1, node.span))
+        self.emit(f"for {python} in range({low}, {high + 1}):")
+        self._indented(node.body)
+        self.expressions = outer
+
+    def _return(self, node: ast.Return) -> None:
+        if self.result.kind == "void":
+            if node.value is not None:
+                raise fault(node.span, "A void function returns no value.")
+            self.emit("return")
+            return
+        if node.value is None:
+            raise fault(node.span, f"A value of type {self.result} is expected after 'return'.")
+        value = self.expressions.value(node.value)
+        self.emit(f"return {self.expressions.checked(value, self.result, node.span, 'The result')}")

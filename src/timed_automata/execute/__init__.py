@@ -1,0 +1,38 @@
+"""Executes some processes of a network: events and time go in, steps and a deadline come out."""
+
+from ._boundary import ExecutionBoundary
+from ._clocks import NEVER, ClockInstants
+from ._execution import Execution
+from ._observations import (
+    Begun,
+    Event,
+    ExecutionSnapshot,
+    Observation,
+    Reaction,
+    Received,
+    Step,
+    TakenEdge,
+    Written,
+)
+from ._snapshots import Resumed, resume, snapshot_of
+from ._successors import SuccessorCache
+
+__all__ = [
+    "NEVER",
+    "Begun",
+    "ClockInstants",
+    "Event",
+    "Execution",
+    "ExecutionBoundary",
+    "ExecutionSnapshot",
+    "Observation",
+    "Reaction",
+    "Received",
+    "Resumed",
+    "Step",
+    "SuccessorCache",
+    "TakenEdge",
+    "Written",
+    "resume",
+    "snapshot_of",
+]

@@ -1,0 +1,66 @@
+"""Which transition is due when, and in which order those due at one instant are taken."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from timed_automata.execute._clocks import NEVER, ClockInstants
+from timed_automata.execute._successors import Successor, SuccessorCache
+from timed_automata.network import State, Transition
+
+
+class ScheduledTransition(NamedTuple):
+    """A transition that will be taken if nothing happens before.
+
+    Attributes:
+        successor: the transition, and what it leads to.
+        since: when its data guards began to hold.
+        first: the instant from which its clock guards hold; ALWAYS without a lower bound.
+        due: the later of the two.
+        last: the last instant that the model allows.
+    """
+
+    successor: Successor
+    since: int
+    first: int
+    due: int
+    last: int
+
+
+class Schedule:
+    """The candidates of a discrete state, in the order in which those due at the same instant are taken."""
+
+    def __init__(self, cache: SuccessorCache, clocks: ClockInstants) -> None:
+        self._successors, self._clocks = cache, clocks
+        self.candidates: list[ScheduledTransition] = []
+        self.last = NEVER  # instant until which the invariants allow to stay
+        self.committed = False  # whether a process is in a committed location
+        self.deadline: int | None = None  # when the first candidate is due
+        self.entered = 0  # when the discrete state was entered
+
+    def renew(self, state: State, now: int, taken: Transition | None) -> None:
+        """Find the candidates of a state entered now; those that were candidates before keep their age."""
+        found, self.entered = self._successors.at(state), now
+        age = {c.successor.transition.edges: c.since for c in self.candidates}
+        if taken:
+            age.pop(taken.edges, None)
+        _, self.last = self._clocks.window(found.stay)
+        # invariants that somebody's lateness has broken already: no edge is to blame for that
+        expired = found.stay if self.last < now else ()
+        self.candidates, self.committed, self.deadline = [], found.committed, None
+        for successor in found.successors:
+            since = age.get(successor.transition.edges, now)
+            first, last = successor.window(self._clocks, expired)
+            due = max(first, since)
+            if due > last or (due > now and not found.may_delay):
+                continue
+            self.candidates.append(ScheduledTransition(successor, since, first, due, min(last, self.last)))
+            if self.deadline is None or due < self.deadline:
+                self.deadline = due
+
+    def next(self, until: int, first_before: int = NEVER) -> ScheduledTransition | None:
+        """What is due first, at or before ``until``; only if its clock guards hold before ``first_before``."""
+        if self.deadline is None or self.deadline > until:
+            return None
+        due = (c for c in self.candidates if c.due <= until and c.first < first_before)
+        return min(due, key=lambda candidate: candidate.due, default=None)

@@ -1,0 +1,121 @@
+"""Bounded responses: ``A[] p imply x <= c`` says that p never lasts longer than c since x was set."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from timed_automata.explore.properties._verdict import Extreme
+from timed_automata.explore.search import SearchNode, ZoneCondition
+from timed_automata.explore.zones import (
+    INFINITY,
+    NEVER,
+    Limit,
+    at_most,
+    below,
+    constrained,
+    limits_of,
+    merged,
+)
+from timed_automata.language import ast
+from timed_automata.network import Network
+from timed_automata.queries import (
+    Formula,
+    Query,
+    compile_clock,
+    compile_formula,
+    compile_integer,
+    mentions_deadlock,
+)
+
+
+class BoundedResponse:
+    """A bounded response, and the largest value that its clock was seen to have.
+
+    Attributes:
+        clock: its number.
+        most: the bound, a constant.
+        premise: where the bound must hold.
+        limits: that the zones must keep.
+    """
+
+    def __init__(self, premise: Formula, clock: int, most: int, *, strict: bool) -> None:
+        self.clock, self.most = clock, most
+        self.limits = {clock: Limit(max(most, 0), NEVER)}
+        merged(self.limits, limits_of(premise))
+        self.premise = premise
+        self._cases = ZoneCondition(premise)
+        self._bound = below(most) if strict else at_most(most)
+        self._largest = -INFINITY
+
+    def see(self, node: SearchNode) -> None:
+        """Take a symbolic state into account."""
+        record, n = node.record, node.record.n
+        at = record.index[self.clock] * n
+        for constraints, _ in self._cases.of(record):
+            part = constrained(node.zone, n, constraints)
+            if part is not None and part[at] > self._largest:
+                self._largest = part[at]
+
+    def forget(self) -> None:
+        """Let go of the states that were seen; what was found out stays."""
+        self._cases = ZoneCondition(self.premise)
+
+    @property
+    def holds(self) -> bool:
+        """Whether it held in all states seen."""
+        return self._largest <= self._bound
+
+    @property
+    def met(self) -> bool:
+        """Whether the premise held in any."""
+        return self._largest != -INFINITY
+
+    @property
+    def longest(self) -> Extreme | None:
+        """The supremum, None if it lies beyond the bound."""
+        if not self.met:
+            return Extreme(None, attained=True)
+        return Extreme(self._largest >> 1, bool(self._largest & 1)) if self.holds else None
+
+    @property
+    def at_least(self) -> int:
+        """What the clock exceeds, or reaches: up to the bound it is known exactly. -1: the premise held nowhere."""
+        return min(self._largest >> 1, self.most) if self.met else -1
+
+
+def bounded(network: Network, query: Query) -> BoundedResponse | None:
+    """A query as a bounded response; None if it is something else.
+
+    Raises:
+        ModelError: the query is not well-formed.
+    """
+    match query:
+        case Query(
+            kind="A[]",
+            condition=ast.Binary(
+                op="imply", left=premise, right=ast.Binary(op="<=" | "<" as op, left=left, right=right)
+            ),
+        ):
+            if not isinstance(left, ast.Name | ast.Member) or not _is_constant(network, right):
+                return None
+            clock, formula = compile_clock(network, left), compile_formula(network, premise)
+            if clock is None or mentions_deadlock(formula):
+                return None
+            most = compile_integer(network, right)(network.initial.values, network.initial.locations)
+            return BoundedResponse(formula, clock, most, strict=op == "<")
+    return None
+
+
+def relaxed(query: Query, most: int) -> Query:
+    """A bounded response with another bound."""
+    match query.condition:
+        case ast.Binary(op="imply", right=ast.Binary() as bound):
+            wider = replace(bound, op="<=", right=ast.Number(bound.right.span, most))
+            return replace(query, condition=replace(query.condition, right=wider))
+    raise AssertionError(f"'{query}' is no bounded response")
+
+
+def _is_constant(network: Network, node: ast.Expression) -> bool:
+    if isinstance(node, ast.Name):
+        return node.name in network.constants
+    return isinstance(node, ast.Number)

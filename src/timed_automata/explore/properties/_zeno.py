@@ -1,0 +1,109 @@
+"""Cycles on which no time needs to pass.
+
+An infinite run in finite time takes some transitions infinitely often. From some point on less than one unit of time
+is left, so no clock can both be set to 0 and be tested for at least 1 again and again (Tripakis, *Verifying Progress
+in Timed Systems*, 1999, strong non-Zenoness; here on the discrete states that are reached, so that counters and
+levels count too). If no set of transitions with that property contains a cycle, time diverges in every infinite run.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from timed_automata.explore.search import components
+from timed_automata.explore.states import Action, Move, StateRecord
+
+Taken = tuple[StateRecord, StateRecord, Move]  # from, to, by
+
+
+class Arc(NamedTuple):
+    """A transition that was taken: clocks tested for at least 1, clocks set to 0, clocks set to something else."""
+
+    source: StateRecord
+    target: StateRecord
+    move: Move
+    tested: frozenset[int]
+    zeroed: frozenset[int]
+    set: frozenset[int]
+
+
+def _marks(action: Action) -> tuple[frozenset[int], frozenset[int], frozenset[int]]:
+    tested = frozenset(clock for clock, op, value in action.guard if op in (">=", ">", "==") and value >= 1)
+    zeroed = frozenset(clock for clock, value in action.resets.items() if not value)
+    return tested, zeroed, frozenset(action.resets) - zeroed
+
+
+def zeno_cycle(taken: Sequence[Taken]) -> list[Arc] | None:
+    """A cycle on which no time needs to pass, the shortest of its kind through one state; None if there is none."""
+    actions = {move.action for _, _, move in taken}
+    marks = {action: _marks(action) for action in actions}
+    blind = frozenset[int]().union(*(marks[action][2] for action in actions))
+    slow = {action for action, (tested, zeroed, _) in marks.items() if (tested & zeroed) - blind}
+    quick = _round([one for one in taken if one[2].action not in slow])
+    pending = [[Arc(source, target, move, *marks[move.action]) for source, target, move in quick]]
+    while pending:
+        for part in _strong(pending.pop()):
+            blind = frozenset[int]().union(
+                *(arc.set for arc in part)
+            )  # a clock set to something else says nothing
+            alone = [arc for arc in part if not (arc.tested & arc.zeroed) - blind]
+            if len(alone) < len(part):
+                pending.append(alone)
+                continue
+            tested = frozenset[int]().union(*(arc.tested for arc in part))
+            zeroed = frozenset[int]().union(*(arc.zeroed for arc in part))
+            both = (tested & zeroed) - blind
+            if not both:
+                return _cycle(part)
+            clock = min(both)
+            pending.append([arc for arc in part if clock not in arc.tested])
+            pending.append([arc for arc in part if clock not in arc.zeroed])
+    return None
+
+
+def _round(taken: list[Taken]) -> list[Taken]:
+    """Without what leads nowhere, again and again: what is left of most networks is little, or nothing."""
+    while True:
+        sources = {source for source, _, _ in taken}
+        left = [one for one in taken if one[1] in sources]
+        targets = {target for _, target, _ in left}
+        left = [one for one in left if one[0] in targets]
+        if len(left) == len(taken):
+            return left
+        taken = left
+
+
+def _strong(arcs: list[Arc]) -> Iterable[list[Arc]]:
+    """The arcs inside each strongly connected component."""
+    graph: dict[StateRecord, list[StateRecord]] = {}
+    for one in arcs:
+        graph.setdefault(one.source, []).append(one.target)
+        graph.setdefault(one.target, [])
+    number = {record: at for at, component in enumerate(components(graph)) for record in component}
+    parts: dict[int, list[Arc]] = {}
+    for one in arcs:
+        at = number.get(one.source)
+        if at is not None and at == number.get(one.target):
+            parts.setdefault(at, []).append(one)
+    return parts.values()
+
+
+def _cycle(arcs: list[Arc]) -> list[Arc]:
+    """A shortest cycle through the source of the first arc; all arcs belong to one component."""
+    following: dict[StateRecord, list[Arc]] = {}
+    for one in arcs:
+        following.setdefault(one.source, []).append(one)
+    start = arcs[0].source
+    came: dict[StateRecord, Arc] = {}
+    waiting = deque([start])
+    while start not in came:
+        for one in following[waiting.popleft()]:
+            if one.target not in came:
+                came[one.target] = one
+                waiting.append(one.target)
+    cycle = [came[start]]
+    while cycle[-1].source is not start:
+        cycle.append(came[cycle[-1].source])
+    return cycle[::-1]

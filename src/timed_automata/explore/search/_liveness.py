@@ -1,0 +1,228 @@
+"""Runs that stay inside a condition for ever: what ``E[]`` looks for, and what refutes ``A<>`` and ``-->``.
+
+UPPAAL's meaning: such a run is infinite (time need not diverge), or it ends where time can pass without end, or
+where nothing is possible any more. States are told apart by equality of zones: inclusion would find cycles that are
+none. ExtraLU+ keeps infinite runs (Li, *Checking Timed Büchi Automata Emptiness Using LU-Abstractions*, 2009), but
+not the ends of finite ones: those are checked once more without widening, and where that leaves a doubt with ExtraM+.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+from timed_automata.errors import RangeError
+from timed_automata.explore.search._concrete import Ending, Leg
+from timed_automata.explore.search._deadlock import MOST_DOUBTS, Deadlocks
+from timed_automata.explore.search._delay import Within
+from timed_automata.explore.search._reach import OutOfRangeError
+from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
+from timed_automata.explore.zones import (
+    Zone,
+    constrained,
+    constraints_of,
+    down,
+    everything,
+    included,
+    subtract,
+    unbounded,
+)
+
+
+class Start(NamedTuple):
+    """Where runs begin: a zone that was entered (no time passed yet), and how it is reached."""
+
+    record: StateRecord
+    zone: Zone
+    legs: tuple[Leg, ...]
+
+
+class LassoState:
+    """A symbolic state inside the condition; ``parent`` None: a start."""
+
+    __slots__ = ("depth", "following", "move", "parent", "record", "start", "zone")
+
+    def __init__(
+        self, record: StateRecord, zone: Zone, parent: LassoState | None, move: Move | None, start: Start
+    ) -> None:
+        self.record, self.zone, self.parent, self.move, self.start = record, zone, parent, move, start
+        self.depth: int = parent.depth + 1 if parent else 0
+        self.following: list[tuple[Move, LassoState]] = []
+
+
+class Lasso(NamedTuple):
+    """A run that stays: its legs, what its end satisfies, why it lasts, and the move to which it returns."""
+
+    legs: list[Leg]
+    ending: Ending
+    remark: str
+    loop: int | None
+
+
+class LassoSearch:
+    """The search. ``space`` must not let zones grow by itself.
+
+    Args:
+        space: where to search.
+        within: the condition.
+        confirmed: whether a run that ends is one of the network; not asked for those without an end.
+    """
+
+    def __init__(
+        self, space: SymbolicSpace, within: Within, confirmed: Callable[[Lasso], bool] = lambda _: True
+    ) -> None:
+        self.space, self.within = space, within
+        self.states = self.doubts = 0
+        self._confirmed = confirmed
+        self._deadlocks = Deadlocks()
+        self._known: dict[tuple[StateRecord, Zone], LassoState] = {}  # of the start at hand
+        self._safe: dict[StateRecord, list[Zone]] = {}  # from which no run stays: of the starts before
+
+    def lasso(self, starts: Iterable[Start]) -> Lasso | None:
+        """A run that stays inside the condition for ever, from any of the starts; None if there is none.
+
+        Raises:
+            OutOfRangeError: a value leaves its range on the way.
+        """
+        for start in starts:
+            found = self._from(start)
+            if found is not None or self.doubts > MOST_DOUBTS:
+                return found
+            for record, zone in self._known:
+                zones = self._safe.setdefault(record, [])
+                if not any(included(zone, other) for other in zones):
+                    zones[:] = [other for other in zones if not included(other, zone)]
+                    zones.append(zone)
+            self._known = {}
+        return None
+
+    def _from(self, start: Start) -> Lasso | None:
+        waiting: deque[LassoState] = deque()
+        for _, zone in self.within(start.record, start.zone):
+            self._reach(start.record, zone, None, None, start, waiting)
+        while waiting:
+            state = waiting.popleft()
+            end = self._end(state)
+            if end is not None:
+                if self._confirmed(end):
+                    return end
+                self.doubts += 1
+                if self.doubts > MOST_DOUBTS:
+                    return None
+            try:
+                steps = state.record.steps
+            except RangeError as error:
+                raise OutOfRangeError(error, self._legs(state)) from None
+            for plan, target, move in steps:
+                entered = plan(state.zone)
+                if entered is None:
+                    continue
+                if move.error is not None:
+                    raise OutOfRangeError(move.error, [*self._legs(state), Leg(move)])
+                for _, zone in self.within(target, entered):
+                    found = self._reach(target, zone, state, move, start, waiting)
+                    if found is not None:
+                        state.following.append((move, found))
+        return self._cycle() if self._known else None
+
+    def _reach(
+        self,
+        record: StateRecord,
+        zone: Zone,
+        parent: LassoState | None,
+        move: Move | None,
+        start: Start,
+        waiting: deque[LassoState],
+    ) -> LassoState | None:
+        known = self._known.get((record, zone))
+        if known is None:
+            if any(included(zone, safe) for safe in self._safe.get(record, ())):
+                return None
+            known = self._known[record, zone] = LassoState(record, zone, parent, move, start)
+            self.states += 1
+            waiting.append(known)
+        return known
+
+    def _legs(self, state: LassoState) -> list[Leg]:
+        moves: list[Leg] = []
+        at: LassoState | None = state
+        while at is not None and at.move is not None:
+            moves.append(Leg(at.move, self.within))
+            at = at.parent
+        return [*state.start.legs, Leg(None, self.within), *reversed(moves)]
+
+    def _end(self, state: LassoState) -> Lasso | None:
+        record, zone = state.record, state.zone
+        if record.discrete.delays and unbounded(zone, record.n):
+            return Lasso(self._legs(state), _endless, "from here time can pass for ever", None)
+        if self._stuck(record, zone) is not None:
+            return Lasso(self._legs(state), self._stuck, "from here nothing can happen any more", None)
+        return None
+
+    def _stuck(self, record: StateRecord, zone: Zone) -> Zone | None:
+        """The part in which no transition is possible, now or later, and from which time does not lead outside."""
+        left, n = self._deadlocks.of(record, zone), record.n
+        if left and record.discrete.delays:
+            for constraints, _ in self.within.outside.of(record):
+                outside = constrained(everything(n), n, (*constraints, *record.invariant))
+                if outside is not None:
+                    way = constraints_of(down(outside, n), n)
+                    left = [piece for part in left for piece in subtract(part, way, n)]
+        return left[0] if left else None
+
+    def _cycle(self) -> Lasso | None:
+        """The cycle that is reached first; all states are known by now, and none ends."""
+        states = set(self._known.values())
+        before: dict[LassoState, list[LassoState]] = {state: [] for state in states}
+        for state in states:
+            for _, following in state.following:
+                before[following].append(state)
+        after = {state: [following for _, following in state.following] for state in states}
+        _trim(states, after, before)
+        _trim(states, before, after)
+        for state in sorted(states, key=lambda state: state.depth):
+            if way := _way_back(state):
+                legs = self._legs(state)
+                loop = sum(leg.move is not None for leg in legs)
+                legs += [Leg(move, self.within) for move in way]
+                return Lasso(legs, lambda _, part: part, "and so on for ever", loop)
+        return None
+
+
+def _endless(record: StateRecord, zone: Zone) -> Zone | None:
+    return zone if unbounded(zone, record.n) else None
+
+
+def _trim(
+    states: set[LassoState], out: dict[LassoState, list[LassoState]], back: dict[LassoState, list[LassoState]]
+) -> None:
+    """Take away, again and again, the states that lead nowhere: what is left leads to cycles."""
+    count = {state: sum(other in states for other in out[state]) for state in states}
+    ended = [state for state, number in count.items() if not number]
+    for state in ended:  # grows
+        states.discard(state)
+        for earlier in back[state]:
+            if earlier in states:
+                count[earlier] -= 1
+                if not count[earlier]:
+                    ended.append(earlier)
+
+
+def _way_back(state: LassoState) -> list[Move]:
+    """The shortest way from a state to itself; empty if there is none."""
+    came: dict[LassoState, tuple[LassoState, Move]] = {}
+    waiting = deque([state])
+    while waiting:
+        at = waiting.popleft()
+        for move, following in at.following:
+            if following not in came:
+                came[following] = (at, move)
+                waiting.append(following)
+            if following is state:
+                moves = [move]
+                while at is not state:
+                    at, earlier = came[at]
+                    moves.append(earlier)
+                return moves[::-1]
+    return []

@@ -1,0 +1,145 @@
+"""Breadth-first search over symbolic states: the shortest symbolic run to whatever is looked for."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from operator import le
+
+from timed_automata.errors import RangeError
+from timed_automata.explore.search._concrete import Leg
+from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
+from timed_automata.explore.zones import Zone
+
+Progress = Callable[[int], None]
+_EVERY = 1000  # states between two words on progress
+_UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
+
+
+class SearchNode:
+    """A symbolic state that was reached, and how."""
+
+    __slots__ = ("covered", "move", "parent", "record", "zone")
+
+    def __init__(self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None) -> None:
+        self.record, self.zone, self.parent, self.move = record, zone, parent, move
+        self.covered = False
+
+    @property
+    def legs(self) -> list[Leg]:
+        """The run from the initial state to here."""
+        legs = []
+        node: SearchNode | None = self
+        while node is not None:
+            legs.append(Leg(node.move))
+            node = node.parent
+        return legs[::-1]
+
+
+class OutOfRangeError(RangeError):
+    """An update, a guard or an index left its range in a state that can be reached; ``legs`` are the way there."""
+
+    def __init__(self, error: RangeError, legs: list[Leg]) -> None:
+        super().__init__(error.what, where=error.where, todo=error.todo)
+        self.legs = legs
+
+
+class Search:
+    """A search from the initial state; ``states`` counts the symbolic states stored.
+
+    A state whose zone lies inside that of another one with the same discrete state is not stored, and one that is
+    overtaken by a larger one is not expanded: sound for reachability.
+
+    Args:
+        space: whose equal zones are one object: what was found out about two of them is kept.
+        progress: called with the number of states now and then.
+    """
+
+    def __init__(self, space: SymbolicSpace, progress: Progress | None = None) -> None:
+        self.space, self._progress = space, progress
+        self.states = 0
+        self._waiting: deque[SearchNode] = deque()
+        self._inside: dict[Zone, dict[Zone, bool]] = {}
+
+    def nodes(self) -> Iterator[SearchNode]:
+        """Each symbolic state as it is found.
+
+        Raises:
+            OutOfRangeError: a value leaves its range on the way.
+        """
+        node: SearchNode | None = self._found(*self.space.initial(), None, None)
+        assert node is not None
+        yield node
+        while (node := self._next()) is not None:
+            if node.covered:
+                continue
+            zone = node.zone
+            try:
+                steps = node.record.steps
+            except RangeError as error:
+                raise OutOfRangeError(error, node.legs) from None
+            for plan, target, move in steps:
+                after = plan.known.get(zone, _UNKNOWN)
+                if after is _UNKNOWN:
+                    after = plan(zone)
+                if after is None:
+                    continue
+                if move.error is not None:
+                    raise OutOfRangeError(move.error, [*node.legs, Leg(move)])
+                if not target.passed or not self._covered(after, target.passed):
+                    yield self._found(target, after, node, move)
+
+    def first(self, wanted: Callable[[SearchNode], bool]) -> SearchNode | None:
+        """The first state that is wanted, by the length of its run; None if there is none."""
+        return next((node for node in self.nodes() if wanted(node)), None)
+
+    # The order of the search
+
+    def _put(self, node: SearchNode) -> None:
+        self._waiting.append(node)
+
+    def _next(self) -> SearchNode | None:
+        return self._waiting.popleft() if self._waiting else None
+
+    # What is stored
+
+    def _found(
+        self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None
+    ) -> SearchNode:
+        node = SearchNode(record, zone, parent, move)
+        if record.passed:
+            self._overtake(node)
+        else:
+            record.passed = [node]
+        self.states += 1
+        if self._progress is not None and not self.states % _EVERY:
+            self._progress(self.states)
+        self._put(node)
+        return node
+
+    def _overtake(self, node: SearchNode) -> None:
+        only, kept = [node], []
+        for other in node.record.passed:
+            if self._covered(other.zone, only):
+                other.covered = True
+            else:
+                kept.append(other)
+        kept.append(node)
+        node.record.passed = kept
+
+    def _covered(self, zone: Zone, others: list[SearchNode]) -> bool:
+        """Whether a zone lies inside that of a node."""
+        for other in others:
+            if other.zone is zone:
+                return True
+        inside = self._inside.get(zone)
+        if inside is None:
+            inside = self._inside[zone] = {}
+        for other in others:
+            outer = other.zone
+            within = inside.get(outer)
+            if within is None:
+                within = inside[outer] = all(map(le, zone, outer))
+            if within:
+                return True
+        return False

@@ -1,0 +1,244 @@
+"""The symbolic states of a network: a discrete state and a zone over its active clocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+from timed_automata.compiler import Bound
+from timed_automata.errors import ModelError
+from timed_automata.explore.states._discrete import DiscreteSpace, DiscreteState, Move
+from timed_automata.explore.states._firing import Action
+from timed_automata.explore.states._plan import Plan
+from timed_automata.explore.zones import Constraint, Limit, Limits, Widening, Zone, as_constraints, widening
+
+
+class PlannedMove(NamedTuple):
+    """A move with its plan, into a record."""
+
+    plan: Plan
+    target: StateRecord
+    move: Move
+
+
+class Form:
+    """What the zones of some discrete states have in common; equal ones are one object.
+
+    Attributes:
+        limits: of the active clocks.
+        clocks: them, as numbers of the network; x_1 of the zones is the first.
+        index: the number of each active clock in the zones.
+        n: the size of the zones.
+        widening: what ``extrapolated`` takes.
+        invariant: on the zones.
+        delays: whether time passes.
+    """
+
+    __slots__ = ("clocks", "delays", "index", "invariant", "limits", "n", "widening")
+
+    def __init__(
+        self, limits: dict[int, Limit], widening: Widening, bounds: tuple[Bound, ...], delays: bool
+    ) -> None:
+        self.limits, self.clocks, self.widening, self.delays = limits, tuple(limits), widening, delays
+        self.index = {clock: number for number, clock in enumerate(self.clocks, start=1)}
+        self.n, self.invariant = len(self.clocks) + 1, as_constraints(bounds, self.index)
+
+
+class StateRecord:
+    """A discrete state inside one analysis, and what the analysis notes about it.
+
+    Attributes:
+        discrete: the discrete state.
+        form: of its zones.
+        passed: nodes that wait or are done, for the user.
+        note: for the user.
+    """
+
+    __slots__ = ("_space", "_steps", "discrete", "form", "note", "passed")
+
+    def __init__(self, space: SymbolicSpace, discrete: DiscreteState) -> None:
+        self._space, self.discrete, self.form = space, discrete, space.form(discrete)
+        self.passed: list[Any] = []
+        self.note: Any = None
+        self._steps: tuple[Any, ...] | None = None  # side by side: a tuple for each is most of all memory
+
+    @property
+    def n(self) -> int:
+        """The size of its zones."""
+        return self.form.n
+
+    @property
+    def clocks(self) -> tuple[int, ...]:
+        """The active clocks."""
+        return self.form.clocks
+
+    @property
+    def limits(self) -> dict[int, Limit]:
+        """Of the active clocks."""
+        return self.form.limits
+
+    @property
+    def index(self) -> dict[int, int]:
+        """The number of each active clock in its zones."""
+        return self.form.index
+
+    @property
+    def invariant(self) -> tuple[Constraint, ...]:
+        """On its zones."""
+        return self.form.invariant
+
+    @property
+    def steps(self) -> Iterable[PlannedMove]:
+        """All moves that lead to a state. A move whose update leaves a range has a plan and leads to itself."""
+        if self._steps is None:
+            self._steps = tuple(self._space.steps(self))
+        parts = iter(self._steps)
+        return zip(parts, parts, parts, strict=True)  # type: ignore[return-value]
+
+    def forget(self) -> None:
+        """Let go of the steps and of what was noted."""
+        self._steps, self.passed, self.note = None, [], None
+
+    def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
+        """Clock constraints over the zones of this record."""
+        return as_constraints(bounds, self.form.index)
+
+
+class SymbolicSpace:
+    """One analysis of a network: discrete states with zones that are widened by the limits given.
+
+    ``delays``: whether zones are let grow by time as they are entered (reachability: equal zones are then one object)
+    or left to the user (liveness). ``frugal``: what moves lead to is told by steps only.
+    """
+
+    def __init__(
+        self, discrete: DiscreteSpace, limits: Limits, *, delays: bool = True, widens: bool = True
+    ) -> None:
+        self.discrete, self.limits, self.delays, self.widens = discrete, limits, delays, widens
+        self.frugal = False
+        self._shared: dict[Action, Move] = {}
+        self._records: dict[DiscreteState, StateRecord] = {}
+        self._plans: dict[object, Plan] = {}
+        self._planned: dict[tuple[Action, Form, Form], Plan] = {}
+        self._formed: dict[object, Form] = {}
+        self._forms: dict[object, Form] = {}
+        self._widenings: dict[object, Widening] = {}
+        self._unique: dict[Zone, Zone] | None = {} if delays else None
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    @property
+    def records(self) -> Iterable[StateRecord]:
+        """All records met so far."""
+        return self._records.values()
+
+    def forget(self) -> None:
+        """Let go of all records."""
+        for record in self._records.values():
+            record.forget()
+        self._records.clear()
+
+    def form(self, discrete: DiscreteState) -> Form:
+        """What the zones of a discrete state are like."""
+        seen = (discrete.vector, discrete.invariant, discrete.delays)
+        found = self._formed.get(seen)
+        if found is None:
+            limits = self.limits.at(discrete.vector.locations)
+            key = (tuple(limits.items()), *seen[1:])
+            found = self._forms.get(key)
+            if found is None:
+                wide = self._widenings.setdefault(key[0], widening(limits.values()))
+                found = self._forms[key] = Form(limits, wide, discrete.invariant, discrete.delays)
+            self._formed[seen] = found
+        return found
+
+    def record(self, discrete: DiscreteState) -> StateRecord:
+        """The record of a discrete state."""
+        record = self._records.get(discrete)
+        if record is None:
+            record = self._records[discrete] = StateRecord(self, discrete)
+        return record
+
+    def initial(self) -> tuple[StateRecord, Zone]:
+        """Where a network starts: all clocks zero.
+
+        Raises:
+            ModelError: an invariant does not hold there.
+        """
+        discrete = self.discrete.at(self.discrete.semantics.initial)
+        zone = None
+        if discrete is not None:
+            record = self.record(discrete)
+            zone = self._plan(1, (), ((0, 0),) * record.n, record.form)((1,))
+        if zone is None:
+            raise self._outside()
+        return record, zone
+
+    def _outside(self) -> ModelError:
+        network, state = self.discrete.network, self.discrete.semantics.initial
+        for process, at in zip(network.processes, state.locations, strict=True):
+            location = process.locations[at]
+            bounds = [part.at(state.values) for part in location.invariant.clocks]
+            late = any(value < 0 or (not value and op == "<") for _, op, value in bounds)
+            if late or not location.invariant.holds(state.values):
+                text = location.drawn.labels["invariant"].text
+                what = f"The invariant '{text.whole.snippet}' does not hold in the initial state."
+                return ModelError(
+                    what, where=text.whole.where, todo="Every process starts in its initial location."
+                )
+        raise AssertionError("every invariant holds in the initial state")
+
+    def step(self, source: StateRecord, move: Move) -> PlannedMove:
+        """The move with its plan."""
+        target = source if move.target is None else self.record(move.target)
+        return PlannedMove(self._way(source, move.action, target, move.error), target, move)
+
+    def steps(self, source: StateRecord) -> Iterator[object]:
+        """Plan, target and move of each step, one after the other."""
+        if self.frugal:
+            shared, planned, records, form = self._shared, self._planned, self._records, source.form
+            for action, discrete, error in source.discrete.arcs():
+                if discrete is None:
+                    yield from self.step(source, Move(action, None, error))
+                    continue
+                target = records.get(discrete) or self.record(discrete)
+                yield planned.get((action, form, target.form)) or self._way(source, action, target)
+                yield target
+                yield shared.get(action) or shared.setdefault(action, Move(action, None))
+        else:
+            for move in source.discrete.moves:
+                yield from self.step(source, move)
+
+    def _way(self, source: StateRecord, action: Action, target: StateRecord, error: object = None) -> Plan:
+        if error is not None:
+            unchanged = tuple((number, 0) for number in range(source.n))
+            return self._plan(source.n, self.guard(source, action), unchanged, source.form)
+        key = (action, source.form, target.form)
+        plan = self._planned.get(key)
+        if plan is None:
+            index, resets = source.index, action.resets
+            sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in target.clocks]
+            guard = self.guard(source, action)
+            plan = self._planned[key] = self._plan(source.n, guard, ((0, 0), *sources), target.form)
+        return plan
+
+    def guard(self, source: StateRecord, action: Action) -> tuple[Constraint, ...]:
+        """What the zones of a record must satisfy for a move."""
+        return source.constraints(action.guard)
+
+    def _plan(
+        self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Form
+    ) -> Plan:
+        """The one for zones of size ``n``; see :class:`Plan`."""
+        delays = self.delays and target.delays
+        limits = target.widening if self.widens_in(target) else None
+        key = (n, guard, sources, delays, target.invariant, id(limits))
+        plan = self._plans.get(key)
+        if plan is None:
+            plan = self._plans[key] = Plan(n, guard, sources, delays, target.invariant, limits, self._unique)
+        return plan
+
+    def widens_in(self, form: Form) -> bool:
+        """Whether zones are widened there."""
+        return self.widens

@@ -1,0 +1,132 @@
+"""Largest constants that clocks are compared with, by location: what a clock is past them does not matter.
+
+Lower and upper bounds apart, computed backwards along the edges of each process until a clock is set (Behrmann,
+Bouyer, Larsen, Pelánek, *Lower and Upper Bounds in Zone-Based Abstractions of Timed Automata*, 2006). A clock
+without any limit in a location is not active there: its value is never asked for before it is set again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+from timed_automata.compiler import Bound, ClockConstraint
+from timed_automata.document import fault
+from timed_automata.explore.zones._bound import LARGEST
+from timed_automata.network import Network, Process
+from timed_automata.queries import All, Comparison, Formula, Some
+
+NEVER = -1  # not compared in this direction
+
+
+class Limit(NamedTuple):
+    """Largest constant in ``x > c`` and ``x >= c`` (lower), and in ``x < c`` and ``x <= c`` (upper)."""
+
+    lower: int = NEVER
+    upper: int = NEVER
+
+
+ByClock = Mapping[int, Limit]
+
+
+def merged(left: dict[int, Limit], right: ByClock) -> bool:
+    """Widen ``left`` in place; whether anything changed."""
+    changed = False
+    for clock, limit in right.items():
+        old = left.get(clock, Limit())
+        new = Limit(max(old.lower, limit.lower), max(old.upper, limit.upper))
+        if new != old:
+            left[clock] = new
+            changed = True
+    return changed
+
+
+def of_bounds(bounds: Iterable[Bound]) -> dict[int, Limit]:
+    """The limits that clock constraints ask for."""
+    limits: dict[int, Limit] = {}
+    for clock, op, value in bounds:
+        if value >= 0:
+            lower = value if op in (">", ">=", "==") else NEVER
+            upper = value if op in ("<", "<=", "==") else NEVER
+            merged(limits, {clock: Limit(lower, upper)})
+        elif clock not in limits:
+            limits[clock] = Limit(NEVER, 0)  # never true, but the clock must be there to be compared
+    return limits
+
+
+def limits_of(formula: Formula) -> dict[int, Limit]:
+    """The clock limits that a formula asks for."""
+    limits: dict[int, Limit] = {}
+    if isinstance(formula, Comparison):
+        constraint = formula.constraint
+        merged(limits, of_bounds(Bound(clock, constraint.op, constraint.high) for clock in constraint.clocks))
+    elif isinstance(formula, All | Some):
+        for part in formula.parts:
+            merged(limits, limits_of(part))
+    return limits
+
+
+def _of_constraints(constraints: Iterable[ClockConstraint]) -> dict[int, Limit]:
+    for constraint in constraints:
+        if constraint.high >= LARGEST:
+            what = f"'{constraint.span.snippet}' compares a clock with up to {constraint.high}."
+            raise fault(constraint.span, what, f"The largest that is supported is {LARGEST - 1}.")
+    return of_bounds(
+        Bound(clock, constraint.op, constraint.high)
+        for constraint in constraints
+        for clock in constraint.clocks
+    )
+
+
+def largest(network: Network) -> int:
+    """The largest constant of all."""
+    conditions = [location.invariant for process in network.processes for location in process.locations]
+    conditions += [
+        edge.guard for process in network.processes for edge in process.edges if not edge.guard.never
+    ]
+    return max((constraint.high for condition in conditions for constraint in condition.clocks), default=0)
+
+
+def _of_process(process: Process) -> list[dict[int, Limit]]:
+    limits = [_of_constraints(location.invariant.clocks) for location in process.locations]
+    edges = [edge for edge in process.edges if not edge.guard.never]
+    for edge in edges:
+        merged(limits[edge.source], _of_constraints(edge.guard.clocks))
+    changed = True
+    while changed:
+        changed = False
+        for edge in edges:
+            after = limits[edge.target]
+            passed = {clock: limit for clock, limit in after.items() if clock not in edge.resets}
+            changed = merged(limits[edge.source], passed) or changed
+    return limits
+
+
+class Limits:
+    """The limits of a network; ``extra`` ones (of a query) hold in every location.
+
+    ``symmetric``: one limit for both directions, which deadlock and liveness need (ExtraM+ instead of ExtraLU+).
+    """
+
+    def __init__(self, network: Network, extra: ByClock | None = None, *, symmetric: bool = False) -> None:
+        self._network, self._extra, self._symmetric = network, dict(extra or {}), symmetric
+        self._processes = [_of_process(process) for process in network.processes]
+        self._known: dict[tuple[int, ...], dict[int, Limit]] = {}
+
+    def and_also(self, extra: ByClock) -> Limits:
+        """The same with further limits."""
+        together = dict(self._extra)
+        merged(together, extra)
+        return Limits(self._network, together, symmetric=self._symmetric)
+
+    def at(self, locations: tuple[int, ...]) -> dict[int, Limit]:
+        """The limits of the active clocks, in the order of their numbers."""
+        known = self._known.get(locations)
+        if known is None:
+            found = dict(self._extra)
+            for process, location in enumerate(locations):
+                merged(found, self._processes[process][location])
+            if self._symmetric:
+                found = {clock: Limit(max(limit), max(limit)) for clock, limit in found.items()}
+            known = self._known[locations] = dict(sorted(found.items()))
+        return known

@@ -1,0 +1,155 @@
+"""Zones: sets of clock valuations as canonical difference bound matrices.
+
+A zone of n - 1 clocks is a flat tuple of n * n bounds (see ``_bound``), row by row; entry (i, j) bounds
+``x_i - x_j`` and x_0 is zero. Row 0 holds lower bounds (negated), column 0 upper bounds. Every function takes
+canonical zones (each bound as tight as the others make it) and gives canonical ones, or None for the empty zone.
+Clocks are never negative. Which clock is which is the caller's affair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from operator import le
+
+from timed_automata.explore.zones._bound import AT_MOST_ZERO, INFINITY, negated
+
+Zone = tuple[int, ...]
+
+
+class Unique(tuple[int, ...]):
+    """A zone that is the only object with its bounds: told apart, and looked up, by identity."""
+
+    __slots__ = ()
+    __hash__ = object.__hash__
+    __eq__ = object.__eq__
+    __ne__ = object.__ne__
+
+
+Constraint = tuple[int, int, int]  # i, j, bound: x_i - x_j within bound
+
+
+def everything(n: int) -> Zone:
+    """Any valuation."""
+    row = [INFINITY] * n
+    rows = [AT_MOST_ZERO] * n
+    for i in range(1, n):
+        rows += row
+        rows[i * n + i] = AT_MOST_ZERO
+    return tuple(rows)
+
+
+def tighten(z: list[int], n: int, i: int, j: int, bound: int) -> bool:
+    """And with ``x_i - x_j`` within ``bound``, in place; False if nothing is left (``z`` is then garbage).
+
+    Only paths through the new bound can become shorter: O(n²), and far less where few do.
+    """
+    start = i * n
+    if bound >= z[start + j]:
+        return True
+    back = z[j * n + i]
+    if back + bound - ((back | bound) & 1) < AT_MOST_ZERO:
+        return False
+    shorter = []  # columns to which the way over the new bound is shorter
+    at = j * n
+    for column in range(n):
+        on = z[at + column]
+        if on != INFINITY:
+            on += bound - ((on | bound) & 1)
+            if on < z[start + column]:
+                shorter.append((column, on))
+    at = 0
+    for _ in range(n):
+        to = z[at + i]
+        if to != INFINITY and to + bound - ((to | bound) & 1) < z[at + j]:
+            for column, on in shorter:
+                over = to + on - ((to | on) & 1)
+                if over < z[at + column]:
+                    z[at + column] = over
+        at += n
+    return True
+
+
+def constrained(zone: Zone, n: int, constraints: Iterable[Constraint]) -> Zone | None:
+    """And with all constraints."""
+    z: list[int] | None = None
+    for i, j, bound in constraints:
+        if z is None:
+            if bound >= zone[i * n + j]:
+                continue
+            z = list(zone)
+        if not tighten(z, n, i, j, bound):
+            return None
+    return zone if z is None else tuple(z)
+
+
+def close(z: list[int], n: int) -> None:
+    """Make canonical, in place, what is known not to be empty (Floyd and Warshall)."""
+    size = n * n
+    for k in range(n):
+        row = z[k * n : k * n + n]
+        reach = [(column, on) for column, on in enumerate(row) if on != INFINITY and column != k]
+        if not reach:
+            continue
+        for at in range(0, size, n):
+            to = z[at + k]
+            if to == INFINITY:
+                continue
+            for column, on in reach:
+                over = to + on - ((to | on) & 1)
+                if over < z[at + column]:
+                    z[at + column] = over
+
+
+def included(inner: Zone, outer: Zone) -> bool:
+    """Whether every valuation of one is one of the other."""
+    return all(map(le, inner, outer))
+
+
+def intersection(left: Zone, right: Zone, n: int) -> Zone | None:
+    """The common valuations."""
+    if included(left, right):
+        return left
+    return constrained(left, n, constraints_of(right, n))
+
+
+def constraints_of(zone: Zone, n: int) -> list[Constraint]:
+    """The bounds of a zone that say something."""
+    return [
+        (at // n, at % n, bound)
+        for at, bound in enumerate(zone)
+        if bound != INFINITY and at // n != at % n and (at >= n or bound != AT_MOST_ZERO)
+    ]
+
+
+def up(zone: Zone, n: int) -> Zone:
+    """Let any time pass."""
+    z = list(zone)
+    z[n::n] = [INFINITY] * (n - 1)
+    return tuple(z)
+
+
+def down(zone: Zone, n: int) -> Zone:
+    """The valuations from which the zone is reached by letting time pass."""
+    z = list(zone)
+    for column in range(1, n):
+        z[column] = min(AT_MOST_ZERO, *zone[n + column :: n])
+    return tuple(z)
+
+
+def subtract(zone: Zone, other: Iterable[Constraint], n: int) -> list[Zone]:
+    """What is left without the valuations that satisfy all constraints: disjoint zones."""
+    pieces = []
+    rest: Zone | None = zone
+    for i, j, bound in other:
+        if rest is None or bound >= rest[i * n + j]:
+            continue
+        piece = constrained(rest, n, ((j, i, negated(bound)),))
+        if piece is not None:
+            pieces.append(piece)
+        rest = constrained(rest, n, ((i, j, bound),))
+    return pieces
+
+
+def unbounded(zone: Zone, n: int) -> bool:
+    """Whether time can pass for ever inside the zone."""
+    return all(bound == INFINITY for bound in zone[n::n])

@@ -1,0 +1,139 @@
+"""Reading model text into the syntax tree; errors say the place, the offending text and what is expected."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from importlib.resources import files
+from typing import Any, cast
+
+from lark import Lark, Token, UnexpectedCharacters, UnexpectedEOF, UnexpectedInput, UnexpectedToken
+from lark.exceptions import VisitError
+from lark.lexer import PatternStr
+
+from timed_automata._limits import NESTING, TEXT_CHARACTERS
+from timed_automata.document import Span, Text, fault, refused
+from timed_automata.errors import ModelError
+from timed_automata.language._builder import Builder
+from timed_automata.language._refused_words import REFUSED_WORDS
+
+_STARTS = [
+    "declarations",
+    "instantiations",
+    "system",
+    "parameters",
+    "selects",
+    "expression",
+    "synchronisation",
+    "items",
+]
+
+_DEPTH = re.compile(
+    rf"//[^\n]*|/\*.*?(?:\*/|\Z)|[([{{}}\])]|(?P<signs>(?:[-+!]\s*|\bnot\s+){{{NESTING + 1}}})", re.DOTALL
+)
+_OPERAND = {"NAME", "NUMBER", "LPAR", "BOOLEAN", "DOUBLE", "SIGN", "BANG", "STEP", "QUANTIFIER"}
+_OPERATOR = {"OR", "AND", "BIT_OR", "BIT_XOR", "AMPERSAND", "EQUALITY", "COMPARISON", "EXTREME", "SHIFT"}
+_OPERATOR |= {"SIGN", "FACTOR"}
+_SUFFIX = {"QUESTION", "COMPOUND", "STEP", "LSQB", "DOT", "APOSTROPHE", "LPAR"}
+_READABLE = {"NAME": "a name", "EQUALS": "'='", "PREFIX": "a type", "BASE": "a type", "INT": "a type"}
+
+
+class _RefusedWordError(Exception):
+    """A reserved word of a construct that is outside of the subset."""
+
+    def __init__(self, token: Token) -> None:
+        self.token = token
+
+
+def _check_word(token: Token) -> Token:
+    if token in REFUSED_WORDS:
+        raise _RefusedWordError(token)
+    return token
+
+
+@cache
+def _lark() -> Lark:
+    grammar = files(__package__).joinpath("grammar.lark").read_text(encoding="utf-8")
+    return Lark(
+        grammar,
+        start=_STARTS,
+        parser="lalr",
+        lexer="basic",
+        propagate_positions=True,
+        lexer_callbacks={"NAME": _check_word},
+    )
+
+
+def _readable(terminals: set[str]) -> str:
+    """What may stand here, in words, never more than a reader takes in at once."""
+    if terminals >= _OPERATOR:
+        terminals = terminals - _OPERATOR - _SUFFIX | {"operator"}
+    elif "COMPARISON" in terminals:  # on the system line, where it is read only to be refused
+        terminals = terminals - {"COMPARISON"}
+    if terminals >= _OPERAND:
+        terminals = terminals - _OPERAND | {"expression"}
+    literals = {
+        terminal.name: f"'{terminal.pattern.value}'"
+        for terminal in _lark().terminals
+        if isinstance(terminal.pattern, PatternStr)
+    }
+    names = {
+        "operator": "an operator",
+        "expression": "an expression",
+        "$END": "the end",
+        **literals,
+        **_READABLE,
+    }
+    words = sorted({names.get(terminal, terminal.lower()) for terminal in terminals})
+    return " or ".join(", ".join(words).rsplit(", ", 1)) if words else "nothing"
+
+
+def _syntax_error(text: Text, error: UnexpectedInput) -> ModelError:
+    if isinstance(error, UnexpectedCharacters):
+        start = error.pos_in_stream or 0
+        span = Span(text, start, start + 1)
+        return fault(span, f"'{text.content[start]}' is no part of the language.")
+    expected = _readable(set(cast("Any", error).accepts or cast("Any", error).expected))
+    token = error.token if isinstance(error, UnexpectedToken) else None
+    if token is None or token.type == "$END" or isinstance(error, UnexpectedEOF):
+        end = len(text.content.rstrip())
+        return fault(Span(text, end, end), "The text ends too early.", f"Expected {expected}.")
+    start = token.start_pos or 0
+    if text.content.startswith("/*", start):
+        return fault(Span(text, start, start + 2), "This comment does not end.", "Expected '*/'.")
+    return fault(
+        Span(text, start, start + len(token)), f"'{token}' is not expected here.", f"Expected {expected}."
+    )
+
+
+def _check_size(text: Text) -> None:
+    """Too long or too deep a text is refused before it is read."""
+    if len(text.content) > TEXT_CHARACTERS:
+        what = f"This text has {len(text.content)} characters, more than {TEXT_CHARACTERS}."
+        raise fault(text.whole, what, "Break it into parts.")
+    depth = 0
+    for found in _DEPTH.finditer(text.content):
+        token = found.group()
+        depth += (token in "([{") - (token in ")]}")
+        if depth > NESTING or found.lastgroup == "signs":
+            where = Span(text, found.start(), found.start() + 1)
+            raise fault(
+                where, f"This is nested too deeply, more than {NESTING} deep.", "Break it into parts."
+            )
+
+
+def parse(text: Text, start: str) -> Any:
+    """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
+    _check_size(text)
+    try:
+        return Builder(text).transform(_lark().parse(text.content, start=start))
+    except _RefusedWordError as error:
+        position = error.token.start_pos or 0
+        span = Span(text, position, position + len(error.token))
+        raise refused(span, f"'{error.token}', {REFUSED_WORDS[error.token]}") from None
+    except UnexpectedInput as error:
+        raise _syntax_error(text, error) from None
+    except VisitError as error:
+        raise error.orig_exc from None
+    except RecursionError:
+        raise fault(text.whole, "This text is nested too deeply.") from None

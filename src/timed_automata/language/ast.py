@@ -1,0 +1,289 @@
+"""The syntax tree of UPPAAL's language: expressions, declarations, statements. Data only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from timed_automata.document import Span
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Node:
+    """Anything that was read from a text."""
+
+    span: Span
+
+
+# Expressions -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Number(Node):
+    """A literal; ``boolean`` for true and false."""
+
+    value: int
+    boolean: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Name(Node):
+    """The use of a name."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Index(Node):
+    """``base[index]``."""
+
+    base: Expression
+    index: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Member(Node):
+    """``process.name``: for queries."""
+
+    base: Expression
+    name: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Call(Node):
+    """``name(arguments)``."""
+
+    name: str
+    arguments: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unary(Node):
+    """``-`` ``+`` ``!``."""
+
+    op: str
+    operand: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Binary(Node):
+    """Two operands; ``and`` and ``or`` are read as ``&&`` and ``||``."""
+
+    op: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Conditional(Node):
+    """``test ? yes : no``."""
+
+    test: Expression
+    yes: Expression
+    no: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quantified(Node):
+    """``forall``, ``exists`` or ``sum`` over a bounded type."""
+
+    kind: str
+    variable: str
+    type: TypeName
+    body: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assignment(Node):
+    """``target op value``; op is ``=``, ``+=``, …"""
+
+    op: str
+    target: Expression
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Increment(Node):
+    """``++`` or ``--``, before or after its target."""
+
+    op: str
+    target: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Braces(Node):
+    """``{a, b, …}``: the initialiser of an array."""
+
+    items: tuple[Expression, ...]
+
+
+Expression = (
+    Number
+    | Name
+    | Index
+    | Member
+    | Call
+    | Unary
+    | Binary
+    | Conditional
+    | Quantified
+    | Assignment
+    | Increment
+    | Braces
+)
+
+# Declarations ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TypeName(Node):
+    """A type as written: prefixes, base name, bounds of a bounded int."""
+
+    base: str
+    prefixes: frozenset[str] = frozenset()
+    low: Expression | None = None
+    high: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Declarator(Node):
+    """A declared name with its array dimensions (an expression or a bounded type each) and its initialiser."""
+
+    name: str
+    dimensions: tuple[Expression | TypeName, ...] = ()
+    initialiser: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Variables(Node):
+    """``type a, b[3] = {…};``"""
+
+    type: TypeName
+    declarators: tuple[Declarator, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TypeDefinition(Node):
+    """``typedef type a;``"""
+
+    type: TypeName
+    declarators: tuple[Declarator, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parameter(Node):
+    """Of a template, a partial instantiation or a function."""
+
+    type: TypeName
+    reference: bool
+    declarator: Declarator
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FunctionDefinition(Node):
+    """A function."""
+
+    result: TypeName
+    name: str
+    parameters: tuple[Parameter, ...]
+    body: Block
+
+
+Declaration = Variables | TypeDefinition | FunctionDefinition
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instantiation(Node):
+    """``name(parameters) = template(arguments);``"""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    template: Name
+    arguments: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class System(Node):
+    """The system section: declarations, instantiations, and the names of the ``system`` line."""
+
+    items: tuple[Declaration | Instantiation, ...]
+    processes: tuple[Name, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Select(Node):
+    """``name : type`` of a select label."""
+
+    name: str
+    type: TypeName
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Synchronisation(Node):
+    """``channel!`` or ``channel?``."""
+
+    channel: Expression
+    direction: str
+
+
+# Statements ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block(Node):
+    """``{ declarations statements }``."""
+
+    declarations: tuple[Declaration, ...]
+    statements: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evaluate(Node):
+    """An expression as a statement; none for a lone semicolon."""
+
+    expression: Expression | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class If(Node):
+    """``if (test) yes else no``."""
+
+    test: Expression
+    yes: Statement
+    no: Statement | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class For(Node):
+    """``for (first; test; then) body``, and ``while``: no first, no then."""
+
+    first: tuple[Expression, ...]
+    test: Expression | None
+    then: tuple[Expression, ...]
+    body: Statement
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DoWhile(Node):
+    """``do body while (test);``"""
+
+    body: Statement
+    test: Expression
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Iterate(Node):
+    """``for (variable : type) body``."""
+
+    variable: str
+    type: TypeName
+    body: Statement
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Return(Node):
+    """``return value;``"""
+
+    value: Expression | None
+
+
+Statement = Block | Evaluate | If | For | DoWhile | Iterate | Return

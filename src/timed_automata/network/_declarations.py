@@ -1,0 +1,147 @@
+"""Declarations: variables, clocks and channels get their places, constants their values, functions their code."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from timed_automata.compiler import (
+    Alias,
+    ChannelSymbol,
+    ClockSymbol,
+    Constant,
+    Expressions,
+    FormalParameter,
+    Function,
+    GeneratedCode,
+    Local,
+    Scope,
+    Statements,
+    Storage,
+    Symbol,
+    Type,
+    flatten,
+    resolve_dimensions,
+    resolve_type,
+)
+from timed_automata.document import Span, fault, refused
+from timed_automata.language import ast
+from timed_automata.network._given import Given, as_source, flatten_given
+from timed_automata.network._places import Places
+
+
+class Declarations:
+    """Takes declarations into a scope. ``given`` replaces the initialisers of constants; ``prefix`` is the process.
+
+    ``replaced`` collects the initialisers that were replaced, for writing the file back.
+    """
+
+    def __init__(
+        self,
+        code: GeneratedCode,
+        places: Places,
+        scope: Scope,
+        *,
+        prefix: str = "",
+        given: Mapping[str, Given] | None = None,
+    ) -> None:
+        self.code, self.places, self.scope, self.prefix = code, places, scope, prefix
+        self.given = given or {}
+        self.replaced: list[tuple[Span, str]] = []
+        self.expressions = Expressions(code, scope)
+
+    def take(self, node: ast.Declaration) -> None:
+        """One declaration."""
+        if isinstance(node, ast.FunctionDefinition):
+            self._function(node)
+            return
+        base = resolve_type(self.expressions, node.type)
+        for declarator in node.declarators:
+            type_ = resolve_dimensions(self.expressions, base, declarator)
+            if isinstance(node, ast.TypeDefinition):
+                symbol: Symbol = Alias(declarator.name, type_)
+            elif not type_.integral:
+                symbol = self._clock_or_channel(declarator, type_)
+            elif type_.constant:
+                symbol = self._constant(declarator, type_)
+            else:
+                symbol = self._variable(declarator, type_)
+            self.scope.declare(declarator.name, symbol, declarator.span)
+
+    def _clock_or_channel(self, node: ast.Declarator, type_: Type) -> Symbol:
+        if node.initialiser is not None:
+            raise fault(node.span, f"A {type_.kind} has no initialiser.")
+        name = self.prefix + node.name
+        if type_.kind == "clock":
+            return ClockSymbol(name, type_, self.places.clock(name, type_))
+        return ChannelSymbol(name, type_, self.places.channel(name, type_))
+
+    def _constant(self, node: ast.Declarator, type_: Type) -> Constant:
+        if node.initialiser is None:
+            raise fault(node.span, f"The constant '{node.name}' has no value.", "Expected '='.")
+        if not self.prefix and node.name in self.given:
+            given = self.given[node.name]
+            values = flatten_given(given, type_, node.name)
+            self.replaced.append((node.initialiser.span, as_source(given, type_)))
+        else:
+            values = self._values(node.initialiser, type_, node.name)
+        return self.constant(node.name, type_, values)
+
+    def constant(self, name: str, type_: Type, values: list[int]) -> Constant:
+        """A symbol for known values."""
+        container = self.code.constant(tuple(values)) if type_.dimensions else ""
+        return Constant(name, type_, tuple(values), container)
+
+    def _values(self, node: ast.Expression, type_: Type, name: str) -> list[int]:
+        if isinstance(node, ast.Name) and type_.dimensions:
+            symbol = self.scope.get(node.name, node.span)
+            if isinstance(symbol, Constant) and symbol.type.shape == type_.shape:
+                return list(symbol.values)
+        return [self._number(item, type_, name) for item in flatten(node, type_, name)]
+
+    def _number(self, node: ast.Expression, type_: Type, name: str) -> int:
+        number = self.expressions.constant(node, f"The value of '{name}'")
+        if type_.kind == "bool":
+            return int(number != 0)
+        if not type_.low <= number <= type_.high:
+            raise fault(node.span, f"{name} = {number} is out of its range [{type_.low},{type_.high}].")
+        return number
+
+    def _variable(self, node: ast.Declarator, type_: Type) -> Storage:
+        if node.initialiser is None:
+            values = [type_.default] * type_.size
+        else:
+            values = self._values(node.initialiser, type_, node.name)
+        name = self.prefix + node.name
+        return Storage(name, type_, "v", self.places.variable(name, type_, values))
+
+    def _function(self, node: ast.FunctionDefinition) -> None:
+        result = resolve_type(self.expressions, node.result)
+        if not (result.integral or result.kind == "void") or result.dimensions:
+            raise refused(node.result.span, f"a function that returns {result}")
+        body = self.expressions.inside(Scope(self.scope))
+        body.effects = type(body.effects)()
+        names = ["v", "r"]
+        parameters = tuple(self._parameter(parameter, body, names) for parameter in node.parameters)
+        statements = Statements(body, result)
+        statements.body(node.body)
+        python = self.code.name("f")
+        self.code.function(python, ", ".join(names), statements.lines)
+        function = Function(node.name, parameters, result, python, body.effects)
+        self.scope.declare(node.name, function, node.span)
+
+    def _parameter(self, node: ast.Parameter, body: Expressions, names: list[str]) -> FormalParameter:
+        type_ = resolve_dimensions(body, resolve_type(body, node.type), node.declarator)
+        name, python = node.declarator.name, self.code.name("p")
+        if not type_.integral:
+            raise refused(node.span, f"'{name}', {type_} as parameter of a function", "Expected int or bool.")
+        writable = not type_.constant
+        names.append(python)
+        if node.reference:
+            names.append(f"{python}o")
+            symbol: Symbol = Storage(name, type_, python, f"{python}o", written=writable)
+        elif type_.dimensions:
+            symbol = Storage(name, type_, python, 0, written=writable)
+        else:
+            symbol = Local(name, type_, python, written=writable)
+        body.scope.declare(name, symbol, node.span)
+        return FormalParameter(name, type_, node.reference)

@@ -1,0 +1,111 @@
+"""From a file to a network, with the given constants put in, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from timed_automata.compiler import Constant, GeneratedCode, Scope, Type
+from timed_automata.document import Document, did_you_mean, fault, load_document, write_document
+from timed_automata.errors import ModelError, UsageError
+from timed_automata.language import ast, parse_declarations, parse_instantiations, parse_system
+from timed_automata.network._declarations import Declarations
+from timed_automata.network._definitions import Definitions
+from timed_automata.network._given import Given
+from timed_automata.network._network import Network, State
+from timed_automata.network._places import Places
+from timed_automata.network._templates import ParsedTemplate
+
+
+def load_network(path: str | Path, constants: Mapping[str, Given] | None = None) -> Network:
+    """Read a UPPAAL file, check it, and put in ``constants`` for the initialisers of its global constants.
+
+    Args:
+        path: UPPAAL XML.
+        constants: by name; a list (of lists) for an array, of the shape that is declared. They are put in
+            before sizes are computed: an array whose size depends on a given constant changes its shape.
+
+    Raises:
+        ModelError: the file is not valid, or outside of the supported subset; with ``file:line:column``.
+        UsageError: a given constant does not exist, or does not fit its declaration.
+    """
+    return make_network(load_document(path), constants)
+
+
+def make_network(document: Document, constants: Mapping[str, Given] | None = None) -> Network:
+    """A network of a document that was read; see :func:`load_network`."""
+    try:
+        return _make(document, constants or {})
+    except (RecursionError, MemoryError, SyntaxError):  # Python's own limits, for generated code as well
+        what = "An expression or a function is nested too deeply."
+        raise ModelError(what, where=document.path, todo="Break it into parts.") from None
+
+
+def export(network: Network) -> bytes:
+    """The concrete network for UPPAAL: the file with the given constants put in, the same each time."""
+    return write_document(network.document, network.replaced)
+
+
+def _make(document: Document, given: Mapping[str, Given]) -> Network:
+    code, places, globals_ = GeneratedCode(), Places(), Scope()
+    declarations = Declarations(code, places, globals_, given=given)
+    for declaration in parse_declarations(document.declarations) if document.declarations else ():
+        declarations.take(declaration)
+    _check_given(given, globals_, document.path)
+    definitions = Definitions(code, places)
+    for template in document.templates:
+        definitions.add_template(ParsedTemplate(template), globals_)
+    _instantiate(document, definitions, Scope(globals_))
+    definitions.check_unused()
+    return Network(
+        document=document,
+        processes=tuple(definitions.processes),
+        variables=tuple(places.variables),
+        clocks=tuple(places.clocks),
+        channels=tuple(places.channels),
+        initial=State(tuple(process.initial for process in definitions.processes), tuple(places.initial)),
+        offsets=places.offsets,
+        constants={
+            name: _nested(symbol.values, symbol.type)
+            for name, symbol in globals_.symbols.items()
+            if isinstance(symbol, Constant)
+        },
+        replaced=tuple(declarations.replaced),
+        scope=globals_,
+        code=code,
+    )
+
+
+def _check_given(given: Mapping[str, Given], scope: Scope, path: str) -> None:
+    for name in given:
+        symbol = scope.symbols.get(name)
+        if symbol is None:
+            known = [other for other, found in scope.symbols.items() if isinstance(found, Constant)]
+            raise UsageError(f"{path} declares no global constant '{name}'.", todo=did_you_mean(name, known))
+        if not isinstance(symbol, Constant):
+            raise UsageError(f"'{name}' is not a constant in {path}: it cannot be given.")
+
+
+def _instantiate(document: Document, definitions: Definitions, scope: Scope) -> None:
+    """The instantiations and the ``system`` line; the section's own declarations are seen by it alone."""
+    system = parse_system(document.system)
+    older = parse_instantiations(document.instantiations) if document.instantiations else ()
+    declarations = Declarations(definitions.code, definitions.places, scope)
+    for item in (*older, *system.items):
+        if isinstance(item, ast.Instantiation):
+            definitions.add_instantiation(item, scope)
+        else:
+            declarations.take(item)
+    seen: set[str] = set()
+    for name in system.processes:
+        if name.name in seen:
+            raise fault(name.span, f"'{name.name}' stands twice on the system line.")
+        seen.add(name.name)
+        definitions.instantiate(name, scope)
+
+
+def _nested(values: tuple[int, ...], type_: Type) -> Given:
+    if not type_.dimensions:
+        return values[0]
+    element = type_.element
+    return [_nested(values[i : i + element.size], element) for i in range(0, len(values), element.size)]

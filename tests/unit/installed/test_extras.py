@@ -1,0 +1,77 @@
+"""What needs an extra that is not installed says so in one sentence with the command; the rest works without it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal._extras import extras
+from end_effector_hal.description import profile_path
+from tests.support.blocked import eehal_without
+from tests.support.refuted import REFUTED
+from tests.unit.earlier.conftest import ARCHIVE
+
+INSTALL_LAB = "which is not installed. Install it: pip install 'end-effector-hal[lab]'.\n"
+NO_FIGURE = f"Note: There is no figure. Figures need matplotlib, {INSTALL_LAB}"
+
+
+def test_the_extras() -> None:
+    assert extras() == {"lab": ("matplotlib",), "modbus": ("pymodbus",)}
+
+
+def test_plot(tmp_path: Path) -> None:
+    shutil.unpack_archive(ARCHIVE, tmp_path)
+    done = eehal_without(["matplotlib", "numpy"], "plot", tmp_path / "run")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"Figures need matplotlib, {INSTALL_LAB}"
+    done = eehal_without(["matplotlib", "numpy"], "plot", tmp_path / "run", "--json")
+    (fault,) = json.loads(done.stdout)["faults"]
+    assert (done.returncode, fault["code"]) == (2, "EE-101")
+
+
+def test_model_show(tmp_path: Path) -> None:
+    done = eehal_without(["matplotlib"], "model", "show", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"Figures need matplotlib, {INSTALL_LAB}"
+
+
+def test_verify_writes_text_and_states(tmp_path: Path) -> None:
+    (tmp_path / "model.xml").write_text(REFUTED, encoding="utf-8")
+    done = eehal_without(["matplotlib"], "verify", "--model", "model.xml", "-o", "out", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (4, NO_FIGURE)
+    assert {path.name for path in (tmp_path / "out" / "stays").iterdir()} == {
+        "run.txt",
+        "states.csv",
+        "run.json",
+    }
+
+
+def test_simulate_writes_text_and_states(tmp_path: Path) -> None:
+    (tmp_path / "model.xml").write_text(REFUTED, encoding="utf-8")
+    done = eehal_without(
+        ["matplotlib"], "model", "simulate", "--model", "model.xml", "-o", "out", cwd=tmp_path
+    )
+    assert (done.returncode, done.stderr) == (0, NO_FIGURE)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"run.txt", "states.csv", "run.json"}
+
+
+@pytest.mark.parametrize("command", ["--help", "plot --help", "demo --help", "board --help", "check"])
+def test_what_needs_none(command: str) -> None:
+    done = eehal_without(["matplotlib", "numpy", "pymodbus"], *command.split())
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_modbus_codec(tmp_path: Path) -> None:
+    text = profile_path().read_text(encoding="utf-8").replace("codec: ees1-ascii", "codec: modbus-rtu-epick")
+    (tmp_path / "tool.yaml").write_text(text, encoding="utf-8")
+    shutil.copy(profile_path().with_name("end_effector.xml"), tmp_path)
+    done = eehal_without(["pymodbus"], "check", "tool.yaml", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    (line,) = done.stderr.splitlines()
+    assert line.endswith(
+        ": The codec modbus-rtu-epick needs pymodbus, which is not installed; "
+        "Install it: pip install 'end-effector-hal[modbus]' [EE-226]"
+    )
