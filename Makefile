@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board image test-image check bench format clean debian ros kill-matrix kill-matrix-full link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench format clean debian ros kill-matrix kill-matrix-full link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -67,6 +67,9 @@ check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelli
 	@$(BIN)/python .ci/house.py
 	@$(BIN)/vulture
 	@$(BIN)/codespell
+
+test-dist: $(UV) ## wheel and sdist: built, installed into fresh environments, used outside of the checkout; a minute
+	@deploy/test-dist.sh
 
 bench: setup ## measure it: latencies against their floor, CPU, memory
 	@$(ROS_ENV) && python benchmarks/run.py

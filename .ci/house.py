@@ -16,8 +16,6 @@ from pathlib import Path
 SOURCE = Path(__file__).parents[1] / "src"
 REPEATED = {
     "end_effector_hal.Commanded",
-    "end_effector_hal.Goal",
-    "end_effector_hal.Goals",
     "end_effector_hal.Header",
     "end_effector_hal.Refused",
 }

@@ -19,7 +19,7 @@ from tests.acceptance.image.box import Box
 
 TOOL = load(profile_path())
 IMPORTS = (
-    "import end_effector_hal.runtime, gpiod, pydantic_core, rospy, actionlib, end_effector_msgs.msg as msg, matplotlib;"
+    "import end_effector_hal.runtime, gpiod, pydantic_core, rospy, actionlib, end_effector_msgs.msg as msg, pymodbus;"
     "print(gpiod.api_version, msg.EndEffectorGoal.__name__)"
 )
 
@@ -40,6 +40,11 @@ def test_its_user_is_in_gpio_and_dialout_and_may_do_nothing_else(box: Box) -> No
 
 def test_what_it_needs_can_be_imported(box: Box) -> None:
     assert well(box.run("eehal-container", "python", "-c", IMPORTS)).split()[1] == "EndEffectorGoal"
+
+
+def test_figures_are_drawn_elsewhere(box: Box) -> None:
+    done = box.run("eehal", "model", "show")
+    assert (done.returncode, "pip install 'end-effector-hal[lab]'" in done.stderr) == (2, True)
 
 
 def test_nothing_is_compiled_again_at_each_start(box: Box) -> None:

@@ -16,7 +16,7 @@ from ._messages import (
 )
 from ._places import ChangerPlace, CylinderPlace
 from ._stamp_check import StampCheck
-from ._transport import CommandClient, CommandReply, GoalClient, GoalService, NodeTransport
+from ._transport import CommandClient, GoalClient, GoalService, NodeTransport
 from ._unknown_senders import UnknownSenders
 
 __all__ = [
@@ -24,7 +24,6 @@ __all__ = [
     "ChangerPlace",
     "CommandClient",
     "CommandMessage",
-    "CommandReply",
     "CylinderPlace",
     "DiagnosticMessage",
     "DiagnosticsMessage",
