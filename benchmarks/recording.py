@@ -1,8 +1,8 @@
 """What a trace costs: the time from a frame to the status that follows from it, with and without.
 
 ``python benchmarks/recording.py [--blocks N]``. Blocks with and without a trace take turns in the same run, so that the
-load of the machine falls on both. A unit in real time, with a line arbiter that does nothing; a frame changes a level,
-so that each gives a status.
+load of the machine falls on both. A program in real time, with a line arbiter that does nothing; each frame changes a
+level, so that each gives a status.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import Unit
-from end_effector_hal.runtime.boundary import NOBODY, open_recorder
+from end_effector_hal.runtime import GripProgram
+from end_effector_hal.runtime.boundary import NULL_RECORDER, open_recorder
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
@@ -55,17 +55,19 @@ def block(*, recorded: bool) -> list[float]:
 
     found = []
     with tempfile.TemporaryDirectory() as folder:
-        recorder = open_recorder(folder, description, "grip") if recorded else NOBODY
-        unit = Unit(description, "grip", _Lines(), on_status, recorder)
-        unit.start()
+        recorder = open_recorder(folder, description, "grip") if recorded else NULL_RECORDER
+        program = GripProgram(description, _Lines(), on_status, recorder)
+        program.start()
         for number in range(FRAMES):
             told.clear()
             begun = time.perf_counter_ns()
-            unit.frame(Frame(now_us(), number, number * 20, REST | {"bottom": -20_000 if number % 2 else 0}))
+            program.frame(
+                Frame(now_us(), number, number * 20, REST | {"bottom": -20_000 if number % 2 else 0})
+            )
             if told.wait(PERIOD_S * 3 / 4) and number >= WARM_UP:
                 found.append((done[0] - begun) / 1000)
             time.sleep(PERIOD_S)
-        unit.close()
+        program.close()
     return found
 
 

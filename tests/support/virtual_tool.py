@@ -82,14 +82,14 @@ class VirtualTool:
     def _gripper(self, statuses: list[Status]) -> None:
         for status in statuses:
             self.statuses.append(status)
-            self.change.tell({"ee": status.ee}, status.at)
+            self.change.update_peer({"ee": status.ee}, status.at)
             if status.ee:
                 self._write(dict(zip(self._lines, status.outputs, strict=True)), status.at)
 
     def _changer(self, statuses: list[Status]) -> None:
         changer = self.description.tool_changer
         for status in statuses:
-            self.grip.tell({"unlock_valve": int(status.unlock_output)}, status.at)
+            self.grip.update_peer({"unlock_valve": int(status.unlock_output)}, status.at)
             if status.changer and changer:
                 self._write({changer.line: status.unlock_output}, status.at)
 

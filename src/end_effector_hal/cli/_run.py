@@ -21,7 +21,7 @@ from ._signals import end_in_order
 if TYPE_CHECKING:
     from end_effector_hal.control import Answer, Status
     from end_effector_hal.recording import Recording
-    from end_effector_hal.runtime import EndEffector, Order
+    from end_effector_hal.runtime import EndEffector, ScriptCommand
     from end_effector_hal.vocabulary import Command
 
     from ._run_voice import Voice
@@ -122,7 +122,7 @@ class _Session:
         self._running: list[threading.Thread] = []
         self._succeeded = True
 
-    def play(self, orders: Iterator[Order]) -> bool:
+    def play(self, orders: Iterator[ScriptCommand]) -> bool:
         """Whether every command succeeded."""
         from end_effector_hal.vocabulary import Command
 
@@ -163,8 +163,8 @@ class _Session:
         self._voice.result(command.name, result.succeeded, result.reason, result.steps)
 
 
-def _prompt(prompt: str, voice: Voice) -> Iterator[Order]:
-    from end_effector_hal.runtime import read_order
+def _prompt(prompt: str, voice: Voice) -> Iterator[ScriptCommand]:
+    from end_effector_hal.runtime import read_command
 
     while True:
         try:
@@ -174,6 +174,6 @@ def _prompt(prompt: str, voice: Voice) -> Iterator[Order]:
         if not text:
             continue
         try:
-            yield read_order(text)
+            yield read_command(text)
         except UsageError as error:
             voice.error(error)

@@ -2,17 +2,19 @@
 
 from ._constants import model_constants
 from ._controller import PROGRAMS, Controller
+from ._last_wills import GripLastWill, changer_will, maintenance_will
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
-from ._will import will_of
 
 __all__ = [
     "PROGRAMS",
     "Answer",
     "Controller",
     "ControllerSnapshot",
+    "GripLastWill",
     "Status",
     "StepReport",
+    "changer_will",
+    "maintenance_will",
     "model_constants",
-    "will_of",
 ]

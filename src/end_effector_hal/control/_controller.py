@@ -15,7 +15,7 @@ from timed_automata import Event, Execution, Network, Observation, Step
 from ._reasons import not_by_hand, refusal
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status
-from ._telling import Telling
+from ._status_builder import StatusBuilder
 
 FIRST_FRAME_US = 5_000_000
 """What was found active waits so long for the link before it counts as unproven: who reads it may start later."""
@@ -61,7 +61,7 @@ class Controller:
         processes = getattr(description.automata, program)
         interface = description.automata.interface
         self._execution = Execution(network, processes, interface, observe=observe)
-        self._telling = Telling(description, program, self._execution, self._senses, self._hold)
+        self._telling = StatusBuilder(description, program, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
         self._sensor_fault = False
         self._adopt_by: int | None = None
@@ -126,8 +126,8 @@ class Controller:
         told = self._senses.noticed(self._at, held=self._telling.held)
         return statuses if statuses or not told else [self.status()]
 
-    def tell(self, values: Mapping[str, int], at: int) -> list[Status]:
-        """What another program says: ``ee`` or ``unlock_valve``, as the model has them."""
+    def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
+        """Interface variables of the other program: ``ee`` or ``unlock_valve``."""
         at = self._until(at)
         statuses = self._due_before(at)
         if "ee" in values:

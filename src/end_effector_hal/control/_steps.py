@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 from end_effector_hal.vocabulary import EndEffectorState, to_s
@@ -41,25 +40,23 @@ class StepLog:
             self.steps = tuple(StepReport(name) for name in self._names)
             self._begun = [None] * len(self._names)
         if gripping or self._ee == EndEffectorState.GRIPPING:
-            self.steps = tuple(
-                self._next(report, index, outputs[index], actuators[index], at, again=again)
-                for index, report in enumerate(self.steps)
-            )
+            for index, active in enumerate(outputs):
+                started = active and not self._outputs[index]
+                if started and self._begun[index] is None:
+                    self._begun[index] = at
+                if (begun := self._begun[index]) is not None:
+                    on = active and actuators[index] == _ON
+                    self._update(index, at - begun, started=started, again=again, on=on)
         if not gripping:
             self.step = -1
         self._ee, self._outputs = ee, outputs
 
-    def _next(
-        self, report: StepReport, index: int, active: bool, state: int, at: int, *, again: bool
-    ) -> StepReport:
-        if again and index == self.step:
-            report = replace(report, attempts=report.attempts + 1)
-        if active and not self._outputs[index]:
+    def _update(self, index: int, since_us: int, *, started: bool, again: bool, on: bool) -> None:
+        """The report of an actuator that was first activated ``since_us`` ago in this grip."""
+        report = self.steps[index]
+        attempts = report.attempts + (again and index == self.step) + started
+        if started:
             self.step = index
-            if self._begun[index] is None:
-                self._begun[index] = at
-            report = replace(report, attempts=report.attempts + 1)
-        begun = self._begun[index]
-        if begun is None or report.confirmed:
-            return report
-        return replace(report, seconds=to_s(at - begun), confirmed=active and state == _ON)
+        seconds, confirmed = (report.seconds, True) if report.confirmed else (to_s(since_us), on)
+        updated = StepReport(report.name, attempts, seconds, confirmed)
+        self.steps = (*self.steps[:index], updated, *self.steps[index + 1 :])

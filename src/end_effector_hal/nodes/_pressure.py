@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from end_effector_hal.codecs import get_codec
-from end_effector_hal.runtime import Witness
+from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import Senses
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires import now_us
@@ -43,9 +43,9 @@ class PressureNode:
         self._senses = Senses(description, get_codec(link.codec))
         self._lock = threading.Lock()
         self._silent = False
-        self._witness = Witness(description)
-        node.on_close(self._witness.close)
-        self._witness.start()
+        self._predicates = PredicatePublisher(description)
+        node.on_close(self._predicates.close)
+        self._predicates.start()
         self._reader = LinkReader(
             link.port, link.codec, link.baudrate, on_frame=self._on_frame, on_change=self._on_change
         )
@@ -55,7 +55,7 @@ class PressureNode:
         node.every(STATE_HZ, self._tick)
 
     def _on_frame(self, frame: Frame) -> None:
-        self._witness.frame(frame)
+        self._predicates.frame(frame)
         self._frame(frame_to_message(frame))
         with self._lock:
             if not self._senses.accepts(frame, now_us()):

@@ -9,7 +9,7 @@ import time
 from types import FrameType
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import Order, read_order, read_script
+from end_effector_hal.runtime import ScriptCommand, read_command, read_script
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
 from .interface import (
@@ -47,7 +47,7 @@ class Supervisor:
         sys.stdout.write(f"{before}{text}\n{after}")
         sys.stdout.flush()
 
-    def run_script(self, orders: tuple[Order, ...]) -> int:
+    def run_script(self, orders: tuple[ScriptCommand, ...]) -> int:
         """Give orders one after the other; 1 when any did not succeed."""
         self._goals.wait_for_servers()
         if not self._adopted.wait(GIVE_UP_S):
@@ -66,9 +66,9 @@ class Supervisor:
         while not self._node.ending:
             try:
                 line = self._read(terminal)
-                order = read_order(line) if line.strip() else None
+                order = read_command(line) if line.strip() else None
             except EOFError:
-                self.give(Order(Command.QUIT))
+                self.give(ScriptCommand(Command.QUIT))
                 break
             except UsageError as error:
                 self.say(str(error))
@@ -77,7 +77,7 @@ class Supervisor:
                 break
         return 0 if terminal else int(self._goals.any_failed or self._reset_failed)
 
-    def give(self, order: Order, *, wait: bool = True) -> bool:
+    def give(self, order: ScriptCommand, *, wait: bool = True) -> bool:
         """Give one order; False when it was `quit`."""
         if order.arm or order.reset:
             self.say(self._call("arm", ARM_TOOL_CHANGER) if order.arm else self._call("reset", RESET_FAULTS))

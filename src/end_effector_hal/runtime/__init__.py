@@ -2,35 +2,39 @@
 
 from ._arbiter import connect_arbiter, run_arbiter
 from ._automata import load_automata
+from ._changer_program import ChangerProgram
 from ._end_effector import EndEffector
 from ._error_text import error_text, sendable
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
+from ._grip_program import GripProgram
 from ._lines import arbiter_policy, output_lines, program_lines
-from ._open_unit import open_unit
-from ._orders import Order, read_order, read_script
+from ._open_program import open_program
 from ._outputs import LineWriter
+from ._predicate_publisher import PredicatePublisher
+from ._program import Program
 from ._reset import reset
-from ._unit import Unit
-from ._witness import Witness
+from ._script import ScriptCommand, read_command, read_script
 
 __all__ = [
+    "ChangerProgram",
     "EndEffector",
     "GoalRunner",
+    "GripProgram",
     "LineWriter",
-    "Order",
+    "PredicatePublisher",
+    "Program",
     "Refused",
     "Result",
     "RunningGoal",
-    "Unit",
-    "Witness",
+    "ScriptCommand",
     "arbiter_policy",
     "connect_arbiter",
     "error_text",
     "load_automata",
-    "open_unit",
+    "open_program",
     "output_lines",
     "program_lines",
-    "read_order",
+    "read_command",
     "read_script",
     "reset",
     "run_arbiter",

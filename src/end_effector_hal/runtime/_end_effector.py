@@ -20,13 +20,15 @@ from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth, LinkReader
 
+from ._changer_program import ChangerProgram
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
+from ._grip_program import GripProgram
 from ._listeners import Audience
-from ._open_unit import open_unit
+from ._open_program import open_program
+from ._predicate_publisher import PredicatePublisher
+from ._program import Program
 from ._ready import changer_ready, gripper_ready, missing
 from ._reset import reset
-from ._unit import Unit
-from ._witness import Witness
 
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
@@ -62,15 +64,17 @@ class EndEffector:
         self._told: tuple[str, ...] = ()
         self._lock = threading.Lock()
         with ExitStack() as undo:
-            self._grip = open_unit(description, "grip", self._gripper_moved, traces=traces, limits=limits)
+            self._grip = open_program(
+                GripProgram, description, self._gripper_moved, traces=traces, limits=limits
+            )
             undo.callback(self._grip.close)
-            self._change = open_unit(
-                description, "tool_change", self._changer_moved, traces=traces, limits=limits
+            self._change = open_program(
+                ChangerProgram, description, self._changer_moved, traces=traces, limits=limits
             )
             undo.callback(self._change.close)
             self._goals = GoalRunner({"grip": self._grip, "tool_change": self._change}, lambda: self.status)
             codec = codec_of(description)
-            self._witness = Witness(description, codec)
+            self._predicates = PredicatePublisher(description, codec)
             self._reader = LinkReader(
                 description.link.port,
                 codec,
@@ -100,7 +104,7 @@ class EndEffector:
     def start(self) -> None:
         """Start reading and adopt; raises LinkBusyError when somebody else reads the sensor link."""
         self._reader.start()
-        self._witness.start()
+        self._predicates.start()
         for unit in self._units:
             unit.start()
 
@@ -109,7 +113,7 @@ class EndEffector:
         for unit in self._units:
             unit.close(ending)
         self._reader.close()
-        self._witness.close()
+        self._predicates.close()
         self._audience.close()
 
     def __enter__(self) -> Self:
@@ -217,19 +221,19 @@ class EndEffector:
         return self._grip.set_actuator(name, active)
 
     @property
-    def _units(self) -> tuple[Unit, Unit]:
+    def _units(self) -> tuple[Program, Program]:
         return self._grip, self._change
 
     def _merged(self, grip: Status, at: int) -> Status:
         return tool_status(grip, self._change.status, at, notices=self._audience.alarms)
 
     def _gripper_moved(self, status: Status) -> None:
-        self._change.tell(ee=status.ee)
+        self._change.update_peer(ee=status.ee)
         with self._lock:
             self._publish(self._merged(status, status.at))
 
     def _changer_moved(self, status: Status) -> None:
-        self._grip.tell(unlock_valve=int(status.unlock_output))
+        self._grip.update_peer(unlock_valve=int(status.unlock_output))
         with self._lock:
             # read under the lock: a status of the gripping must not be told after the one that follows it
             grip = self._grip.status
@@ -245,7 +249,7 @@ class EndEffector:
             self._publish(self._merged(self._grip.status, now_us()))
 
     def _frame_came(self, frame: Frame) -> None:
-        self._witness.frame(frame)
+        self._predicates.frame(frame)
         for unit in self._units:
             unit.frame(frame)
         self._audience.frame(frame)

@@ -1,13 +1,14 @@
-"""Outputs driven by hand, under a lease (IL-12)."""
+"""Maintenance: outputs driven by hand, under a lease (IL-12)."""
 
 from __future__ import annotations
 
+from end_effector_hal.control import maintenance_will
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import LastWillStep, display_name, to_us
+from end_effector_hal.vocabulary import LastWill, display_name, to_us
 
 
 class Maintenance:
-    """Which lines are active by hand, and until when; however it ends, they are deactivated."""
+    """The lines that maintenance has activated, and until when; however it ends, they are deactivated."""
 
     def __init__(self, description: Description) -> None:
         lines = {name: part.line for name, part in description.ordered}
@@ -19,12 +20,12 @@ class Maintenance:
 
     @property
     def active(self) -> bool:
-        """Whether anything is active by hand."""
+        """Whether maintenance has activated anything."""
         return bool(self._lines)
 
     @property
     def notice(self) -> str:
-        """What to know of it, in words; empty: nothing is driven by hand."""
+        """A sentence for an operator; empty: nothing is active."""
         if not self._lines:
             return ""
         who = ", ".join(self._names[line] for line in self.lines)
@@ -32,21 +33,21 @@ class Maintenance:
 
     @property
     def lines(self) -> list[str]:
-        """What is active by hand, in release order."""
+        """What maintenance has activated, in release order."""
         return [line for line in self._order if line in self._lines]
 
     @property
-    def will(self) -> tuple[LastWillStep, ...]:
-        """What is to be done should this program end: everything that is active by hand is deactivated."""
-        return _will(self.lines)
+    def will(self) -> LastWill:
+        """The last will meanwhile."""
+        return maintenance_will(self.lines) if self._lines else ()
 
-    def will_with(self, line: str, active: bool) -> tuple[LastWillStep, ...]:
-        """The will once a line is driven so."""
+    def will_with(self, line: str, active: bool) -> LastWill:
+        """The last will once a line is driven so."""
         wanted = self._lines | {line} if active else self._lines - {line}
-        return _will([each for each in self._order if each in wanted])
+        return maintenance_will(each for each in self._order if each in wanted)
 
     def drove(self, line: str, active: bool, at: int) -> None:
-        """Remember what was driven at ``at`` µs; the lease starts anew."""
+        """Remember what was driven at ``at`` µs, and renew the lease."""
         self._lines = self._lines | {line} if active else self._lines - {line}
         self.ends_at = at + to_us(self._lease_s) if self._lines else None
 
@@ -56,7 +57,3 @@ class Maintenance:
             return []
         lines, self._lines, self.ends_at = self.lines, set(), None
         return lines
-
-
-def _will(lines: list[str]) -> tuple[LastWillStep, ...]:
-    return tuple(LastWillStep(line) for line in lines)

@@ -9,6 +9,8 @@ from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError
 from end_effector_hal.vocabulary import LastWillStep
 
+from ._output_mapping import OutputMapping
+
 RETRY_US = 200_000
 """What could not be done with the lines is tried again after this."""
 
@@ -47,17 +49,11 @@ class Outputs:
 
     Args:
         lines: the line arbiter.
-        of: line and level of every output of a status.
-        will: the will that fits a status.
+        mapping: of a status to lines.
     """
 
-    def __init__(
-        self,
-        lines: LineWriter,
-        of: Callable[[Status], dict[str, bool]],
-        will: Callable[[Status], tuple[LastWillStep, ...]],
-    ) -> None:
-        self._lines, self._of, self._will = lines, of, will
+    def __init__(self, lines: LineWriter, mapping: OutputMapping) -> None:
+        self._lines, self.mapping = lines, mapping
         self._wanted: dict[str, bool] | None = None
         self._said: tuple[LastWillStep, ...] | None = None
         self._undone: dict[str, bool] = {}
@@ -76,11 +72,12 @@ class Outputs:
     def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
         """Begin to bring the lines to what the first status asks for that changes something; returns those after it.
 
-        Never waits; `finish` does. A new will alone is not written when at the same instant one follows with lines to
-        deactivate: the two are one write.
+        Never waits; `complete` does. Before the lines are adopted nothing is written. A new will alone is not written
+        when at the same instant a status follows that deactivates lines: the two are one write.
         """
+        statuses = [status for status in statuses if self.mapping.adopted(status)]
         for number, status in enumerate(statuses):
-            wanted, will = self._of(status), self._will(status)
+            wanted, will = self.mapping.levels(status), self.mapping.last_will(status)
             changes = self._changes(wanted) | self._once_more(wanted, status)
             self._wanted = wanted
             if not changes and (
@@ -91,6 +88,13 @@ class Outputs:
             self._ask({**self._undone, **changes}, will, status.at)
             return statuses[number + 1 :]
         return ()
+
+    def complete(self, unwritten: Sequence[Status]) -> None:
+        """Wait until what was begun is done, and write for the statuses that `begin` has returned."""
+        self.finish()
+        while unwritten:
+            unwritten = self.begin(unwritten)
+            self.finish()
 
     def finish(self) -> None:
         """Wait until what was begun is done; trouble becomes :attr:`alarm`."""
@@ -112,7 +116,7 @@ class Outputs:
 
     def retry(self, status: Status, at: int) -> None:
         """Write again what could not be deactivated, and the will."""
-        self._ask(self._undone, self._will(status), at)
+        self._ask(self._undone, self.mapping.last_will(status), at)
         self.finish()
 
     def agree(self, at: int, *, gripping: bool = False) -> bool:
@@ -158,7 +162,7 @@ class Outputs:
     def _deactivates(self, following: Sequence[Status], status: Status) -> bool:
         """Whether what follows at the same instant makes lines inactive, and no others active."""
         return any(
-            (changes := self._changes(self._of(each))) and not any(changes.values())
+            (changes := self._changes(self.mapping.levels(each))) and not any(changes.values())
             for each in following
             if each.at == status.at
         )

@@ -8,10 +8,10 @@ from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import WireError
 
-from ._unit import Unit
+from ._program import Program
 
 
-def reset(description: Description, grip: Unit, *others: Answer) -> Answer:
+def reset(description: Description, grip: Program, *others: Answer) -> Answer:
     """Clear what the line arbiter has latched, and the alarms about a held part that are over.
 
     GRIP_ERROR and RELEASE_ERROR stay: those need a Drop. A fault that still is the case stays as well.

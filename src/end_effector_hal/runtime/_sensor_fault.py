@@ -14,45 +14,45 @@ from ._lines import SENSOR_FAULT
 _log = logging.getLogger("end_effector_hal.runtime")
 
 
-class Keeper(Protocol):
+class FaultKeeper(Protocol):
     """What it needs of the line arbiter."""
 
     def status(self) -> dict[str, Any]:
         """With ``faults``: sentences by name."""
 
     def latch(self, fault: str, why: str) -> None:
-        """Keep one."""
+        """Latch one, with a sentence."""
 
 
 class SensorFault:
-    """Of one program; ``owner`` None: nothing is kept.
+    """Whether the line arbiter keeps it, and what to do about that.
 
     Args:
-        owner: the line arbiter.
+        keeper: the line arbiter.
     """
 
-    def __init__(self, owner: Keeper | None = None) -> None:
-        self._owner = owner
+    def __init__(self, keeper: FaultKeeper) -> None:
+        self._keeper = keeper
         self._kept = ""  # as the owner has it
 
     def found(self) -> bool:
         """Whether one was latched before; raises WireError."""
-        self._kept = self._owner.status()["faults"].get(SENSOR_FAULT, "") if self._owner is not None else ""
+        self._kept = self._keeper.status()["faults"].get(SENSOR_FAULT, "")
         return bool(self._kept)
 
-    def heard(self, faults: tuple[str, ...]) -> None:
-        """What the owner has latched now: what a reset took from it, and is still shown, is kept anew."""
+    def faults_changed(self, faults: tuple[str, ...]) -> None:
+        """The owner has these latched now: one that a reset cleared, and that is still shown, is latched again."""
         if self._kept not in faults:
             self._kept = ""
 
-    def see(self, status: Status) -> None:
-        """Have it kept as soon as a status shows it; one that cannot be kept now is tried again."""
+    def update(self, status: Status) -> None:
+        """Latch it as soon as a status shows it; where that fails now, the next status tries again."""
         shown = status.changer_fault == ChangerFault.SENSOR
-        if self._owner is None or shown == bool(self._kept):
+        if shown == bool(self._kept):
             return
         try:
             if shown:
-                self._owner.latch(SENSOR_FAULT, status.reason)
+                self._keeper.latch(SENSOR_FAULT, status.reason)
             self._kept = status.reason if shown else ""
         except WireError as error:
             _log.warning("the line arbiter could not keep the sensor fault: %s", error)

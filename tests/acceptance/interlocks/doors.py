@@ -325,14 +325,14 @@ def _(rig: Rig) -> str:
 
 @cell("IL-11", "action", r"^0 activations after a restart$")
 def _(rig: Rig) -> str:
-    from end_effector_hal.runtime import open_unit
+    from end_effector_hal.runtime import GripProgram, open_program
 
     rig.gripped()
     rig.odd |= {"bottom": 0, "top": 0}
     rig.until(lambda: rig.grip.status.ee == State.GRIP_ERROR)
     before = rig.owner.levels()
     rig.grip.close()
-    again = open_unit(rig.description, "grip")
+    again = open_program(GripProgram, rig.description)
     rig.units[0] = again
     again.start()
     rig.until(lambda: again.status.ee != State.OFF)

@@ -15,11 +15,13 @@ from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds.vacuum import BlowOff, VacuumActuator
 from end_effector_hal.runtime import (
+    ChangerProgram,
     GoalRunner,
-    Unit,
-    Witness,
+    GripProgram,
+    PredicatePublisher,
+    Program,
     arbiter_policy,
-    open_unit,
+    open_program,
     output_lines,
 )
 from end_effector_hal.signals import Frame
@@ -70,12 +72,12 @@ class Rig:
         self._stack.callback(serving.join)
         self._stack.callback(self.owner.stop)
         self._stack.callback(self.owner.stop)
-        self.witness = Witness(self.description)
-        self._stack.callback(self.witness.close)
-        self.units: list[Unit] = []
+        self.predicates = PredicatePublisher(self.description)
+        self._stack.callback(self.predicates.close)
+        self.units: list[Program] = []
         if self._programs:
-            self.grip = open_unit(self.description, "grip", self._gripper_moved)
-            self.change = open_unit(self.description, "tool_change", self._changer_moved)
+            self.grip = open_program(GripProgram, self.description, self._gripper_moved)
+            self.change = open_program(ChangerProgram, self.description, self._changer_moved)
             self.units = [self.grip, self.change]
             self._goals = GoalRunner(
                 {"grip": self.grip, "tool_change": self.change}, lambda: self.grip.status
@@ -146,17 +148,17 @@ class Rig:
 
     def _gripper_moved(self, status: Status) -> None:
         if len(self.units) > 1:
-            self.change.tell(ee=status.ee)
+            self.change.update_peer(ee=status.ee)
 
     def _changer_moved(self, status: Status) -> None:
-        self.grip.tell(unlock_valve=int(status.unlock_output))
+        self.grip.update_peer(unlock_valve=int(status.unlock_output))
 
     def _feed(self) -> None:
         while not self._ended.wait(0.02):
             seq = self._frames = self._frames + 1
             if not self.silent:
                 frame = Frame(now_us(), seq, seq * 20, self._values())
-                self.witness.frame(frame)
+                self.predicates.frame(frame)
                 for unit in self.units:
                     unit.frame(frame)
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
+from end_effector_hal.control._telling import Telling
 
 from end_effector_hal.codecs import _ees1_ascii, _ees1_cobs
 from end_effector_hal.control import Status
-from end_effector_hal.control._telling import Telling
 from end_effector_hal.sensing._link_rules import LinkRules
 from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.sensing._senses import Senses

@@ -182,7 +182,7 @@ def test_no_status_is_told_after_the_one_that_follows_it(
         late.start()
         assert reads.wait(PATIENCE_S)
         newer = replace(tool._grip.status, ee=EndEffectorState.GRIPPED)
-        tool._grip._newest.tell(newer)
+        tool._grip._latest.publish(newer)
         tool._gripper_moved(newer)
         goes_on.set()
         late.join()

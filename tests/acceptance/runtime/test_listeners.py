@@ -14,11 +14,11 @@ import pytest
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import EndEffector, Unit, _listeners
+from end_effector_hal.runtime import EndEffector, GripProgram, _listeners
 from end_effector_hal.runtime._listeners import Listening
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_lab.demo._world import World
-from tests.support.lone_unit import CYLINDER, LINES, OFF, TOP, Tool
+from tests.support.lone_program import CYLINDER, LINES, OFF, TOP, Tool
 from tests.support.patience import PATIENCE_S, wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
@@ -119,21 +119,21 @@ def test_a_listener_of_a_unit_that_raises_does_not_end_it() -> None:
         if status.ee == State.GRIPPED:
             raise OSError(28, "No space left on device")
 
-    tool.unit = Unit(load(profile_path()), "grip", tool.owner, fails)
-    tool.unit.start()
+    tool.program = GripProgram(load(profile_path()), tool.owner, fails)
+    tool.program.start()
     tool.grip_to(2)
     tool.until(lambda status: "A listener failed, and lacks a state: SystemExit: 1" in status.alarms)
     tool.confirmed[TOP] = True
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.until(lambda status: any("OSError" in alarm or "SystemExit" in alarm for alarm in status.alarms))
-    assert tool.unit.alive
-    assert tool.unit.command("drop").accepted
+    assert tool.program.alive
+    assert tool.program.command("drop").accepted
     tool.until(lambda _: not tool.owner.active[TOP])
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY and not status.alarms)
     assert State.GRIPPED in [status.ee for status in told]
     assert tool.owner.active[CYLINDER] is False
-    tool.unit.close()
+    tool.program.close()
 
 
 @pytest.fixture
@@ -188,7 +188,7 @@ def test_a_grip_whose_program_ends_says_so(world: World) -> None:
         wait_until("it", lambda: tool.lock().succeeded)
         asking.start()
         wait_until("gripping", lambda: tool.status.ee == State.GRIPPING)
-        tool._grip._newest.end()
+        tool._grip._latest.end()
         asking.join(60)
         assert not outcomes[0].succeeded
         assert outcomes[0].reason.startswith(

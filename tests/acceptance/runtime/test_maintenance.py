@@ -11,7 +11,7 @@ from end_effector_hal.errors import ArbiterError, LineRefusedError
 from end_effector_hal.runtime._maintenance import Maintenance
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.vocabulary import LastWillStep
-from tests.support.lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
+from tests.support.lone_program import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 
 S = 1_000_000
 
@@ -65,11 +65,11 @@ class TestLease:
 @pytest.fixture
 def tool(description: Description) -> Iterator[Tool]:
     made = Tool(with_lease(description, 0.6))
-    made.unit.start()
+    made.program.start()
     made.until(lambda status: status.ee == State.STAND_BY and set(status.evidence) == {1})
     yield made
     made.owner.error = None
-    made.unit.close()
+    made.program.close()
 
 
 def drive(tool: Tool, name: str, line: str) -> None:
@@ -77,7 +77,7 @@ def drive(tool: Tool, name: str, line: str) -> None:
     tool.confirmed[line] = ON
     index = LINES.index(line)
     tool.until(lambda status: status.evidence[index] == 3)
-    answer = tool.unit.set_actuator(name, True)
+    answer = tool.program.set_actuator(name, True)
     assert answer.accepted, answer.reason
 
 
@@ -91,11 +91,11 @@ class TestUnit:
         assert any(alarm.startswith("Maintenance: Bottom vacuum") for alarm in status.alarms)
         tool.until(lambda status: not status.maintenance)
         assert tool.owner.active[BOTTOM] is OFF
-        assert not tool.unit.status.alarms
+        assert not tool.program.status.alarms
 
     def test_a_grip_is_refused_meanwhile(self, tool: Tool) -> None:
         drive(tool, "cylinder", CYLINDER)
-        answer = tool.unit.command("grip")
+        answer = tool.program.command("grip")
         assert not answer.accepted
         assert answer.reason.startswith("IL-12: a grip is refused while outputs are driven by hand.")
 
@@ -103,7 +103,7 @@ class TestUnit:
         drive(tool, "bottom_vacuum", BOTTOM)
         assert tool.owner.will == (LastWillStep(BOTTOM),)
         tool.owner.will = ()
-        tool.unit.lost(ArbiterError("the connection broke."))
+        tool.program.arbiter_lost(ArbiterError("the connection broke."))
         tool.until(lambda _: tool.owner.will == (LastWillStep(BOTTOM),))
 
     def test_the_end_of_the_program_deactivates_whatever_is_declared_for_a_grip(
@@ -112,16 +112,16 @@ class TestUnit:
         gripping = description.endings.gripping.model_copy(update={"sigterm": "hold"})
         endings = description.endings.model_copy(update={"gripping": gripping})
         tool = Tool(description.model_copy(update={"endings": endings}))
-        tool.unit.start()
+        tool.program.start()
         tool.until(lambda status: status.ee == State.STAND_BY)
         drive(tool, "bottom_vacuum", BOTTOM)
-        tool.unit.close()
+        tool.program.close()
         assert tool.owner.parting == (LastWillStep(BOTTOM),)
 
     def test_a_write_without_an_answer_counts_as_driven(self, tool: Tool) -> None:
         """It was executed perhaps: the lease has to end it."""
         tool.owner.error = ArbiterError("the answer was lost.")
-        assert not tool.unit.set_actuator("bottom_vacuum", True).accepted
+        assert not tool.program.set_actuator("bottom_vacuum", True).accepted
         tool.owner.active[BOTTOM] = ON
         tool.owner.error = None
         tool.until(lambda _: tool.owner.active[BOTTOM] is OFF)
@@ -130,19 +130,19 @@ class TestUnit:
         drive(tool, "cylinder", CYLINDER)
         tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
         tool.until(lambda status: any("cannot be reached" in alarm for alarm in status.alarms))
-        assert tool.unit.alive
+        assert tool.program.alive
         tool.owner.error = None
         tool.until(lambda status: not status.alarms and not tool.owner.active[CYLINDER])
 
     def test_what_the_owner_refused_was_not_driven(self, tool: Tool) -> None:
         tool.owner.error = LineRefusedError("IL-13: the emergency stop is open.")
-        assert tool.unit.set_actuator("bottom_vacuum", True).reason.startswith("IL-13")
+        assert tool.program.set_actuator("bottom_vacuum", True).reason.startswith("IL-13")
         tool.owner.error = None
         tool.frame()
-        assert not tool.unit.status.maintenance
+        assert not tool.program.status.maintenance
 
     def test_a_call_that_no_sensor_proves_is_no_success(self, tool: Tool) -> None:
-        answer = tool.unit.set_actuator("bottom_vacuum", True, 0.05)
+        answer = tool.program.set_actuator("bottom_vacuum", True, 0.05)
         assert not answer.accepted
         # UNKNOWN: this machine had no time for the frames
         assert answer.reason.replace("UNKNOWN", "GONE") == (
@@ -157,10 +157,10 @@ class TestUnit:
         tool.until(lambda status: status.ee == State.GRIPPED)
         before = dict(tool.owner.active)
         expected = "IL-12: a part is held (GRIPPED): nothing is driven by hand, only a Drop releases it."
-        assert tool.unit.set_actuator("bottom_vacuum", active).reason == expected
+        assert tool.program.set_actuator("bottom_vacuum", active).reason == expected
         assert tool.owner.active == before
 
     def test_while_a_grip_runs_it_is_refused(self, tool: Tool) -> None:
         tool.grip_to(1)
         expected = "IL-12: outputs are driven by hand in STAND_BY only; the end-effector is GRIPPING."
-        assert tool.unit.set_actuator("top_vacuum", True).reason == expected
+        assert tool.program.set_actuator("top_vacuum", True).reason == expected

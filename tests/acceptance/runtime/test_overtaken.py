@@ -10,7 +10,7 @@ import pytest
 from end_effector_hal.errors import ArbiterError, LineBusyError
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.vocabulary import Evidence
-from tests.support.lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
+from tests.support.lone_program import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 
 pytestmark = pytest.mark.wall
 
@@ -18,17 +18,17 @@ pytestmark = pytest.mark.wall
 @pytest.fixture
 def tool() -> Iterator[Tool]:
     made = Tool()
-    made.unit.start()
+    made.program.start()
     yield made
     made.owner.error = None
-    made.unit.close()
+    made.program.close()
 
 
 def overtake(tool: Tool) -> None:
     """The will was executed, all of it, at once."""
     tool.owner.active = dict.fromkeys(LINES, OFF)
     tool.confirmed = dict.fromkeys(LINES, OFF)
-    tool.unit.lost(ArbiterError("the lease ended."))
+    tool.program.arbiter_lost(ArbiterError("the lease ended."))
 
 
 def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_finds(tool: Tool) -> None:
@@ -40,16 +40,16 @@ def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_find
     assert status.outputs == (OFF, OFF, OFF)
     assert tool.owner.active == dict.fromkeys(LINES, OFF), "nothing is activated by itself (IL-11)"
     tool.grip_to(0)
-    assert tool.unit.status.reason == ""
+    assert tool.program.status.reason == ""
 
 
 def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
     tool.grip_to(1)
     tool.owner.error = LineBusyError("the last will of grip is being executed.")
-    tool.unit.lost(ArbiterError("the lease ended."))
+    tool.program.arbiter_lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarms))
     assert "the last will of grip is being executed." in status.alarms
-    assert not tool.unit.command("grip").accepted
+    assert not tool.program.command("grip").accepted
     tool.owner.error = None
     overtake(tool)
     assert tool.until(lambda status: status.ee == State.STAND_BY).alarms == ()
@@ -57,7 +57,7 @@ def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
 
 def test_lines_that_did_not_move_change_nothing(tool: Tool) -> None:
     tool.grip_to(2)
-    tool.unit.lost(ArbiterError("the line arbiter was lost."))
+    tool.program.arbiter_lost(ArbiterError("the line arbiter was lost."))
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     assert State.OFF not in tool.states()[1:]
@@ -68,7 +68,7 @@ def test_a_program_that_was_taken_for_dead_does_not_go_on_with_its_grip(tool: To
     """Also where its will has left every line as it was: the goal was given up meanwhile."""
     tool.grip_to(1)
     tool.owner.took_for_dead = True
-    tool.unit.lost(ArbiterError("the lease ended."))
+    tool.program.arbiter_lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.GRIP_ERROR)
     assert tool.states()[-2:] == [State.OFF, State.GRIP_ERROR]
     tool.confirmed[CYLINDER] = ON
@@ -82,7 +82,7 @@ def test_what_is_held_is_held_also_by_a_program_that_was_taken_for_dead(tool: To
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.owner.took_for_dead = True
-    tool.unit.lost(ArbiterError("the lease ended."))
+    tool.program.arbiter_lost(ArbiterError("the lease ended."))
     tool.until(lambda status: not tool.owner.took_for_dead and not status.alarms)
     assert tool.states()[-1] == State.GRIPPED
     assert State.OFF not in tool.states()[1:]
@@ -110,7 +110,7 @@ def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
-    tool.unit.lost(ArbiterError("the line arbiter was lost."))
+    tool.program.arbiter_lost(ArbiterError("the line arbiter was lost."))
     assert tool.until(lambda status: bool(status.alarms)).held
     tool.owner.error = None
     assert tool.until(lambda status: not status.alarms).ee == State.GRIPPED
@@ -121,7 +121,7 @@ def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
 def test_a_deactivation_that_found_no_owner_is_done_when_it_is_back(tool: Tool) -> None:
     tool.grip_to(1)
     tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
-    assert tool.unit.command("cancel").accepted
+    assert tool.program.command("cancel").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: bool(status.alarms))
     assert tool.owner.active[BOTTOM]
@@ -135,13 +135,13 @@ def test_a_frame_that_waited_too_long_proves_nothing(tool: Tool) -> None:
     tool.confirmed[TOP] = ON
     for _ in range(5):
         tool.frame(age_us=200_000)
-    assert not tool.unit.wait(lambda status: status.ee == State.GRIPPED, 0.3)
+    assert not tool.program.wait(lambda status: status.ee == State.GRIPPED, 0.3)
     tool.until(lambda status: status.ee == State.GRIPPED)
 
 
 def test_what_the_owner_has_latched_is_an_alarm_until_it_is_reset(tool: Tool) -> None:
     tool.until(lambda status: status.ee == State.STAND_BY)
-    tool.unit.latched(("IL-13: the emergency stop was opened.",))
+    tool.program.faults_changed(("IL-13: the emergency stop was opened.",))
     tool.until(lambda status: "IL-13: the emergency stop was opened." in status.alarms)
-    tool.unit.latched(())
+    tool.program.faults_changed(())
     tool.until(lambda status: not status.alarms)

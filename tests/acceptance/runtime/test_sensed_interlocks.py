@@ -13,7 +13,7 @@ import pytest
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.runtime import EndEffector, Witness
+from end_effector_hal.runtime import EndEffector, PredicatePublisher
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
@@ -115,7 +115,7 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
-        monkeypatch.setattr(Witness, "frame", lambda *_: None)
+        monkeypatch.setattr(PredicatePublisher, "frame", lambda *_: None)
         time.sleep(0.7)  # the claims expire, and IL-01 has its half second
         outcome = tool.unlock()
         assert not outcome.succeeded

@@ -10,7 +10,7 @@ import pytest
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import Unit, open_unit
+from end_effector_hal.runtime import ChangerProgram, Program, open_program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
 from end_effector_hal.wires import now_us
@@ -27,15 +27,15 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         yield running
 
 
-def fed(unit: Unit, until: Callable[[Status], bool], *, unlocked: bool) -> Status:
+def fed(program: Program, until: Callable[[Status], bool], *, unlocked: bool) -> Status:
     """Frames of a locked tool, whose other bit is as given, until a status is as wanted."""
     end = time.monotonic() + PATIENCE_S
-    while not until(unit.status):
-        assert time.monotonic() < end, unit.status
+    while not until(program.status):
+        assert time.monotonic() < end, program.status
         bits = {"locked": True, "unlocked": unlocked}
-        unit.frame(Frame(now_us(), None, None, {**PRESSURES, **bits}))
+        program.frame(Frame(now_us(), None, None, {**PRESSURES, **bits}))
         time.sleep(0.02)
-    return unit.status
+    return program.status
 
 
 def faults(world: World) -> set[str]:
@@ -44,7 +44,7 @@ def faults(world: World) -> set[str]:
 
 
 def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: World) -> None:
-    first = open_unit(world.description, "tool_change")
+    first = open_program(ChangerProgram, world.description)
     first.start()
     fed(first, lambda status: status.changer == ChangerState.LOCKED, unlocked=False)
     assert not faults(world)
@@ -53,7 +53,7 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     assert faults(world) == {"sensor_fault"}
     first.close()
 
-    second = open_unit(world.description, "tool_change")
+    second = open_program(ChangerProgram, world.description)
     second.start()
     status = fed(second, lambda status: status.changer != ChangerState.UNKNOWN, unlocked=False)
     assert (status.changer, status.changer_fault) == (ChangerState.FAULT, ChangerFault.SENSOR)
@@ -69,7 +69,7 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     assert not faults(world)
     second.close()
 
-    third = open_unit(world.description, "tool_change")
+    third = open_program(ChangerProgram, world.description)
     third.start()
     fed(third, lambda status: status.changer == ChangerState.LOCKED, unlocked=False)
     third.close()

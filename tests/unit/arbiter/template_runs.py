@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, field
 
 from end_effector_hal.arbiter import LineArbiter, Policy
-from end_effector_hal.control import Status, model_constants, will_of
+from end_effector_hal.control import GripLastWill, Status, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.vocabulary import Command, EndEffectorState, LastWillStep
@@ -88,7 +88,9 @@ class Run:
         )
         index = self.names.index(line)
         try:
-            self.rules.write(self.grip, {line: level}, will_of(self.description, status), self.at * MS)
+            self.rules.write(
+                self.grip, {line: level}, GripLastWill(self.description).of(status), self.at * MS
+            )
         except LineRefusedError:
             self.valve[line] = False
         told = f"ee = {int(ee)}, command = {int(command)}, valve[{index}] = {str(self.valve[line]).lower()}"

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.control import Status, will_of
+from end_effector_hal.control import GripLastWill, Status
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import Cause
 from tests.support.declared import declared
@@ -226,11 +226,11 @@ def test_the_end_of_a_program(situation: str, ending: str, on: str) -> None:
     # what is being released is released, whatever is declared; what an unwinding leaves active is held
     bottom = ending == "release" or situation == "releasing"
     expected = [*others, BOTTOM] if bottom else others
-    will = will_of(description, status, on=on)
+    will = GripLastWill(description).of(status, on=on)
     assert [step.line for step in will] == expected
     assert [step.after_us for step in will] == [2 * S * at for at in range(len(expected))]
     other = "process_death" if on == "sigterm" else "sigterm"
-    assert [step.line for step in will_of(description, status, on=other)] == (
+    assert [step.line for step in GripLastWill(description).of(status, on=other)] == (
         [] if held else [TOP, CYLINDER] if kept else [TOP, CYLINDER, BOTTOM]
     )
 
@@ -238,5 +238,5 @@ def test_the_end_of_a_program(situation: str, ending: str, on: str) -> None:
 def test_a_will_names_only_what_is_active() -> None:
     description = declared(cylinder={"gripping": {"process_death": "hold"}})
     status = Status(0, GRIPPING, GRIP, (2, 1, 0), (True, True, False), (3, 2, 1))
-    assert [step.line for step in will_of(description, status)] == [BOTTOM]
-    assert will_of(description, replace(status, outputs=(False, True, False))) == ()
+    assert [step.line for step in GripLastWill(description).of(status)] == [BOTTOM]
+    assert GripLastWill(description).of(replace(status, outputs=(False, True, False))) == ()

@@ -28,7 +28,7 @@ class Changer:
         self.at, self.readings = 0, {**READINGS, **shown}
         self.controller.start({}, 0, sensor_fault=fault)
         if ee is not None:
-            self.controller.tell({"ee": ee}, 0)
+            self.controller.update_peer({"ee": ee}, 0)
         self.run(1.0)
 
     @property

@@ -14,7 +14,7 @@ from end_effector_hal.runtime import EndEffector, GoalRunner
 from end_effector_hal.runtime._listeners import Audience
 from end_effector_hal.vocabulary import ChangerState, Command
 from end_effector_hal.vocabulary import EndEffectorState as State
-from tests.support.lone_unit import Tool
+from tests.support.lone_program import Tool
 
 
 class Ended:
@@ -36,7 +36,7 @@ class Ended:
 def tool() -> Any:
     tool: Any = object.__new__(EndEffector)
     tool._audience = Audience(lambda: None)
-    status = Tool().unit.status
+    status = Tool().program.status
     tool._grip = Ended(replace(status, ee=State.RELEASING, command=Command.RELEASE))
     tool._change = Ended(replace(status, changer=ChangerState.LOCKED, command=Command.LOCK))
     tool._goals = GoalRunner({"grip": tool._grip, "tool_change": tool._change}, lambda: tool.status)
@@ -54,7 +54,7 @@ def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str)
 
 
 def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("end_effector_hal.runtime._unit.ask", lambda *_, **__: None)
-    answer = Tool().unit.command("drop")
+    monkeypatch.setattr("end_effector_hal.runtime._serial_worker.SerialWorker.ask", lambda *_, **__: None)
+    answer = Tool().program.command("drop")
     assert (answer.accepted, answer.decided) == (False, False)
     assert answer.reason == "The grip program does not answer."

@@ -48,11 +48,25 @@ def status(at: int, a: bool, b: bool, *, held: bool = False, attempt: int = 0) -
     )
 
 
-def outputs_of(lines: Lines) -> Outputs:
-    def will(of: Status) -> tuple[LastWillStep, ...]:
-        return () if of.held else UNWIND if of.outputs[1] else UNWIND_A if of.outputs[0] else ()
+class TwoLines:
+    """Two lines that are adopted, and their unwinding as a will."""
 
-    return Outputs(lines, lambda of: dict(zip((A, B), of.outputs, strict=True)), will)
+    def adopted(self, _: Status) -> bool:
+        return True
+
+    def levels(self, status: Status) -> dict[str, bool]:
+        return dict(zip((A, B), status.outputs, strict=True))
+
+    def last_will(self, status: Status, on: str = "process_death") -> tuple[LastWillStep, ...]:
+        del on
+        return () if status.held else UNWIND if status.outputs[1] else UNWIND_A if status.outputs[0] else ()
+
+    def gripping(self, _: Status) -> bool:
+        return False
+
+
+def outputs_of(lines: Lines) -> Outputs:
+    return Outputs(lines, TwoLines())
 
 
 def written(lines: Lines, *statuses: Status) -> list[tuple[dict[str, bool], tuple[LastWillStep, ...]]]:

@@ -10,7 +10,7 @@ import pytest
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import Witness
+from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import Predicates, Senses
 from end_effector_hal.signals import Frame, StampGate, Value
 from tests.support.virtual_tool import VirtualTool
@@ -211,18 +211,18 @@ def test_a_frame_from_the_future_proves_nothing_to_the_line_owner(description: D
     assert predicates.advance(1_400_000)["locked"] is False
 
 
-def test_the_witness_tells_no_stamp_that_is_ahead_of_now(
+def test_the_publisher_sends_no_stamp_that_is_ahead_of_now(
     description: Description, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[int] = []
     now = [1_000_000]
-    witness = Witness(description, clock=lambda: now[0])
-    monkeypatch.setattr(witness._teller, "tell", lambda said, at: told.append(at) or True)
+    publisher = PredicatePublisher(description, clock=lambda: now[0])
+    monkeypatch.setattr(publisher._teller, "tell", lambda said, at: told.append(at) or True)
     values: dict[str, Value] = {"locked": True, "unlocked": False}
-    witness.frame(Frame(YEAR_2038, None, None, values))
+    publisher.frame(Frame(YEAR_2038, None, None, values))
     assert told == []
     for _ in range(10):
-        witness.frame(Frame(now[0], None, None, values))
+        publisher.frame(Frame(now[0], None, None, values))
         now[0] += 20_000
     assert told == [1_000_000, 1_040_000, 1_080_000, 1_100_000, 1_140_000, 1_180_000]
 

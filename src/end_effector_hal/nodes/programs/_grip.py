@@ -16,7 +16,7 @@ from end_effector_hal.nodes.interface import (
     set_services,
 )
 from end_effector_hal.nodes.transport import NodeTransport, StampCheck, StatusMessage
-from end_effector_hal.runtime import reset
+from end_effector_hal.runtime import GripProgram, reset
 
 from ._program_node import ProgramNode
 
@@ -26,8 +26,8 @@ class GripNode:
 
     def __init__(self, node: NodeTransport) -> None:
         self._description = node.description()
-        self._node = ProgramNode(node, self._description, "grip", GRIP_STATE, GRIP_COMMAND)
-        self._unit = self._node.unit
+        self._node = ProgramNode(node, self._description, GripProgram, GRIP_STATE, GRIP_COMMAND)
+        self._program = self._node.program
         self._unlock: bool | None = None
         self._stamps = StampCheck("States of ToolChange", node.log)
         fitted = self._description.tool_changer is not None
@@ -39,7 +39,7 @@ class GripNode:
 
     def _reset(self, _request: Any) -> Answer:
         changer = [self._changer.ask(RESET)] if self._changer else []  # first: see EndEffector.reset
-        answer = reset(self._description, self._unit, *changer)
+        answer = reset(self._description, self._program, *changer)
         if not answer.accepted:
             self._node.log_refusal("reset", answer.reason)
         return answer
@@ -48,11 +48,11 @@ class GripNode:
         accepted = self._stamps.accepts(message.since_us, message.at_us)
         if accepted and message.unlock_output != self._unlock:
             self._unlock = message.unlock_output
-            self._unit.tell(unlock_valve=int(message.unlock_output))
+            self._program.update_peer(unlock_valve=int(message.unlock_output))
 
     def _setter(self, name: str) -> Callable[[Any], Answer]:
         def answer(request: Any) -> Answer:
-            done = self._unit.set_actuator(name, bool(request.data))
+            done = self._program.set_actuator(name, bool(request.data))
             if not done.accepted:
                 self._node.log_refusal(f"{name} {'on' if request.data else 'off'}", done.reason)
             return done

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Answer, Status
@@ -30,34 +30,35 @@ from end_effector_hal.nodes.transport import (
     StatusMessage,
     frame_from_message,
 )
-from end_effector_hal.runtime import open_unit
+from end_effector_hal.runtime import Program, open_program
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_hal.wires import now_us
 
 from ._status_message import status_to_message
 
+P = TypeVar("P", bound=Program)
 _ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
-class ProgramNode:
+class ProgramNode(Generic[P]):
     """Connects a program with a topic and a service; the program lives as long as the node.
 
     Args:
         node: the connection to ROS.
         description: the tool.
-        program: ``grip`` or ``tool_change``.
+        program: GripProgram or ChangerProgram.
         state: the topic of its statuses: at each step, and at 10 Hz.
         command: the service that gives it commands.
     """
 
     def __init__(
-        self, node: NodeTransport, description: Description, program: str, state: Topic, command: Service
+        self, node: NodeTransport, description: Description, program: type[P], state: Topic, command: Service
     ) -> None:
-        self._program, self._node, self._log = program, node, node.log
+        self._program, self._node, self._log = program.NAME, node, node.log
         self._service = command
         self._kinds = get_codec(description.link.codec).channels
         self._publish = node.publisher(state)
-        self._lines = StatusLines(description, program)
+        self._lines = StatusLines(description, self._program)
         self._since_us, self._count = now_us(), 0
         self._lock = threading.Lock()
         self._last: StatusMessage | None = None
@@ -65,16 +66,16 @@ class ProgramNode:
         folder = node.parameter(DIRECTORY)
         traces = Path(folder).expanduser() if folder else None
         limits = recording_limits(node)
-        self.unit = open_unit(description, program, self._on_status, traces=traces, limits=limits)
+        self.program = open_program(program, description, self._on_status, traces=traces, limits=limits)
         node.serve(command, self._on_command)
         node.every(STATE_HZ, self._repeat)
         publish_health(node, description.name, self._health)
         node.on_close(self._close)
-        self.unit.start()
+        self.program.start()
         node.subscribe(SENSOR_FRAME, self._on_frame)
 
     def _on_frame(self, message: FrameMessage) -> None:
-        self.unit.frame(frame_from_message(message, self._kinds))
+        self.program.frame(frame_from_message(message, self._kinds))
 
     def _on_status(self, status: Status) -> None:
         with self._lock:
@@ -90,7 +91,7 @@ class ProgramNode:
                 self._log.warning("%s", alarm)
 
     def _repeat(self) -> None:
-        if not self.unit.alive:
+        if not self.program.alive:
             self._node.fail(ReportedError(f"The program {self._program} does not work any more."))
             return
         with self._lock:
@@ -119,8 +120,8 @@ class ProgramNode:
         if why := self._node.refuse_unknown_caller(self._service, request):
             return Answer(False, why)
         if request.command == RESET:
-            latched = bool(self.unit.status.changer_fault)
-            return self.unit.command("reset") if latched else Answer(True)
+            latched = bool(self.program.status.changer_fault)
+            return self.program.command("reset") if latched else Answer(True)
         if request.command not in PROGRAM_COMMANDS[self._program]:
             known = ", ".join(
                 f"{command.name} ({command.value})" for command in PROGRAM_COMMANDS[self._program]
@@ -131,17 +132,17 @@ class ProgramNode:
         if request.until_us > now_us() + round(COMMAND_VALID_S * 1e6):
             why = f"The command may wait for more than {COMMAND_VALID_S:g} s and was not executed: its time is wrong."
             return Answer(False, why)
-        return self.unit.command(CHANNELS[Command(request.command)])
+        return self.program.command(CHANNELS[Command(request.command)])
 
     def _close(self) -> None:
-        self.unit.close("sigterm")
+        self.program.close("sigterm")
         with self._lock:
             if self._last is not None:
                 self._last.state, self._last.count = EndEffectorState.OFF, self._count + 1
                 self._publish(self._last)
 
     def _health(self) -> Health:
-        status = self.unit.status
+        status = self.program.status
         bad = not status.link_up or status.ee in _ERRORS
         level = ERROR if bad else WARN if status.alarms or status.missed else OK
         late = f"{status.missed} edges were taken later than the reaction bound." if status.missed else ""

@@ -14,6 +14,7 @@ from end_effector_hal.nodes.interface import (
     set_tool_changer,
 )
 from end_effector_hal.nodes.transport import NodeTransport, StampCheck, StatusMessage
+from end_effector_hal.runtime import ChangerProgram
 from end_effector_hal.vocabulary import ChangerState, Command
 
 from ._program_node import ProgramNode
@@ -27,8 +28,8 @@ class ToolChangeNode:
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
-        self._node = ProgramNode(node, description, "tool_change", TOOL_CHANGE_STATE, TOOL_CHANGE_COMMAND)
-        self._unit = self._node.unit
+        self._node = ProgramNode(node, description, ChangerProgram, TOOL_CHANGE_STATE, TOOL_CHANGE_COMMAND)
+        self._program = self._node.program
         self._changer = description.tool_changer
         self._ee: int | None = None
         self._stamps = StampCheck("States of Grip", node.log)
@@ -41,24 +42,24 @@ class ToolChangeNode:
     def _on_grip(self, message: StatusMessage) -> None:
         if self._stamps.accepts(message.since_us, message.at_us) and message.state != self._ee:
             self._ee = message.state
-            self._unit.tell(ee=message.state)
+            self._program.update_peer(ee=message.state)
 
     def _on_arm(self, _request: Any) -> Answer:
-        answer = self._unit.command("arm")
+        answer = self._program.command("arm")
         if not answer.accepted:
             self._node.log_refusal("arm", answer.reason)
         return answer
 
     def _on_set(self, request: Any) -> Answer:
         wanted = ChangerState.UNLOCKED if request.data else ChangerState.LOCKED
-        if self._unit.status.changer == wanted:
+        if self._program.status.changer == wanted:
             return Answer(True, f"The tool changer is {wanted.name} already, proven by its sensors.")
         command = Command.UNLOCK if request.data else Command.LOCK
-        answer = self._unit.command(CHANNELS[command])
+        answer = self._program.command(CHANNELS[command])
         if answer.accepted:
             limit_s = (self._changer.prove_s if self._changer else 0.0) + MARGIN_S
-            self._unit.wait(is_over, limit_s)
-            outcome, why = judge(command, self._unit.status)
+            self._program.wait(is_over, limit_s)
+            outcome, why = judge(command, self._program.status)
             if outcome is Outcome.SUCCEEDED:
                 return Answer(True, f"The tool changer is {wanted.name}, proven by its sensors.")
             answer = Answer(False, why)

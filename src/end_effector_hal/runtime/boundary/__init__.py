@@ -1,8 +1,8 @@
 """The boundary of a program: what goes in and what comes out, recorded as it happens."""
 
 from ._open import DESCRIPTION, MODEL, open_recorder
-from ._recorded_controller import RecordedController
-from ._recorder import NOBODY, Recorder
+from ._recorded_controller import AnyController, RecordedController
+from ._recorder import NULL_RECORDER, Recorder
 from ._records import DECIDED, INPUTS, KINDS, OBSERVED, STATE, Header
 
 __all__ = [
@@ -11,9 +11,10 @@ __all__ = [
     "INPUTS",
     "KINDS",
     "MODEL",
-    "NOBODY",
+    "NULL_RECORDER",
     "OBSERVED",
     "STATE",
+    "AnyController",
     "Header",
     "RecordedController",
     "Recorder",

@@ -1,4 +1,4 @@
-"""Lines that tell what is written to them, and whether their owner is there."""
+"""A wrapper around the lines of a program that records writes, and whether their owner is there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a unit hands to its trace."""
+"""The recording of a program: wrappers around its controller and its lines, and the segments of its trace."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from end_effector_hal.runtime._outputs import LineWriter
 from end_effector_hal.wires import now_us
 from timed_automata import Network
 
-from ._recorded_controller import RecordedController
+from ._recorded_controller import AnyController, RecordedController
 from ._recorded_lines import RecordedLines
 from ._records import STATE
 
@@ -21,14 +21,14 @@ _log = logging.getLogger("end_effector_hal.runtime")
 
 
 class Recorder:
-    """Gives a unit a controller and lines that are recorded; without a writer, plain ones.
+    """Wraps the controller and the lines of a program; without a writer it leaves them as they are.
 
-    Nothing that happens to the recording reaches the unit but as :attr:`trouble`.
+    A failing recording reaches the program as :attr:`trouble` only.
     """
 
     def __init__(self, writer: TraceWriter | None = None) -> None:
         self._writer = writer
-        self._controller: Controller | None = None
+        self._controller: RecordedController | None = None
         self._defect = ""
 
     @property
@@ -37,11 +37,11 @@ class Recorder:
         return sendable(self._defect or (self._writer.trouble if self._writer is not None else ""))
 
     def attend(self, on_trouble: Callable[[], None]) -> None:
-        """Have it called when :attr:`trouble` has changed, in any thread; it must not wait."""
+        """Have ``on_trouble`` called when :attr:`trouble` has changed, in any thread; it must not wait."""
         if self._writer is not None:
             self._writer.on_trouble = on_trouble
 
-    def controller(self, description: Description, network: Network, program: str) -> Controller:
+    def controller(self, description: Description, network: Network, program: str) -> AnyController:
         """A new controller."""
         if self._writer is None:
             return Controller(description, network, program)
@@ -55,8 +55,11 @@ class Recorder:
             return lines
         return RecordedLines(lines, self._writer.put)
 
-    def settle(self) -> None:
-        """What was to be done is done: now is the time to write, and to begin the next segment; never waits."""
+    def flush(self) -> None:
+        """Write what was recorded, and begin the next segment if it is time; never waits.
+
+        The program calls it between its jobs, so that it costs no reaction.
+        """
         if self._writer is None:
             return
         self._writer.flush()
@@ -81,5 +84,5 @@ class Recorder:
             writer.begin(snapshot.at, ((STATE, snapshot.at, snapshot),))
 
 
-NOBODY = Recorder()
+NULL_RECORDER = Recorder()
 """Records nothing."""

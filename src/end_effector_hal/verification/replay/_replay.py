@@ -62,7 +62,7 @@ _CALLS: Mapping[str, Callable[[RecordedController, Any], object]] = {
         Frame(record.stamp, record.seq, record.device_ms, record.values), record.at
     ),
     "command": lambda controller, record: controller.command(record.name, record.at),
-    "tell": lambda controller, record: controller.tell(record.values, record.at),
+    "tell": lambda controller, record: controller.update_peer(record.values, record.at),
     "refused": lambda controller, record: controller.refused(record.at),
     "acknowledge": lambda controller, record: controller.acknowledge(record.at),
     "time": lambda controller, record: controller.advance(record.at),

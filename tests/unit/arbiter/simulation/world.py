@@ -17,7 +17,7 @@ from end_effector_hal.arbiter.server import _requests
 from end_effector_hal.control import Status, model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError
-from end_effector_hal.runtime import Unit, _newest, _unit, arbiter_policy, program_lines
+from end_effector_hal.runtime import GripProgram, _program, arbiter_policy, program_lines
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
@@ -413,15 +413,15 @@ class World:
 
 
 class Program:
-    """The gripping program: the unit and the client of the product, without their threads."""
+    """The gripping program: the program and the client of the product, without their threads."""
 
     def __init__(self, world: World) -> None:
         self._world, self._renew_at = world, world.now + RENEW_US
         self.told: Status | None = None
         self._known = set(world.ends)
         self._client = ArbiterClient("simulated", "grip", GRIP_LINES, patience_s=0)
-        self._unit = Unit(TOOL, "grip", self._client, self._tell)
-        self._client.attend(on_lost=self._unit_loses, on_faults=self._unit_knows)
+        self._program = GripProgram(TOOL, self._client, self._tell, clock=lambda: world.now)
+        self._client.attend(on_lost=self._program_loses, on_faults=self._program_knows)
 
     @property
     def state(self) -> int:
@@ -430,7 +430,7 @@ class Program:
     @property
     def decided(self) -> int:
         """What its automata are in; perhaps it has not said so yet."""
-        return int(self._unit._controller.status().ee)
+        return int(self._program._controller.status().ee)
 
     def words(self) -> str:
         """What it said last."""
@@ -439,24 +439,24 @@ class Program:
         return f"{EndEffectorState(self.told.ee).name}: {self.told.reason} {' '.join(self.told.alarms)}"
 
     def begin(self) -> None:
-        self._unit._act(self._unit._begin())
+        self._program._begin()
 
     def tick(self) -> None:
-        unit, now = self._unit, self._world.now
-        if (due := unit._due()) is not None and due <= now:
-            unit._act(unit._time_passed())
-        if unit._begun:
-            unit._act(unit._controller.frame(self._world.frame(), now))
+        program, now = self._program, self._world.now
+        if (due := program._due()) is not None and due <= now and (follow_up := program._time_passed()):
+            follow_up()
+        if program._begun:
+            program._act(program._controller.frame(self._world.frame(), now))
         if now >= self._renew_at:
             self._renew_at = now + RENEW_US
             if lost := self._client._renew():
-                self._unit_loses(lost)
+                self._program_loses(lost)
 
     def command(self, name: str) -> bool:
-        answer, statuses = self._unit._decide(name)
+        answer, statuses = self._program._decide(name)
         if answer.accepted:
             self._world.judge.accepted(name)
-        self._unit._act(statuses)
+        self._program._act(statuses)
         return bool(answer.accepted)
 
     def reset(self) -> bool:
@@ -473,7 +473,7 @@ class Program:
     def leave(self) -> None:
         """SIGTERM."""
         with suppress(ReportedError):
-            self._client.close(self._unit._duties.will(self._unit.status, "sigterm"))
+            self._client.close(self._program._outputs.mapping.last_will(self._program.status, "sigterm"))
         self._world.program = None
         self._world.judge.commanded = False
 
@@ -486,12 +486,12 @@ class Program:
         self.told = status
         self._world.judge.told(int(status.ee))
 
-    def _unit_loses(self, error: Any) -> None:
-        self._unit._lose(error)
+    def _program_loses(self, error: Any) -> None:
+        self._program._lose(error)
 
-    def _unit_knows(self, faults: tuple[str, ...]) -> None:
+    def _program_knows(self, faults: tuple[str, ...]) -> None:
         self._world.shown()
-        self._unit._act(self._unit._know(faults))
+        self._program._act(self._program._keep_faults(faults))
 
 
 @contextmanager
@@ -503,7 +503,7 @@ def virtual_time(patch: Any) -> Iterator[Any]:
     def now() -> int:
         return worlds[-1].now
 
-    for module in (_requests, _client, _unit, _newest):
+    for module in (_requests, _client):
         if hasattr(module, "now_us"):
             patch.setattr(module, "now_us", now)
     lock = _client.threading.Lock
@@ -513,7 +513,7 @@ def virtual_time(patch: Any) -> Iterator[Any]:
         SimpleNamespace(Lock=lock, Event=_Event, Thread=_NoThread, current_thread=lambda: None),
     )
     patch.setattr(_client, "make_token", lambda: f"{worlds[-1].random.getrandbits(128):032x}")
-    patch.setattr(_unit, "load_network", lambda *_: network)
+    patch.setattr(_program, "load_network", lambda *_: network)
     real = _conversation.socket
     fake = SimpleNamespace(
         **{

@@ -51,17 +51,17 @@ class RecordedTool(VirtualTool):
         until = self.at + round(seconds * 1e6)
         while self.at < until:
             super().run(min(PIECE_S, (until - self.at) / 1e6))
-            self.settle()
+            self.flush()
 
     def command(self, name: str) -> Answer:
         answer = super().command(name)
-        self.settle()
+        self.flush()
         return answer
 
-    def settle(self) -> None:
+    def flush(self) -> None:
         """As a unit does after each job; virtual time waits until all of it is written."""
         for recorder in self.recorders:
-            recorder.settle()
+            recorder.flush()
             assert recorder._writer is not None
             drained(recorder._writer)
 

@@ -1,4 +1,4 @@
-"""What is told of one program: a status after each step of its automata."""
+"""The status of one program after each step of its automata."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SCALARS = (
 )  # fmt: skip
 
 
-class Telling:
+class StatusBuilder:
     """Puts together what the automata, the detectors and the hold monitor know; decides nothing.
 
     Attributes:

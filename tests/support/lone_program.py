@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import Unit
+from end_effector_hal.runtime import GripProgram
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.vocabulary import LastWillStep
@@ -56,18 +56,18 @@ class Tool:
 
     def __init__(self, description: Description | None = None) -> None:
         self.owner, self.told = Owner(), list[Status]()
-        self.unit = Unit(description or load(profile_path()), "grip", self.owner, self.told.append)
+        self.program = GripProgram(description or load(profile_path()), self.owner, self.told.append)
         self.confirmed = dict.fromkeys(LINES, OFF)
         self._seq = 0
 
     def until(self, what: Callable[[Status], bool], timeout_s: float = PATIENCE_S) -> Status:
         """Frames, until a status is as wanted."""
         end = time.monotonic() + timeout_s
-        while not what(self.unit.status):
-            assert time.monotonic() < end, self.unit.status
+        while not what(self.program.status):
+            assert time.monotonic() < end, self.program.status
             self.frame()
             threading.Event().wait(0.01)
-        return self.unit.status
+        return self.program.status
 
     def frame(self, age_us: int = 0) -> None:
         self._seq += 1
@@ -78,7 +78,7 @@ class Tool:
             "cylinder_extended": cylinder, "cylinder_retracted": not cylinder,
             "locked": True, "unlocked": False, "tool_present": True, "in_stand": True, "estop_ok": True,
         }  # fmt: skip
-        self.unit.frame(Frame(now_us() - age_us, self._seq, self._seq * 20, values))
+        self.program.frame(Frame(now_us() - age_us, self._seq, self._seq * 20, values))
 
     def states(self) -> list[State]:
         """Each once, in order."""
@@ -88,7 +88,7 @@ class Tool:
     def grip_to(self, step: int) -> None:
         """In GRIPPING, with the steps before confirmed."""
         self.until(lambda status: status.ee == State.STAND_BY and set(status.evidence) == {1})
-        assert self.unit.command("grip").accepted
+        assert self.program.command("grip").accepted
         for line in LINES[:step]:
             self.until(lambda _, line=line: self.owner.active[line])
             self.confirmed[line] = ON

@@ -1,4 +1,4 @@
-"""Whoever reads the sensor link tells the line arbiter what it proves."""
+"""The process that reads the sensor link sends what it proves to the line arbiter."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from end_effector_hal.wires import now_us
 from ._lines import arbiter_policy
 
 REPEAT_US = 50_000
-"""The owner hears it at least so often; it forgets it after 150 ms."""
+"""The owner gets them at least so often; it forgets them after 150 ms."""
 
 
-class Witness:
+class PredicatePublisher:
     """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
 
     Call `frame` before the frame goes to anybody else: then the owner knows of it before any command that
@@ -42,25 +42,25 @@ class Witness:
         self._clock = clock
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._said: Mapping[str, bool] = {}
+        self._sent: Mapping[str, bool] = {}
         self._due = 0
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Begin."""
         if self._repeats:
-            self._thread = threading.Thread(target=self._repeat, name="witness", daemon=True)
+            self._thread = threading.Thread(target=self._repeat, name="predicates", daemon=True)
             self._thread.start()
 
     def frame(self, frame: Frame) -> None:
         """One frame of the link; never blocks."""
         if self._needed:
             with self._lock:
-                if said := self._predicates.frame(frame, self._clock()):
-                    self._tell(said, frame.at)
+                if proven := self._predicates.frame(frame, self._clock()):
+                    self._send(proven, frame.at)
 
     def close(self) -> None:
-        """Say nothing any more."""
+        """Send nothing any more."""
         self._ended.set()
         if self._thread:
             self._thread.join()
@@ -71,9 +71,9 @@ class Witness:
         while not self._ended.wait(REPEAT_US / 1e6):
             with self._lock:
                 at = self._clock()
-                self._tell(self._predicates.advance(at), at)
+                self._send(self._predicates.advance(at), at)
 
-    def _tell(self, proven: Mapping[str, bool], at: int) -> None:
-        said = {name: holds for name, holds in proven.items() if name in self._needed}
-        if (said != self._said or at >= self._due) and self._sender.send(said, at):
-            self._said, self._due = said, at + REPEAT_US * 4 // 5
+    def _send(self, proven: Mapping[str, bool], at: int) -> None:
+        needed = {name: holds for name, holds in proven.items() if name in self._needed}
+        if (needed != self._sent or at >= self._due) and self._sender.send(needed, at):
+            self._sent, self._due = needed, at + REPEAT_US * 4 // 5

@@ -6,22 +6,22 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import ToolChanger
 from end_effector_hal.vocabulary import EndEffectorState
 
-from ._newest import Newest
+from ._latest_status import LatestStatus
 
 FALL_S = 0.5
 """What a vacuum that has just been told gone takes to fall below what IL-01 asks for, at the longest."""
 LAG_S = 0.15
 """What shows the end of a release may be under way to this program for so long."""
-_MAY_VENT = (EndEffectorState.STAND_BY, EndEffectorState.OFF, EndEffectorState.RELEASING)
+_MAY_RELEASE = (EndEffectorState.STAND_BY, EndEffectorState.OFF, EndEffectorState.RELEASING)
 
 
-def await_venting(newest: Newest, changer: ToolChanger) -> None:
-    """Until it is proven or cannot be, for no longer than the fall and the proof take.
+def await_vacuum_release(latest: LatestStatus, changer: ToolChanger) -> None:
+    """Wait until the release of the vacuum is proven or cannot be, for no longer than the fall and the proof take.
 
     Feedback that is still there says nothing: the last frame of the release may not have come to this program yet.
     """
-    newest.wait(_is_decided, LAG_S + FALL_S + changer.vented_s)
+    latest.wait(_is_decided, LAG_S + FALL_S + changer.vented_s)
 
 
 def _is_decided(status: Status) -> bool:
-    return status.vented or status.ee not in _MAY_VENT
+    return status.vented or status.ee not in _MAY_RELEASE

@@ -5,31 +5,31 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import Order, read_order, read_script
+from end_effector_hal.runtime import ScriptCommand, read_command, read_script
 from end_effector_hal.vocabulary import Command
 
 
 def test_steps_are_separated_by_semicolons_or_line_ends() -> None:
     assert read_script("lock; grip ;wait 2.5\n\n RELEASE;; quit # the end; grip\n") == (
-        Order(Command.LOCK),
-        Order(Command.GRIP),
-        Order(wait_s=2.5),
-        Order(Command.RELEASE),
-        Order(Command.QUIT),
+        ScriptCommand(Command.LOCK),
+        ScriptCommand(Command.GRIP),
+        ScriptCommand(wait_s=2.5),
+        ScriptCommand(Command.RELEASE),
+        ScriptCommand(Command.QUIT),
     )
 
 
 def test_drop_is_the_release_of_table_ii() -> None:
-    assert read_script("drop") == read_script("release") == (Order(Command.RELEASE),)
+    assert read_script("drop") == read_script("release") == (ScriptCommand(Command.RELEASE),)
 
 
 def test_an_ampersand_sends_to_the_background() -> None:
     assert read_script("grip &; wait 1; cancel") == (
-        Order(Command.GRIP, background=True),
-        Order(wait_s=1.0),
-        Order(Command.CANCEL),
+        ScriptCommand(Command.GRIP, background=True),
+        ScriptCommand(wait_s=1.0),
+        ScriptCommand(Command.CANCEL),
     )
-    assert read_order("grip&") == Order(Command.GRIP, background=True)
+    assert read_command("grip&") == ScriptCommand(Command.GRIP, background=True)
 
 
 def test_an_empty_script_holds_nothing() -> None:
@@ -60,6 +60,6 @@ def test_what_is_no_script_is_said_in_a_sentence(text: str, expected: str) -> No
 
 
 def test_a_reset_is_no_command_of_table_ii() -> None:
-    assert read_order("reset") == Order(reset=True)
+    assert read_command("reset") == ScriptCommand(reset=True)
     with pytest.raises(UsageError, match="Did you mean 'reset'"):
-        read_order("rest")
+        read_command("rest")

@@ -1,4 +1,4 @@
-"""The newest status of a program: kept, waited for, and told to its listener, which cannot end the program."""
+"""The latest status of a program: kept, waited for, and passed to a listener that cannot end the program."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _log = logging.getLogger("end_effector_hal.runtime")
 Listener = Callable[[Status], None]
 
 
-class Newest:
+class LatestStatus:
     """Thread-safe; ``ended``: there will be no other.
 
     Args:
         status: the first one; the listener does not get it.
-        listener: called with each status, in the thread that tells it; it must not wait. It may raise anything: that
-            becomes :attr:`trouble`, and it is called with the next one all the same.
+        listener: called with each status, in the thread that publishes it; it must not wait. It may raise anything:
+            that becomes :attr:`trouble`, and it is called with the next one all the same.
     """
 
     def __init__(self, status: Status, listener: Listener | None = None) -> None:
@@ -31,8 +31,8 @@ class Newest:
         self._listener = listener
         self._changed = threading.Condition()
 
-    def tell(self, status: Status) -> None:
-        """There is a newer one."""
+    def publish(self, status: Status) -> None:
+        """Replace the status, wake all who wait, and call the listener."""
         with self._changed:
             self.status = status
             self._changed.notify_all()
@@ -49,7 +49,7 @@ class Newest:
             self.trouble = ""
 
     def end(self) -> None:
-        """Whoever waits, waits no more."""
+        """End all waiting: no other status will come."""
         with self._changed:
             self.ended = True
             self._changed.notify_all()

@@ -9,11 +9,11 @@ import pytest
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ArbiterError
 from end_effector_hal.recording import RecordingLimits
-from end_effector_hal.runtime import Unit
+from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.verification.replay import load_trace, review, traces_of
 from end_effector_hal.vocabulary import EndEffectorState as State
-from tests.support.lone_unit import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
+from tests.support.lone_program import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
 from tests.unit.verification.replay.conftest import numbers
 
 pytestmark = pytest.mark.wall
@@ -21,28 +21,28 @@ pytestmark = pytest.mark.wall
 
 def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     tool, description = Tool(), load(profile_path())
-    tool.unit = Unit(
-        description, "grip", tool.owner, tool.told.append, open_recorder(tmp_path, description, "grip")
+    tool.program = GripProgram(
+        description, tool.owner, tool.told.append, open_recorder(tmp_path, description, "grip")
     )
-    tool.unit.start()
+    tool.program.start()
     tool.grip_to(2)
     tool.owner.active = dict.fromkeys(LINES, OFF)  # the line arbiter took it for dead
     tool.confirmed = dict.fromkeys(LINES, OFF)
-    tool.unit.lost(ArbiterError("the lease ended."))
+    tool.program.arbiter_lost(ArbiterError("the lease ended."))
     tool.until(lambda status: status.ee == State.STAND_BY)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
-    tool.unit.lost(ArbiterError("the line arbiter was lost."))
+    tool.program.arbiter_lost(ArbiterError("the line arbiter was lost."))
     tool.until(lambda status: bool(status.alarms))
     tool.owner.error = None
     tool.until(lambda status: not status.alarms)
-    assert tool.unit.command("drop").accepted
+    assert tool.program.command("drop").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY)
-    tool.unit.tell(unlock_valve=0)
-    tool.unit.close()
+    tool.program.update_peer(unlock_valve=0)
+    tool.program.close()
     trace = load_trace(tmp_path / "grip.mcap")
     found = review(trace)
     assert found.ok, found.as_json()
@@ -68,16 +68,16 @@ def test_a_unit_begins_segments_while_it_works(tmp_path: Path) -> None:
     tool, description = Tool(), load(profile_path())
     limits = RecordingLimits(30_000, 100_000_000)
     recorder = open_recorder(tmp_path, description, "grip", limits=limits)
-    tool.unit = Unit(description, "grip", tool.owner, tool.told.append, recorder)
-    tool.unit.start()
+    tool.program = GripProgram(description, tool.owner, tool.told.append, recorder)
+    tool.program.start()
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.until(lambda _: len(traces_of(tmp_path)) >= 4)
-    assert tool.unit.command("drop").accepted
+    assert tool.program.command("drop").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY)
-    tool.unit.close()
+    tool.program.close()
     before = None
     for path in traces_of(tmp_path):
         found = review(load_trace(path), before=before)
@@ -91,14 +91,14 @@ def test_a_folder_that_cannot_be_written_is_an_alarm_and_the_tool_works(tmp_path
     (tmp_path / "file").write_text("")
     tool, description = Tool(), load(profile_path())
     recorder = open_recorder(tmp_path / "file", description, "grip")
-    tool.unit = Unit(description, "grip", tool.owner, tool.told.append, recorder)
-    tool.unit.start()
+    tool.program = GripProgram(description, tool.owner, tool.told.append, recorder)
+    tool.program.start()
     alarm = f"The trace of grip is not recorded: {tmp_path}/file: This is no folder. ({tmp_path}/file)."
     tool.until(lambda status: alarm in status.alarms)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    assert tool.unit.command("drop").accepted
+    assert tool.program.command("drop").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY)
-    tool.unit.close()
+    tool.program.close()

@@ -28,7 +28,7 @@ LONGEST_WAIT_S = 86_400.0
 
 
 @dataclass(frozen=True)
-class Order:
+class ScriptCommand:
     """One command; where ``command`` is None a reset, or else a wait.
 
     ``background``: the next one follows without waiting for the outcome, as after ``&`` in a shell.
@@ -41,26 +41,26 @@ class Order:
     arm: bool = False
 
 
-def read_script(text: str) -> tuple[Order, ...]:
-    """Orders from text such as ``lock; grip &; wait 2; cancel; quit``; a line end separates as ``;`` does.
+def read_script(text: str) -> tuple[ScriptCommand, ...]:
+    """Commands from text such as ``lock; grip &; wait 2; cancel; quit``; a line end separates as ``;`` does.
 
     Raises:
         UsageError: a step is no command; it says which, and what was perhaps meant.
     """
     lines = (line.partition("#")[0] for line in text.splitlines())
     parts = (part.strip() for line in lines for part in line.split(";"))
-    return tuple(read_order(part) for part in parts if part)
+    return tuple(read_command(part) for part in parts if part)
 
 
-def read_order(text: str) -> Order:
-    """One order; raises UsageError."""
+def read_command(text: str) -> ScriptCommand:
+    """One command; raises UsageError."""
     words = text.lower().removesuffix("&").split()
     background = text.rstrip().endswith("&")
     verb, *rest = words or [""]
     if verb == "wait":
         if background:
             raise UsageError(f"{text!r}: a wait cannot go on in the background.")
-        return Order(wait_s=_seconds(text, rest))
+        return ScriptCommand(wait_s=_seconds(text, rest))
     if verb not in (*VERBS, ARM, RESET):
         close = get_close_matches(verb, [*VERBS, ARM, RESET, "wait"], n=1)
         known = f"There are: {', '.join(VERBS)}, {ARM}, {RESET}, wait <seconds>."
@@ -69,10 +69,10 @@ def read_order(text: str) -> Order:
     if rest:
         raise UsageError(f"{text!r}: nothing may follow {verb!r}.", todo="Separate commands by ';'.")
     if verb == ARM:
-        return Order(arm=True)
+        return ScriptCommand(arm=True)
     if verb == RESET:
-        return Order(reset=True)
-    return Order(VERBS[verb], background=background)
+        return ScriptCommand(reset=True)
+    return ScriptCommand(VERBS[verb], background=background)
 
 
 def _seconds(text: str, rest: list[str]) -> float:

@@ -1,22 +1,22 @@
-"""An actuator driven by hand (IL-12), and whether its sensor proves it."""
+"""An actuator driven in maintenance (IL-12), and whether its sensor proves it."""
 
 from __future__ import annotations
 
-from end_effector_hal.control import Answer, Controller
+from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError, WireError
 from end_effector_hal.vocabulary import Evidence, display_name
-from end_effector_hal.wires import now_us
 
+from ._latest_status import LatestStatus
 from ._maintenance import Maintenance
-from ._newest import Newest
 from ._outputs import Outputs
+from .boundary import AnyController
 
 
 def drive(
-    controller: Controller, outputs: Outputs, maintenance: Maintenance, line: str, *, active: bool
+    controller: AnyController, outputs: Outputs, maintenance: Maintenance, line: str, at: int, *, active: bool
 ) -> Answer:
-    """Write the line, under the lease; whether that was done."""
+    """Write a line at ``at`` µs, under the lease; whether that was done."""
     if refused := controller.refuse_maintenance(active=active):
         return Answer(False, refused)
     try:
@@ -24,23 +24,23 @@ def drive(
     except WireError as error:
         if active and not isinstance(error, LineRefusedError):
             # perhaps it was executed: then the lease ends it
-            maintenance.drove(line, active, now_us())
+            maintenance.drove(line, active, at)
         return Answer(False, str(error))
-    maintenance.drove(line, active, now_us())
+    maintenance.drove(line, active, at)
     return Answer(True)
 
 
 def proof(
-    newest: Newest, description: Description, name: str, timeout_s: float | None, *, active: bool
+    latest: LatestStatus, description: Description, name: str, timeout_s: float | None, *, active: bool
 ) -> Answer:
     """Wait for it, by default as long as the actuator has in a grip or a release."""
     actuator, index = description.actuators[name], description.sequence.index(name)
     limit_s = timeout_s or (actuator.timeout_s if active else actuator.release_s)
     wanted = Evidence.CONFIRMED if active else Evidence.GONE
-    if newest.wait(lambda status: status.evidence[index] == wanted, limit_s):
+    if latest.wait(lambda status: status.evidence[index] == wanted, limit_s):
         proven = "active" if active else "inactive"
         return Answer(True, f"{display_name(name)} is {proven}, proven by its sensor.")
-    shown = Evidence(newest.status.evidence[index]).name
+    shown = Evidence(latest.status.evidence[index]).name
     left = f" It stays active for {description.maintenance.lease_s:g} s at most." if active else ""
     what = f"its line is written, but its sensor does not prove it within {limit_s:g} s (it says {shown})"
     return Answer(False, f"{display_name(name)}: {what}.{left}")

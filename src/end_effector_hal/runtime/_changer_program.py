@@ -1,0 +1,59 @@
+"""The program of the tool changer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar, Protocol
+
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.description import Description
+from end_effector_hal.wires import now_us
+
+from ._latest_status import Listener
+from ._output_mapping import ChangerOutputs, OutputMapping
+from ._outputs import LineWriter
+from ._program import Program
+from ._sensor_fault import FaultKeeper, SensorFault
+from ._vacuum_release import await_vacuum_release
+from .boundary import NULL_RECORDER, Recorder
+
+
+class ChangerLines(LineWriter, FaultKeeper, Protocol):
+    """What this program needs of the line arbiter."""
+
+
+class ChangerProgram(Program):
+    """Executes the automata of the tool changer; the line arbiter keeps its sensor fault until a reset (IL-04)."""
+
+    NAME: ClassVar = "tool_change"
+
+    def __init__(
+        self,
+        description: Description,
+        lines: ChangerLines,
+        on_status: Listener | None = None,
+        recorder: Recorder = NULL_RECORDER,
+        clock: Callable[[], int] = now_us,
+    ) -> None:
+        self._fault = SensorFault(lines)
+        super().__init__(description, lines, on_status, recorder, clock)
+
+    def command(self, name: str) -> Answer:
+        """Give a command and wait for the decision of the automaton; an unlock first waits for its proof."""
+        if name == "unlock" and (changer := self._description.tool_changer):
+            await_vacuum_release(self._latest, changer)
+        return super().command(name)
+
+    def _mapping(self) -> OutputMapping:
+        return ChangerOutputs(self._description)
+
+    def _fault_found(self) -> bool:
+        return self._fault.found()
+
+    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
+        self._fault.faults_changed(faults)
+        return super()._keep_faults(faults)
+
+    def _publish_one(self, status: Status) -> None:
+        self._fault.update(status)
+        super()._publish_one(status)

@@ -1,0 +1,70 @@
+"""The gripping program, with manual mode."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar
+
+from end_effector_hal.control import Answer, Status
+
+from ._maintenance import Maintenance
+from ._maintenance_drive import drive, proof
+from ._output_mapping import GripOutputs, OutputMapping
+from ._program import Program
+
+
+class GripProgram(Program):
+    """Executes the gripping automata; a lease ends what maintenance has activated (IL-12)."""
+
+    NAME: ClassVar = "grip"
+
+    def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
+        """Drive one actuator in maintenance (IL-12); success only with sensor evidence.
+
+        Args:
+            name: of the actuator.
+            active: what its output becomes.
+            timeout_s: longest wait for the evidence; default: as long as the actuator has in a grip or a release.
+        """
+        line = self._description.actuators[name].line
+
+        def question() -> tuple[Answer, list[Status]]:
+            at = self._clock()
+            answer = drive(self._controller, self._outputs, self._maintenance, line, at, active=active)
+            return answer, [self._controller.status()] if answer.accepted else []
+
+        answer = self._ask(question, waits=True)
+        proven = answer.accepted and proof(self._latest, self._description, name, timeout_s, active=active)
+        return proven or answer
+
+    def _mapping(self) -> OutputMapping:
+        self._maintenance = Maintenance(self._description)
+        return GripOutputs(self._description, self._maintenance)
+
+    def _due(self) -> int | None:
+        due, ends_at = super()._due(), self._maintenance.ends_at
+        return due if ends_at is None else ends_at if due is None else min(due, ends_at)
+
+    def _on_time(self, at: int) -> list[Status]:
+        if lines := self._maintenance.over(at):
+            self._outputs.let_go(lines, at)
+        return super()._on_time(at)
+
+    def _decide(self, name: str) -> tuple[Answer, list[Status]]:
+        if name == "grip" and self._maintenance.active:
+            why = "a grip is refused while outputs are driven by hand."
+            return Answer(False, f"IL-12: {why} {self._maintenance.notice}"), []
+        return super()._decide(name)
+
+    def _notices(self) -> tuple[str, ...]:
+        notice = self._maintenance.notice
+        return (*super()._notices(), notice) if notice else super()._notices()
+
+    def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
+        completed = super()._completed(status, notices)
+        if not self._maintenance.active:
+            return completed
+        lines = self._maintenance.lines
+        parts = zip(self._description.ordered, status.outputs, strict=True)
+        outputs = tuple(output or part.line in lines for (_, part), output in parts)
+        return replace(completed, outputs=outputs, deadline=self._maintenance.ends_at, maintenance=True)

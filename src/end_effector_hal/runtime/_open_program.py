@@ -1,0 +1,53 @@
+"""A program with its connection to the line arbiter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TypeVar
+
+from end_effector_hal.description import Description
+from end_effector_hal.recording import RecordingLimits
+
+from ._arbiter import connect_arbiter
+from ._latest_status import Listener
+from ._program import Program
+from .boundary import NULL_RECORDER, open_recorder
+
+P = TypeVar("P", bound=Program)
+
+
+def open_program(
+    program: type[P],
+    description: Description,
+    on_status: Listener | None = None,
+    *,
+    patience_s: float = 5.0,
+    traces: str | Path | None = None,
+    limits: RecordingLimits | None = None,
+) -> P:
+    """A program that is not started yet; it keeps its lease at the owner only while it works.
+
+    Args:
+        program: GripProgram or ChangerProgram.
+        description: the tool.
+        on_status: called with each status.
+        patience_s: how long to wait for an owner to appear.
+        traces: the folder that gets its trace; None: nothing is recorded. One that cannot be written is an alarm: a
+            full disk is no reason not to hold a part.
+        limits: of that folder.
+
+    Raises:
+        ArbiterError: there is no line arbiter.
+        LineBusyError: another process runs this program; says who.
+    """
+    lines = connect_arbiter(description, program.NAME, patience_s=patience_s)
+    try:
+        recorder = NULL_RECORDER
+        if traces is not None:
+            recorder = open_recorder(traces, description, program.NAME, limits=limits)
+        opened = program(description, lines, on_status, recorder)
+        lines.attend(alive=lambda: opened.alive, on_lost=opened.arbiter_lost, on_faults=opened.faults_changed)
+    except BaseException:  # Ctrl-C, too: who leaves in order has not died
+        lines.close(())
+        raise
+    return opened

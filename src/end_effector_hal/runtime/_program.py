@@ -1,0 +1,298 @@
+"""A program in real time: a controller with its worker and its outputs."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from typing import ClassVar
+
+from end_effector_hal.control import Answer, Status, model_constants
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.wires import now_us
+from timed_automata import load_network
+
+from ._latest_status import LatestStatus, Listener
+from ._output_mapping import OutputMapping
+from ._outputs import RETRY_US, LineWriter, Outputs
+from ._serial_worker import FollowUp, SerialWorker
+from .boundary import NULL_RECORDER, Recorder
+
+_log = logging.getLogger("end_effector_hal.runtime")
+HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
+DECLARED_DEAD = "The line arbiter took this program for dead and executed its will: it has begun anew."
+
+
+class Program:
+    """What :class:`GripProgram` and :class:`ChangerProgram` have in common; all methods are thread-safe.
+
+    Rule 1: The automata decide in the thread that brings an event, and the write to the line arbiter is sent there.
+        What waits for its reply runs in the program's own thread.
+    Rule 2: The listener is called there, once for each step of the automata, in order, after the lines are written.
+    Rule 3: No trouble leaves the program, and no trouble of a listener or of the recorder enters it: each is an alarm.
+    Rule 4: A program that was declared dead in the middle of a grip, or that does not find the lines as it left them,
+        restarts, and adopts what it finds. Until it knows, it claims no grip.
+
+    Args:
+        description: the tool.
+        lines: the line arbiter.
+        on_status: called with each status.
+        recorder: of the boundary.
+        clock: µs.
+    """
+
+    NAME: ClassVar[str]
+
+    def __init__(
+        self,
+        description: Description,
+        lines: LineWriter,
+        on_status: Listener | None = None,
+        recorder: Recorder = NULL_RECORDER,
+        clock: Callable[[], int] = now_us,
+    ) -> None:
+        self._description, self._clock = description, clock
+        self._network = load_network(description.automata_path, model_constants(description))
+        self._recorder, self._lines = recorder, recorder.lines(lines)
+        self._peer: dict[str, int] = {}
+        self._faults: tuple[str, ...] = ()
+        self._why, self._ending = "", "sigterm"
+        self._shown_notices: tuple[str, ...] = ()
+        self._reset()
+        self._worker = SerialWorker(self._due, self._time_passed, recorder.flush, clock)
+        self._latest = LatestStatus(self._controller.status(), on_status)
+        recorder.attend(lambda: self._worker.submit(lambda: self._reaction([])))
+        self._thread = threading.Thread(target=self._run, name=f"program {self.NAME}", daemon=True)
+
+    def start(self) -> None:
+        """Begin: read the lines, read the sensors, adopt."""
+        self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the program still works: a lease is renewed only while it does."""
+        since = self._worker.busy_since
+        return not self._latest.ended and (since is None or self._clock() - since < HUNG_US)
+
+    @property
+    def status(self) -> Status:
+        """The latest status."""
+        return self._latest.status
+
+    def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
+        """Block until a status satisfies ``until``; False when the time is over or the program has ended."""
+        return self._latest.wait(until, timeout_s)
+
+    def frame(self, frame: Frame) -> None:
+        """Submit a frame of the link; returns at once."""
+        self._submit(lambda: self._controller.frame(frame, self._clock()))
+
+    def update_peer(self, **values: int) -> None:
+        """Submit interface variables of the other program; returns at once."""
+        self._worker.submit(lambda: self._reaction(self._peer_changed(values)))
+
+    def arbiter_lost(self, error: ArbiterError) -> None:
+        """Submit that the connection to the line arbiter was lost; returns at once."""
+        self._worker.submit(lambda: partial(self._lose, error))
+
+    def faults_changed(self, faults: tuple[str, ...]) -> None:
+        """Submit the faults that the line arbiter has latched, sentences; returns at once."""
+        self._worker.submit(lambda: self._reaction(self._keep_faults(faults)))
+
+    def acknowledge(self) -> None:
+        """Submit that alarms about what is held were seen: those that are over go; returns at once."""
+        self._submit(lambda: self._controller.acknowledge(self._clock()))
+
+    def command(self, name: str) -> Answer:
+        """Give a command and wait for the decision of the automaton."""
+        return self._ask(lambda: self._decide(name))
+
+    def close(self, ending: str = "sigterm") -> None:
+        """End in good order: the line arbiter does what the description declares for this ending."""
+        self._ending = ending
+        self._worker.end()
+        if self._thread.is_alive():
+            self._thread.join(5.0)
+        elif self._thread.ident is None:  # never started: nothing was engaged
+            with suppress(WireError):
+                self._lines.close(())
+            self._recorder.close()
+
+    # What differs between programs.
+
+    def _mapping(self) -> OutputMapping:
+        """The outputs of the program, for a controller that has not begun."""
+        raise NotImplementedError
+
+    def _fault_found(self) -> bool:
+        """Whether the line arbiter keeps a sensor fault of this program; raises WireError."""
+        return False
+
+    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
+        self._faults = faults
+        return []  # only the notices change
+
+    def _due(self) -> int | None:
+        """µs at which the program does something by itself."""
+        at = self._controller.deadline if self._begun else self._begin_at
+        retry_at = self._outputs.retry_at
+        return at if retry_at is None else retry_at if at is None else min(at, retry_at)
+
+    def _on_time(self, at: int) -> list[Status]:
+        """What is due at ``at``, once the program has begun."""
+        if not self._outputs.lost and at >= (self._outputs.retry_at or at + 1):
+            self._outputs.retry(self._controller.status(), at)
+        return self._controller.advance(at)
+
+    def _decide(self, name: str) -> tuple[Answer, list[Status]]:
+        if not self._begun:
+            return Answer(False, f"The lines are not adopted yet. {self._obstacle}".rstrip()), []
+        answer, statuses = self._controller.command(name, self._clock())
+        if answer.accepted:
+            self._why = self._outputs.refused = ""
+        return answer, statuses
+
+    def _notices(self) -> tuple[str, ...]:
+        """What an operator must know beside the controller's alarms."""
+        return tuple(filter(None, (
+            self._obstacle, self._outputs.alarm, *self._faults, self._latest.trouble, self._recorder.trouble,
+        )))  # fmt: skip
+
+    def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
+        """A status of the controller with what the program knows beside it."""
+        reason = f"{status.reason or self._why} {self._outputs.refused}".strip()
+        if not notices and reason == status.reason:
+            return status
+        return replace(status, alarms=(*status.alarms, *notices), reason=reason)
+
+    def _publish_one(self, status: Status) -> None:
+        self._latest.publish(status)
+
+    # Jobs: in whatever thread has the turn, and nothing here waits.
+
+    def _submit(self, event: Callable[[], list[Status]]) -> None:
+        self._worker.submit(lambda: self._reaction(event()) if self._begun else None)
+
+    def _ask(self, question: Callable[[], tuple[Answer, list[Status]]], *, waits: bool = False) -> Answer:
+        def job() -> tuple[Answer, FollowUp | None]:
+            answer, statuses = question()
+            return answer, self._reaction(statuses)
+
+        if self._latest.ended:
+            return Answer(False, f"The {self.NAME} program has ended.")
+        answer = self._worker.ask(job, waits=waits)
+        return answer or Answer(False, f"The {self.NAME} program does not answer.", decided=False)
+
+    def _reaction(self, statuses: list[Status]) -> FollowUp | None:
+        """Send what statuses ask of the lines; the follow-up waits for the reply and publishes them."""
+        if not statuses and not self._outputs.lost and self._notices() == self._shown_notices:
+            return None
+        return partial(self._finish, statuses, self._outputs.begin(statuses))
+
+    def _peer_changed(self, values: dict[str, int]) -> list[Status]:
+        self._peer |= values
+        return self._controller.update_peer(values, self._clock()) if self._begun else []
+
+    # From here on: in the program's thread.
+
+    def _run(self) -> None:
+        try:
+            self._worker.run(self._begin)
+            self._lines.close(self._outputs.mapping.last_will(self.status, self._ending))
+        except WireError as error:
+            _log.warning("the line arbiter is not there to take the will of %s: %s", self.NAME, error)
+        finally:
+            # after a defect in here the lease is not renewed any more, and the line arbiter does what is declared
+            self._latest.end()
+            self._recorder.close()
+
+    def _begin(self) -> None:
+        self._act(self._adopt())
+
+    def _act(self, statuses: list[Status]) -> None:
+        if follow_up := self._reaction(statuses):
+            follow_up()
+
+    def _reset(self) -> None:
+        self._controller = self._recorder.controller(self._description, self._network, self.NAME)
+        self._outputs = Outputs(self._lines, self._mapping())
+        self._begun = False
+        self._begin_at: int | None = None
+        self._obstacle = ""
+
+    def _adopt(self) -> list[Status]:
+        at = self._clock()
+        try:
+            levels, sensor_fault = self._lines.levels(), self._fault_found()
+        except WireError as error:
+            self._obstacle, self._begin_at = str(error), at + RETRY_US
+            return []
+        self._begun, self._obstacle, self._begin_at = True, "", None
+        statuses = self._controller.start(levels, at, sensor_fault=sensor_fault)
+        return statuses + (self._controller.update_peer(self._peer, at) if self._peer else [])
+
+    def _restart(self, why: str) -> list[Status]:
+        _log.warning("%s: %s", self.NAME, why)
+        self._reset()
+        self._why = why
+        return [self._now(), *self._adopt()]
+
+    def _time_passed(self) -> FollowUp | None:
+        return self._reaction(self._on_time(self._clock()) if self._begun else self._adopt())
+
+    def _lose(self, error: ArbiterError) -> None:
+        if self._begun:
+            self._outputs.lose(error, self._clock())
+            with suppress(WireError):
+                self._lines.levels()  # a client reports each loss once more, to its next caller
+        self._act([])
+
+    def _finish(self, statuses: list[Status], unwritten: Sequence[Status]) -> None:
+        """End the writes that were begun for statuses, the later of which are unwritten yet; publish them."""
+        self._outputs.complete(unwritten)
+        while self._outputs.objected:
+            self._outputs.objected = False
+            more = self._controller.refused(self._clock())
+            statuses = statuses + more
+            self._outputs.complete(self._outputs.begin(more))
+        if self._outputs.lost:
+            statuses = self._compare_lines(statuses)
+        self._publish(statuses)
+
+    def _publish(self, statuses: list[Status]) -> None:
+        notices = self._notices()
+        if not statuses and notices != self._shown_notices:
+            statuses = [self._now()]
+        for status in statuses:
+            self._shown_notices = notices
+            self._publish_one(self._completed(status, notices))
+
+    def _compare_lines(self, statuses: list[Status]) -> list[Status]:
+        """What may be published of statuses after the line arbiter was lost."""
+        at = self._clock()
+        if at >= (self._outputs.retry_at or 0):
+            try:
+                gripping = self._outputs.mapping.gripping(self._controller.status())
+                if not self._outputs.agree(at, gripping=gripping):
+                    return self._restart(DECLARED_DEAD)
+                self._outputs.retry(self._controller.status(), at)
+            except LineBusyError as error:
+                # its will is being executed, or somebody else has its lines
+                return self._restart(f"{DECLARED_DEAD} {error}")
+            except WireError as error:
+                self._outputs.alarm = str(error)
+        if not self._outputs.lost:
+            return [*statuses, self._now()]
+        # before GRIPPED nothing is held: the will that holds must have arrived, or the owner may still unwind
+        held = EndEffectorState.GRIPPED
+        return [status for status in statuses if status.ee != held or self.status.ee == held]
+
+    def _now(self) -> Status:
+        status = self._controller.status()
+        return status if self._begun else replace(status, at=self._clock())
