@@ -6,7 +6,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all test nightly test-boot interlocks test-gpiochip test-board board image test-image check bench format clean debian ros kill-matrix kill-matrix-full link-campaign owner-simulation
+.PHONY: help setup demo demo-all test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench format clean debian ros kill-matrix kill-matrix-full link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -19,18 +19,22 @@ demo: setup ## the paper's three scenarios on real ROS, with Figs. 7 to 9
 demo-all: setup ## the same, then a cancel, a release that fails, unlock and lock
 	@$(ROS_ENV) && eehal demo --all -o runs/demo
 
-test: setup ## all tests; those of real processes in wall-clock time one after the other
-	@$(ROS_ENV) && pytest -q -n 2 -m "not wall and not ros"
-	@$(ROS_ENV) && pytest -q -m "wall or ros" $(WALL_OPTIONS)
+test: setup ## all tests: of logic, of real processes two files at a time, then those that measure times
+	@$(ROS_ENV) && pytest -q -n 2 -m "not (wall or ros or nightly)"
+	@$(ROS_ENV) && pytest -q -n 2 --dist loadfile -m "(wall or ros) and not alone" $(WALL_OPTIONS)
+	@$(ROS_ENV) && pytest -q -m alone $(WALL_OPTIONS)
 
-nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line owner fuzzed and simulated
-	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_owner_fuzz.py
+test-thinned: setup ## those of which `make test` runs representatives
+	@$(ROS_ENV) && pytest -q -n 2 -m nightly
+
+nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line arbiter fuzzed and simulated
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py
 
-owner-simulation: $(VENV)/.synced ## the line owner with its disk in virtual time: whoever dies when (RUNS=2000)
+arbiter-simulation: $(VENV)/.synced ## the line arbiter with its disk in virtual time: whoever dies when (RUNS=2000)
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs $(or $(RUNS),2000)
 
 interlocks: $(VENV)/.synced ## the interlock table: each interlock at each door, refused in words
@@ -60,12 +64,16 @@ image: ## the container image, from Debian's archive, without a registry; ARCH=a
 test-image: setup image ## by hand: in that image, as its user: import, check, doctor, health, a grip; ARCH=arm64 too
 	@$(ROS_ENV) && EEHAL_IMAGE=localhost/end-effector-hal:$(ARCH) pytest -q --durations=0 --durations-min=1 tests/acceptance/image
 
-check: $(VENV)/.synced ## ruff, mypy, import contracts, dead code, spelling
+check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+	@$(BIN)/python .ci/house.py
 	@$(BIN)/vulture
 	@$(BIN)/codespell
+
+test-dist: $(UV) ## wheel and sdist: built, installed into fresh environments, used outside of the checkout; a minute
+	@deploy/test-dist.sh
 
 bench: setup ## measure it: latencies against their floor, CPU, memory
 	@$(ROS_ENV) && python benchmarks/run.py

@@ -7,7 +7,7 @@ from typing import Any
 
 RATIO, P99_MS, CPU_PERCENT, MEMORY_MB, REQUIREMENTS_S, GROWTH = 1.5, 5.0, 15.0, 250.0, 1.0, 2.0
 ADDED_US = 150.0
-OWNER = "line owner"  # no node, but no node works without it
+OWNER = "line arbiter"  # no node, but no node works without it
 
 
 def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -32,11 +32,13 @@ def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
         ):
             owner = result["usage"][OWNER][field] * unit
             nodes = sum(one[field] for one in result["usage"].values()) * unit - owner
-            words = f"{nodes:.1f} {text}, with the line owner {nodes + owner:.1f}"
+            words = f"{nodes:.1f} {text}, with the line arbiter {nodes + owner:.1f}"
             aim(f"all nodes {where}: under {most:g} {text} while holding", nodes, most, words)
     if cost := written.get("owner"):
         added = cost["added_us"]
-        aim(f"the line owner adds at most {ADDED_US:g} µs at the median", added, ADDED_US, f"{added:.0f} µs")
+        aim(
+            f"the line arbiter adds at most {ADDED_US:g} µs at the median", added, ADDED_US, f"{added:.0f} µs"
+        )
     if measured := written.get("verification"):
         seconds = sum(answer["seconds"] for answer in measured["together"]["answers"])
         finished = measured["together"]["finished"]

@@ -1,4 +1,4 @@
-"""What the line owner costs: a command through it beside the same one on the back-end, and what it uses."""
+"""What the line arbiter costs: a command through it beside the same one on the back-end, and what it uses."""
 
 from __future__ import annotations
 
@@ -87,9 +87,9 @@ def measure_owner(blocks: int, hold_s: float, say: Callable[[str], None]) -> Own
             owned.run()
         say(f"holding for {hold_s:g} s")
         grip.set({line: True}, [])
-        meter = Meter({"line owner": owner.pid})
+        meter = Meter({"line arbiter": owner.pid})
         sleep(hold_s)
-        usage = meter.read()["line owner"]
+        usage = meter.read()["line arbiter"]
     return OwnerCost(*(direct.found()), *(owned.found()), usage)
 
 
@@ -139,7 +139,7 @@ def _told(sock: Path) -> Iterator[None]:
 
     def tell() -> None:
         while not ended.wait(TELL_S):
-            teller.tell(PROVEN, now_us())
+            teller.send(PROVEN, now_us())
 
     thread = threading.Thread(target=tell)
     thread.start()

@@ -1,7 +1,7 @@
 """What a trace costs: the time from a frame to the status that follows from it, with and without.
 
 ``python benchmarks/recording.py [--blocks N]``. Blocks with and without a trace take turns in the same run, so that the
-load of the machine falls on both. A unit in real time, with a line owner that does nothing; each frame changes a level,
+load of the machine falls on both. A unit in real time, with a line arbiter that does nothing; a frame changes a level,
 so that each gives a status.
 """
 
@@ -29,7 +29,7 @@ REST = {
 
 
 class _Lines:
-    """A line owner that does nothing."""
+    """A line arbiter that does nothing."""
 
     def levels(self) -> Mapping[str, bool]:
         return {}

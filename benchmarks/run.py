@@ -1,4 +1,4 @@
-"""``make bench``: latencies against their floor, processor time, memory, the line owner, verification."""
+"""``make bench``: latencies against their floor, processor time, memory, the line arbiter, verification."""
 
 from __future__ import annotations
 

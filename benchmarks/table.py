@@ -39,8 +39,8 @@ def print_latencies(console: Console, title: str, result: Result) -> None:
 
 
 def print_owner(console: Console, cost: OwnerCost) -> None:
-    """A command with and without the line owner, and what the owner uses."""
-    table = Table(title="A line command, directly and through the line owner", title_justify="left")
+    """A command with and without the line arbiter, and what the owner uses."""
+    table = Table(title="A line command, directly and through the line arbiter", title_justify="left")
     table.add_column("ms", no_wrap=True)
     for head in ("median", "p99", "max", "n"):
         table.add_column(head, justify="right")
@@ -52,7 +52,7 @@ def print_owner(console: Console, cost: OwnerCost) -> None:
     ):
         table.add_row(text, *_cells(found))
     console.print(table)
-    print_usage(console, "The line owner while a part is held, link at 50 Hz", {"line owner": cost.usage})
+    print_usage(console, "The line arbiter while a part is held, link at 50 Hz", {"line arbiter": cost.usage})
 
 
 def print_usage(console: Console, title: str, usage: Mapping[str, Usage]) -> None:

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Puts the project into one folder that needs no source any more: a Python environment with the wheel and the locked
-# dependencies, the messages and launch files as a ROS install space in PREFIX/ros, and PREFIX/bin/eehal-hal.
+# Puts the project into one folder that needs no source any more: a Python environment with the wheel, the locked
+# dependencies and the extra modbus (figures are drawn elsewhere), the messages and launch files as a ROS install space
+# in PREFIX/ros, and PREFIX/bin/eehal-hal.
 # Usage: deploy/build.sh [PREFIX]     default: /opt/eehal-<version>; what stands there is replaced.
 # Needs the packages of debian-packages.txt (deploy/debian.sh). ROS is left out where catkin is not installed.
 # TARGETARCH=arm64 (Docker's variable): for that architecture, made on any.
@@ -29,7 +30,7 @@ cd "$root"
 # Compiled here: its users may not write there. An interpreter of another architecture reads the same.
 # shellcheck disable=SC2086
 VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
-    "$work/uv/bin/uv" sync -q --frozen --no-dev --no-editable --compile-bytecode --reinstall-package end-effector-hal \
+    "$work/uv/bin/uv" sync -q --frozen --no-dev --extra modbus --no-editable --compile-bytecode --reinstall-package end-effector-hal \
     $platform -p /usr/bin/python3
 mkdir -p "$prefix/share/doc"
 cp docs/deployment.md docs/wiring.md SAFETY.md "$prefix/share/doc/"

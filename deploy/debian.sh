@@ -7,7 +7,7 @@ missing=$(while read -r name; do
 done < "$list")
 [ -z "$missing" ] && exit 0
 if ! command -v apt-get >/dev/null; then
-    echo "This is no Debian system: apt-get is missing. Without ROS: pip install . && eehal demo --no-ros" >&2
+    echo "This is no Debian system: apt-get is missing. Without ROS: pip install '.[lab]' && eehal demo --no-ros" >&2
     exit 3
 fi
 sudo=

@@ -1,6 +1,8 @@
-"""For all tests: what a test said that had to be run once more is not lost."""
+"""For all tests: their reports reach whoever started them, and those of tests that were run once more are kept."""
 
 from __future__ import annotations
+
+from collections.abc import Generator
 
 import pytest
 
@@ -9,6 +11,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--reruns-log", metavar="FILE", help="Append each test that was run again, and why it failed."
     )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Makes each report one that a worker of pytest-xdist can send: a lone surrogate in a log would end the worker."""
+    report = yield
+    report.sections = [
+        (name, text.encode("utf-8", "backslashreplace").decode()) for name, text in report.sections
+    ]
+    return report
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

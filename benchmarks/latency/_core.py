@@ -17,7 +17,7 @@ from ._result import Result
 
 
 def measure_core(description: Description, folder: Path, plan: Plan, say: Callable[[str], None]) -> Result:
-    """Measure ``EndEffector`` with a line owner and a testbench; logs go to ``folder``."""
+    """Measure ``EndEffector`` with a line arbiter and a testbench; logs go to ``folder``."""
     notes = folder / "states.jsonl"
     with Hardware(description, folder) as hardware:
         floor = Floor(hardware.children, hardware.place, folder)
@@ -27,6 +27,6 @@ def measure_core(description: Description, folder: Path, plan: Plan, say: Callab
         client.wait_ready()
         result = measure(hardware, floor, client, notes, plan, say)
         result.losses = measure_losses(hardware, client, Tail(notes), plan.losses, say)
-        pids = {"tool": client.pid, "line owner": hardware.owner.pid}
+        pids = {"tool": client.pid, "line arbiter": hardware.owner.pid}
         result.usage = hold(client, pids, plan.hold_s, say)
         return result

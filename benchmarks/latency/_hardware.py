@@ -34,7 +34,7 @@ class Hardware(World):
             lambda: "ready:" in self.testbench.text(), timeout_s=START_S, what="it was ready"
         )
         self.owner = self.children.start(
-            "line owner", [*EEHAL, "owner", path], log=self.folder / "owner.log", failed=ArbiterError
+            "line arbiter", [*EEHAL, "arbiter", path], log=self.folder / "owner.log", failed=ArbiterError
         )
         self.owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

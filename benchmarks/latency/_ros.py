@@ -25,7 +25,7 @@ START_S, END_S = 40.0, 20.0
 
 
 def measure_ros(description: Description, folder: Path, plan: Plan, say: Callable[[str], None]) -> Result:
-    """Measure the five nodes with a line owner and a testbench; logs go to ``folder``."""
+    """Measure the five nodes with a line arbiter and a testbench; logs go to ``folder``."""
     notes = folder / "states.jsonl"
     with Hardware(description, folder) as hardware:
         ros = Master(folder / "ros")
@@ -42,7 +42,7 @@ def measure_ros(description: Description, folder: Path, plan: Plan, say: Callabl
         client.wait_ready()
         result = measure(hardware, floor, client, notes, plan, say)
         result.losses = measure_losses(hardware, client, Tail(notes), plan.losses, say)
-        pids = _pids(hardware.children) | {"line owner": hardware.owner.pid}
+        pids = _pids(hardware.children) | {"line arbiter": hardware.owner.pid}
         result.usage = hold(client, pids, plan.hold_s, say)
         return result
 

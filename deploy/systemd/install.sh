@@ -1,16 +1,33 @@
 #!/bin/sh
-# Installs the services of a folder that deploy/build.sh made, and starts the line owner and the nodes with it.
-# Usage: deploy/systemd/install.sh [PREFIX]     as root; default: /opt/eehal-<version>. Run it again to update.
+# Installs the services of a folder that deploy/build.sh made, and starts the line arbiter and the nodes with it.
+# Usage: deploy/systemd/install.sh [-t DESCRIPTION] [PREFIX]     as root; default: /opt/eehal-<version>.
+# The first time with -t: the description of the tool is copied to /etc/eehal. Run it again without -t to update.
 # DESTDIR: install below this folder, and start nothing.
 set -eu
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' "$here/../../pyproject.toml" | head -n 1)
+tool=
+while getopts t: option; do
+    case $option in
+    t) tool=$OPTARG ;;
+    *) exit 2 ;;
+    esac
+done
+shift $((OPTIND - 1))
 prefix=${1:-/opt/eehal-$version}
 dest=${DESTDIR:-}
+installed=$dest/etc/eehal/end_effector.yaml
 [ -x "$prefix/bin/eehal" ] || { echo "There is no $prefix/bin/eehal: run deploy/build.sh first" >&2; exit 2; }
+if [ -n "$tool" ]; then
+    [ ! -e "$installed" ] || { echo "There is a tool already: edit or remove $installed, and leave out -t" >&2; exit 2; }
+    "$prefix/bin/eehal" check "$tool" >/dev/null || exit 2
+elif [ ! -e "$installed" ]; then
+    echo "No tool is driven by default: name yours, $0 -t DESCRIPTION; eehal init FOLDER writes one to start from" >&2
+    exit 2
+fi
 
 put() { install -D -m 644 "$here/$1" "$dest$2"; }
-put eehal-owner.service /etc/systemd/system/eehal-owner.service
+put eehal-arbiter.service /etc/systemd/system/eehal-arbiter.service
 put eehal-hal.service /etc/systemd/system/eehal-hal.service
 put eehal.sysusers /etc/sysusers.d/eehal.conf
 put eehal.udev.rules /etc/udev/rules.d/60-eehal.rules
@@ -18,20 +35,30 @@ mkdir -p "$dest/opt" "$dest/etc/eehal"
 ln -sfn "$prefix" "$dest/opt/eehal"
 # what the user has changed stays
 [ -e "$dest/etc/default/eehal" ] || put eehal.default /etc/default/eehal
-if [ ! -e "$dest/etc/eehal/end_effector.yaml" ]; then
-    # without a file of his own the shipped automata are taken
-    "$prefix/bin/python" -c 'from end_effector_hal.description import profile_path; print(profile_path())' |
-        xargs -I{} install -m 644 {} "$dest/etc/eehal/end_effector.yaml"
+if [ -n "$tool" ]; then
+    install -m 644 "$tool" "$installed"
+    # its own automata, which stand beside it
+    automata=$("$prefix/bin/python" -c 'import sys; from end_effector_hal.description import load
+print(load(sys.argv[1]).automata.file)' "$tool")
+    beside=$(dirname "$tool")/$automata
+    [ ! -f "$beside" ] || install -D -m 644 "$beside" "$dest/etc/eehal/$automata"
+    "$prefix/bin/eehal" check "$installed" >/dev/null || exit 2
 fi
 [ -z "$dest" ] || exit 0
 
 systemd-sysusers
+# the unit of earlier releases would keep the lines; its nodes end first, while it still runs
+if [ -e /etc/systemd/system/eehal-owner.service ]; then
+    systemctl stop eehal-hal
+    systemctl disable --now eehal-owner
+    rm /etc/systemd/system/eehal-owner.service
+fi
 udevadm control --reload
 udevadm trigger --subsystem-match=gpio
 systemctl daemon-reload
-systemctl enable eehal-owner eehal-hal
-# the nodes first: they end in order while their owner still lives
+systemctl enable eehal-arbiter eehal-hal
+# the nodes first: they end in order while the arbiter still runs
 systemctl stop eehal-hal
-systemctl restart eehal-owner
+systemctl restart eehal-arbiter
 systemctl start eehal-hal
-EEHAL_RUN_DIR=/run/eehal "$prefix/bin/eehal" doctor /etc/eehal/end_effector.yaml --passive --only description,lines,owner,link
+EEHAL_RUN_DIR=/run/eehal "$prefix/bin/eehal" doctor /etc/eehal/end_effector.yaml --passive --only description,lines,arbiter,link

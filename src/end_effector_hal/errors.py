@@ -70,7 +70,7 @@ class LineBusyError(WireError):
 
 
 class LineRefusedError(WireError):
-    """The line owner refused a write because of an interlock."""
+    """The line arbiter refused a write because of an interlock."""
 
     code = "EE-403"
 
@@ -88,7 +88,7 @@ class LinkBusyError(LinkError):
 
 
 class ArbiterError(WireError):
-    """The line owner cannot be reached, or does not answer."""
+    """The line arbiter cannot be reached, or does not answer."""
 
     code = "EE-420"
 

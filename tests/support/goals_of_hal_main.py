@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.control import Answer
+from end_effector_hal.control.goals import Phase
 from tests.support.goal_server import Wire
 from tests.support.patience import wait_until
 
@@ -21,16 +23,21 @@ class Node:
 
     def __init__(self) -> None:
         self.asked: list[int] = []
-        self.replies: list[Any] = []
+        self.replies: list[Answer] = []
+        self.given_up = 0
         self.goes_on = threading.Event()
         self.goes_on.set()
 
-    def ask(self, command: int) -> Any:
-        from end_effector_hal.ros1.connections._commander import Reply
+    def send(self, command: int, on_answer: Any) -> None:
+        threading.Thread(target=self._answer, args=(command, on_answer), daemon=True).start()
 
+    def give_up(self) -> None:
+        self.given_up += 1
+
+    def _answer(self, command: int, on_answer: Any) -> None:
         self.asked.append(command)
         assert self.goes_on.wait(60.0)
-        return self.replies.pop(0) if self.replies else Reply(True, "", 7)
+        on_answer(self.replies.pop(0) if self.replies else Answer(True, count=7))
 
 
 class Hal:
@@ -75,8 +82,10 @@ class Hal:
 
     def accepted(self, goal_id: str = "a") -> None:
         def active() -> bool:
-            running = self.goals._running
-            return running is not None and running.handle.get_goal_id().id == goal_id
+            return any(
+                goal.phase is Phase.RUNNING and goal.handle.get_goal_id().id == goal_id
+                for goal in self.goals._goals.open
+            )
 
         wait_until("the acceptance", active)
 

@@ -1,4 +1,4 @@
-"""Lines and policies for a keeper in virtual time."""
+"""Lines and policies for a rules in virtual time."""
 
 from end_effector_hal.arbiter import Need, Policy
 
@@ -18,7 +18,7 @@ SENSING = Policy(LINES, needs={UNLOCK: (CLOSED, FREE), **dict.fromkeys(GRIP, (CL
 
 
 class Lines:
-    """A back-end that notes every write with the time at which the keeper was asked."""
+    """A back-end that notes every write with the time at which the rules was asked."""
 
     def __init__(self, **active):
         self.now, self.written, self.state = 0, [], dict.fromkeys(LINES, False) | active

@@ -1,4 +1,4 @@
-"""A gripping unit alone: a line owner and sensors that do what a test says."""
+"""A gripping unit alone: a line arbiter and sensors that do what a test says."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OFF, ON = False, True
 
 
 class Owner:
-    """A line owner that does what a test says."""
+    """A line arbiter that does what a test says."""
 
     def __init__(self) -> None:
         self.active = dict.fromkeys(LINES, OFF)

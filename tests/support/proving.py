@@ -1,4 +1,4 @@
-"""In the place of the process that reads the sensors: tells the line owner what they prove."""
+"""In the place of the process that reads the sensors: tells the line arbiter what they prove."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def proving(socket: Path, **predicates: bool) -> Iterator[None]:
 
     def tell() -> None:
         while not ended.wait(REPEAT_S):
-            teller.tell(predicates, now_us())
+            teller.send(predicates, now_us())
         teller.close()
 
     with ArbiterClient(socket, "look") as look:

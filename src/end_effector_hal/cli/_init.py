@@ -18,7 +18,7 @@ from .model import the_folder, write_whole
 @click.argument("folder", type=PathName())
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
 def command(folder: Path, as_json: bool) -> None:
-    """Write a description to start from into FOLDER: that of the paper's tool, with every line to be changed.
+    """Write a description into FOLDER as a starting point: a copy of the paper's tool. Change it to fit yours.
 
     Beside it the schema that its first line names: an editor that knows the YAML language server completes and
     checks while you type. Nothing that is there already is touched.

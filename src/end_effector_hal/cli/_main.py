@@ -20,12 +20,14 @@ _COMMANDS = {
     "doctor": "what this machine lacks to run a tool, and what to do",
     "init": "a folder with a description to start from, and its schema",
     "model": "show, play, export and check the automata",
-    "owner": "own the output lines of a tool and serve them on a socket",
+    "arbiter": "own the output lines of a tool and serve them on a socket",
     "replay": "decide a recorded run once more, and judge it by its network",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",
     "verify": "prove what the automata promise, or show a counterexample",
 }
+_LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
+"""Modules that only commands with lines, ports or locks import."""
 _ROOMS = {"doctor": "doctor._doctor", "model": "model._model"}
 
 
@@ -84,7 +86,8 @@ def main() -> None:
         _report(error)
         sys.exit(error.exit_code)
     except ModuleNotFoundError as error:
-        if (missing := missing_extra("This command needs", error)) is None:
+        missing = missing_extra("This command needs", error) or _other_system(error)
+        if missing is None:
             raise
         _report(missing)
         sys.exit(missing.exit_code)
@@ -92,6 +95,12 @@ def main() -> None:
         # the reader of our output has gone; there is nobody to tell
         sys.stderr.close()
         sys.exit(0)
+
+
+def _other_system(error: ModuleNotFoundError) -> UsageError | None:
+    if error.name not in _LINUX:
+        return None
+    return UsageError(f"This command needs Linux: there is no module {error.name} here.")
 
 
 def _wants_json() -> bool:

@@ -57,7 +57,7 @@ def command(
 ) -> None:
     """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, quit.
 
-    The line owner of the tool (`eehal owner DESCRIPTION`) must run. A command followed by `&` goes on in the
+    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run. A command followed by `&` goes on in the
     background, so that it can be cancelled. Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the
     description declares (`endings: sigterm`).
     """

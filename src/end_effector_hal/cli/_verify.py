@@ -71,7 +71,9 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
             f"  {name.removesuffix('_s').replace('_', '-'):16} {worst!s:>9}  {worst.declared_ms / 1000:g} s"
         )
     if proof.off:
-        click.echo(f"\n{len(proof.off)} edges are for other constants than these; --json lists them")
+        click.echo(
+            f"\n{len(proof.off)} edges can never be taken with the values of this description; --json lists them"
+        )
     for finding in proof.findings:
         if finding.trace is not None:
             _print_run(finding, files.get(finding.id, []))

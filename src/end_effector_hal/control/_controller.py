@@ -151,7 +151,7 @@ class Controller:
         return Answer(True), statuses + self._told(reaction.steps)
 
     def refused(self, at: int) -> list[Status]:
-        """The line owner refused to activate what the last status asked for."""
+        """The line arbiter refused to activate what the last status asked for."""
         at = self._until(at)
         statuses = self._due_before(at)
         channel = "unlock_refused" if self._program == "tool_change" else "grip_refused"

@@ -20,7 +20,7 @@ def explain(description: Description, cause: int, cause_at: int, senses: SensorS
     if cause == Cause.LOST and actuator:
         return f"{who} was lost: {kind_of(actuator).lost(actuator, senses.readings, at)}."
     if cause == Cause.REFUSED:
-        return f"The line owner refused to activate {display_name(name) or 'an output'}."
+        return f"The line arbiter refused to activate {display_name(name) or 'an output'}."
     return {
         Cause.NONE: "",
         Cause.LOST: f"{who} was lost.",

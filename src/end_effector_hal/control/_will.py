@@ -1,4 +1,4 @@
-"""What the line owner does when a program dies: computed here, so that the owner knows no gripping logic."""
+"""What the line arbiter does when a program dies: computed here, so that the owner knows no gripping logic."""
 
 from __future__ import annotations
 

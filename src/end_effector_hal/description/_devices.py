@@ -75,7 +75,7 @@ class Lines(Part):
     )
     path: Word | None = Field(default=None, description="virtual: the file that stands for the chip")
     socket: Word | None = Field(
-        default=None, description="Unix socket of the line owner; default: in the run directory"
+        default=None, description="Unix socket of the line arbiter; default: in the run directory"
     )
 
 

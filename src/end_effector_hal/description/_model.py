@@ -101,7 +101,7 @@ class Description(Part):
         return self.model_copy(update={"lines": lines, "link": self.link.model_copy(update={"port": port})})
 
     def with_socket(self, socket: str | Path) -> Description:
-        """The same tool with its line owner at another socket."""
+        """The same tool with its line arbiter at another socket."""
         return self.model_copy(update={"lines": self.lines.model_copy(update={"socket": str(socket)})})
 
     def fingerprint(self) -> str:

@@ -52,7 +52,7 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
         elif changer.present_bit not in channels:
             yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02)"
     for name, line in description.blow_off_lines.items():
-        yield f"{name}: its blow-off {line} is guarded by the line owner (IL-08), but no command drives it"
+        yield f"{name}: its blow-off {line} is guarded by the line arbiter (IL-08), but no command drives it"
     if e_stop is None:
         yield "e-stop: none in the description: IL-13 is off"
     elif e_stop.channel not in channels:

@@ -1,4 +1,4 @@
-"""Where programs find the line owner of a tool."""
+"""Where programs find the line arbiter of a tool."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._paths import run_directory
 
 
 def socket_path(description: Description) -> Path:
-    """The Unix socket of the line owner: the description's, or ``<name>.sock`` in the run directory.
+    """The Unix socket of the line arbiter: the description's, or ``<name>.sock`` in the run directory.
 
     Raises:
         WireError: the run directory is not for this user alone.

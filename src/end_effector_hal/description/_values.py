@@ -43,7 +43,9 @@ def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
     if error["input"] == "leave" and "endings" in path:
         says_the_same = "write hold: here it says the same"
         hint = (
-            says_the_same if path[-1] != "power_up" else "the line owner drives every line from its start on"
+            says_the_same
+            if path[-1] != "power_up"
+            else "the line arbiter drives every line from its start on"
         )
     return Fault.at(places.value(*path), "EE-209", what, expected=" or ".join(choices), hint=hint)
 

@@ -26,7 +26,7 @@ from .transport import (
     ChangerPlace,
     CylinderPlace,
     FrameMessage,
-    Header,
+    MessageHeader,
     NodeTransport,
     PositionMessage,
     frame_from_message,
@@ -90,7 +90,7 @@ class PositionNode:
             before = self._known.get(output.name)
             if every or before != position:
                 self._known[output.name] = position
-                output.publish(PositionMessage(position, Header(at)))
+                output.publish(PositionMessage(position, MessageHeader(at)))
                 old = before if before is not None else output.places(0)
                 if old is not position:
                     self._log.info("%s: %s -> %s", output.name, old.name, position.name)

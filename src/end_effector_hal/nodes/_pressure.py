@@ -16,7 +16,7 @@ from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState
 from .interface import SENSOR_FRAME, STATE_HZ, pressure_topics
 from .report import ERROR, OK, WARN, Health, publish_health
 from .transport import (
-    Header,
+    MessageHeader,
     NodeTransport,
     PressureMessage,
     absolute_pa,
@@ -79,7 +79,7 @@ class PressureNode:
 
     def _publish_pressures(self, at_us: int, value: Callable[[str], Value]) -> None:
         for channel, publish in self._pressures:
-            publish(PressureMessage(absolute_pa(value(channel)), Header(at_us, channel)))
+            publish(PressureMessage(absolute_pa(value(channel)), MessageHeader(at_us, channel)))
 
     def _on_change(self, health: LinkHealth) -> None:
         if health.state is LinkState.DOWN:

@@ -3,7 +3,18 @@
 from ._limits import RecordingLimits
 from ._recording import Recording, content_hash, product_version, run_info
 from ._run import RunInfo, read_run
-from .story import Attempt, Cause, Decision, Grip, Moment, Outcome, Release, Reset, Story, tell
+from .story import (
+    Attempt,
+    AttemptOutcome,
+    Grip,
+    GripDecision,
+    Moment,
+    Release,
+    ReleaseCause,
+    Reset,
+    Story,
+    read_story,
+)
 from .tables import (
     AlarmRow,
     AlarmsWriter,
@@ -22,20 +33,20 @@ __all__ = [
     "AlarmRow",
     "AlarmsWriter",
     "Attempt",
-    "Cause",
-    "Decision",
+    "AttemptOutcome",
     "Entry",
     "Gap",
     "Grip",
+    "GripDecision",
     "Moment",
     "Opening",
-    "Outcome",
     "PressuresLog",
     "PressuresWriter",
     "Record",
     "Recording",
     "RecordingLimits",
     "Release",
+    "ReleaseCause",
     "Reset",
     "RunInfo",
     "StatesLog",
@@ -50,7 +61,7 @@ __all__ = [
     "read_pressures",
     "read_run",
     "read_states",
+    "read_story",
     "read_trace",
     "run_info",
-    "tell",
 ]

@@ -83,8 +83,9 @@ class RosLog(logging.Handler):
 
     def end(self) -> None:
         """Write what still waits, for a second at most; from now on a record is written in its own thread."""
-        with self.lock or threading.RLock():
-            self._ended = True
+        self.acquire()
+        self._ended = True
+        self.release()
         self._lines.put(None)
         self._thread.join(FLUSH_S)
 

@@ -1,5 +1,6 @@
 """A tool put together: description, automata and wires, in real time."""
 
+from ._arbiter import connect_arbiter, run_arbiter
 from ._automata import load_automata
 from ._end_effector import EndEffector
 from ._error_text import error_text, sendable
@@ -8,7 +9,6 @@ from ._lines import arbiter_policy, output_lines, program_lines
 from ._open_unit import open_unit
 from ._orders import Order, read_order, read_script
 from ._outputs import LineWriter
-from ._owner import connect_arbiter, run_arbiter
 from ._reset import reset
 from ._unit import Unit
 from ._witness import Witness

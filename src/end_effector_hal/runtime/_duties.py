@@ -31,7 +31,7 @@ class Duties:
         }
 
     def will(self, status: Status, on: str = "process_death") -> LastWill:
-        """What the line owner does at an ending, by its name in the description."""
+        """What the line arbiter does at an ending, by its name in the description."""
         if self._changes:
             changer = self._description.tool_changer
             if not (changer and status.unlock_output and getattr(changer.endings, on) == "release"):

@@ -35,7 +35,7 @@ RESET_S = 5.0
 class EndEffector:
     """Both programs of a tool, its link and its lines.
 
-    The line owner (``eehal owner``) is a process of its own and must run: it is what stands between a crash
+    The line arbiter (``eehal arbiter``) is a process of its own and must run: it is what stands between a crash
     of this process and a dropped part.
 
     Args:
@@ -105,7 +105,7 @@ class EndEffector:
             unit.start()
 
     def close(self, ending: str = "sigterm") -> None:
-        """End: the line owner does what the description declares. Listeners get what waits for them, within 2 s."""
+        """End: the line arbiter does what the description declares. Listeners get what waits for them, within 2 s."""
         for unit in self._units:
             unit.close(ending)
         self._reader.close()

@@ -1,4 +1,4 @@
-"""The output lines of a tool: who writes them, and what their owner enforces whoever asks."""
+"""The output lines of a tool: which program writes them, and what the arbiter enforces."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, predicates_fitted
 from end_effector_hal.vocabulary import to_us
 
-LONGEST_WILL_US = 10_000_000
+LONGEST_LAST_WILL_US = 10_000_000
 SENSOR_FAULT = "sensor_fault"
-"""The name by which the line owner keeps that of the tool changer (IL-04)."""
+"""The name under which the line arbiter latches the sensor fault of the tool changer (IL-04)."""
 IL_01 = Need(
     NOTHING_GRIPPED, "IL-01", "nothing is gripped", "the sensors do not prove that nothing is gripped"
 )
@@ -33,7 +33,9 @@ def arbiter_policy(description: Description) -> Policy:
         exclusions=_exclusions(description),
         max_active_us={changer.line: to_us(changer.unlock_max_s)} if changer and not changer.latching else {},
         labels={**labels, changer.line: "unlock"} if changer else labels,
-        longest_will_us=max(LONGEST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)),
+        longest_last_will_us=max(
+            LONGEST_LAST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)
+        ),
         faults=(SENSOR_FAULT,) if changer else (),
         needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
     )
@@ -52,7 +54,7 @@ def _exclusions(description: Description) -> list[Exclusion]:
 
 
 def _needs(description: Description, line: str) -> list[Need]:
-    """What the sensors must say before a line is activated; what is not fitted is not asked for."""
+    """What the sensors must prove before a line is activated; a sensor that is not fitted is not asked for."""
     fitted = predicates_fitted(description, get_codec(description.link.codec))
     locks = description.interlocks
     unlocks = line in program_lines(description, "tool_change")

@@ -1,4 +1,4 @@
-"""A unit with its connection to the line owner."""
+"""A unit with its connection to the line arbiter."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from pathlib import Path
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 
+from ._arbiter import connect_arbiter
 from ._newest import Listener
-from ._owner import connect_arbiter
 from ._sensor_fault import SensorFault
 from ._unit import Unit
 from .boundary import NOBODY, open_recorder
@@ -29,7 +29,7 @@ def open_unit(
     is an alarm: a full disk is no reason not to hold a part.
 
     Raises:
-        ArbiterError: there is no line owner.
+        ArbiterError: there is no line arbiter.
         LineBusyError: another process runs this program; says who.
     """
     lines = connect_arbiter(description, program, patience_s=patience_s)

@@ -1,4 +1,4 @@
-"""From statuses to lines: what the automata put out goes to the line owner, with the will that fits it."""
+"""From statuses to lines: what the automata put out goes to the line arbiter, with the will that fits it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ RETRY_US = 200_000
 
 
 class LineWriter(Protocol):
-    """What a program needs of the line owner."""
+    """What a program needs of the line arbiter."""
 
     def levels(self) -> Mapping[str, bool]:
         """The level of every line."""
 
     def declared_dead(self) -> bool:
-        """Whether the line owner took this program for dead since this was asked last."""
+        """Whether the line arbiter took this program for dead since this was asked last."""
 
     def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:
         """Begin to write levels, and what to do should this program die; what is returned waits until it is done."""
@@ -42,11 +42,11 @@ class _Asked(NamedTuple):
 class Outputs:
     """Writes changes only; what could not be activated is not activated later by itself (IL-11).
 
-    Once the line owner was ``lost`` nothing is certain until `agree` has compared the lines with what was
+    Once the line arbiter was ``lost`` nothing is certain until `agree` has compared the lines with what was
     written: the owner may have executed the will.
 
     Args:
-        lines: the line owner.
+        lines: the line arbiter.
         of: line and level of every output of a status.
         will: the will that fits a status.
     """
@@ -69,7 +69,7 @@ class Outputs:
         self.retry_at: int | None = None
         self.alarm = ""
         self.refused = ""
-        """Why the line owner did not activate something, in words, until it activates again."""
+        """Why the line arbiter did not activate something, in words, until it activates again."""
         self.objected = False
         """It has just refused an activation, and the automata do not know yet."""
 
@@ -134,9 +134,9 @@ class Outputs:
         self._end({line: active}, lambda: self._lines.ask({line: active}, will)())
 
     def lose(self, error: ArbiterError, at: int) -> None:
-        """The line owner was lost; nothing is written until `agree` has been asked."""
+        """The line arbiter was lost; nothing is written until `agree` has been asked."""
         self.lost, self.retry_at = True, at
-        self.alarm = f"The line owner was lost: {error}"
+        self.alarm = f"The line arbiter was lost: {error}"
 
     def let_go(self, lines: Sequence[str], at: int) -> None:
         """Deactivate lines that were driven by hand; tried again until it is done."""

@@ -12,14 +12,14 @@ from ._unit import Unit
 
 
 def reset(description: Description, grip: Unit, *others: Answer) -> Answer:
-    """Clear what the line owner has latched, and the alarms about a held part that are over.
+    """Clear what the line arbiter has latched, and the alarms about a held part that are over.
 
     GRIP_ERROR and RELEASE_ERROR stay: those need a Drop. A fault that still is the case stays as well.
 
     Args:
         description: of the tool.
         grip: its gripping program.
-        others: the answers of what was reset before: the tool changer, for the line owner latches a sensor fault
+        others: the answers of what was reset before: the tool changer, for the line arbiter latches a sensor fault
             again while it is still shown.
     """
     grip.acknowledge()

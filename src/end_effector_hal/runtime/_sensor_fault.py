@@ -1,4 +1,4 @@
-"""The tool changer's sensor fault outlives its program: the line owner keeps it until a reset (section 6)."""
+"""The tool changer's sensor fault outlives its program: the line arbiter keeps it until a reset (section 6)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _log = logging.getLogger("end_effector_hal.runtime")
 
 
 class Keeper(Protocol):
-    """What it needs of the line owner."""
+    """What it needs of the line arbiter."""
 
     def status(self) -> dict[str, Any]:
         """With ``faults``: sentences by name."""
@@ -28,7 +28,7 @@ class SensorFault:
     """Of one program; ``owner`` None: nothing is kept.
 
     Args:
-        owner: the line owner.
+        owner: the line arbiter.
     """
 
     def __init__(self, owner: Keeper | None = None) -> None:
@@ -55,4 +55,4 @@ class SensorFault:
                 self._owner.latch(SENSOR_FAULT, status.reason)
             self._kept = status.reason if shown else ""
         except WireError as error:
-            _log.warning("the line owner could not keep the sensor fault: %s", error)
+            _log.warning("the line arbiter could not keep the sensor fault: %s", error)

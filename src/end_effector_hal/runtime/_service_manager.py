@@ -1,4 +1,4 @@
-"""What a service manager is told (the protocol of systemd's sd_notify(3)); without one, nothing happens."""
+"""Notifications for a service manager (systemd's sd_notify(3)); without a service manager nothing happens."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 
 
 class ServiceManager:
-    """Tells it that the program is ready, and again and again that it lives.
+    """Notifies it that the program is ready, and regularly that it lives.
 
     Args:
-        environ: ``NOTIFY_SOCKET``, ``WATCHDOG_USEC`` and ``WATCHDOG_PID`` are taken from it, and ``LISTEN_PID``,
-            ``LISTEN_FDS``, ``LISTEN_FDNAMES``.
+        environ: with ``NOTIFY_SOCKET``, ``WATCHDOG_USEC``, ``WATCHDOG_PID``, ``LISTEN_PID``, ``LISTEN_FDS`` and
+            ``LISTEN_FDNAMES`` of systemd.
     """
 
     def __init__(self, environ: Mapping[str, str] = os.environ) -> None:
@@ -28,7 +28,7 @@ class ServiceManager:
         self._address = "\0" + address[1:] if address.startswith("@") else address
         self._watchdog_s = _watchdog_s(environ) if address else 0.0
         self._end = threading.Event()
-        self._handed_on = _handed_on(environ)
+        self._stored = _stored_descriptors(environ)
         self._thread: threading.Thread | None = None
 
     def ready(self, status: str, alive: Callable[[], object]) -> None:
@@ -36,27 +36,27 @@ class ServiceManager:
 
         Args:
             status: a sentence, shown by ``systemctl status``.
-            alive: asked, in a thread, three times in the time that the watchdog allows; while it raises
-                ReportedError nothing is told, so that the manager ends the program and starts it again.
+            alive: called in a thread, three times in the time that the watchdog allows; while it raises
+                ReportedError the manager is not notified, so that it ends the program and starts it again.
         """
-        self._tell(f"READY=1\nSTATUS={' '.join(status.split())}")
+        self._notify(f"READY=1\nSTATUS={' '.join(status.split())}")
         if self._watchdog_s:
             self._thread = threading.Thread(target=self._run, args=(alive,), name="watchdog", daemon=True)
             self._thread.start()
 
-    def handed_on(self) -> dict[str, int]:
-        """Descriptors that the program before this one had stored, by name; the caller's from now on."""
-        taken, self._handed_on = self._handed_on, {}
-        return taken
+    def stored_descriptors(self) -> dict[str, int]:
+        """Descriptors that the program before this one had stored, by name; from now on the caller closes them."""
+        stored, self._stored = self._stored, {}
+        return stored
 
     def store(self, descriptors: Mapping[str, int]) -> None:
-        """Have copies kept while this program is replaced (FDSTORE of sd_notify(3)), in the place of older ones."""
+        """Have the manager store copies while this program is replaced (FDSTORE), in the place of older ones."""
         for name, fd in descriptors.items():
-            self._tell(f"FDSTOREREMOVE=1\nFDNAME={name}")
-            self._tell(f"FDSTORE=1\nFDNAME={name}", fd)
+            self._notify(f"FDSTOREREMOVE=1\nFDNAME={name}")
+            self._notify(f"FDSTORE=1\nFDNAME={name}", fd)
 
     def close(self) -> None:
-        """Tell nothing any more."""
+        """Stop the notifications."""
         self._end.set()
         if self._thread:
             self._thread.join()
@@ -72,11 +72,11 @@ class ServiceManager:
             try:
                 alive()
             except ReportedError as error:
-                _log.error("the watchdog is not told that this program lives: %s", error)
+                _log.error("the watchdog is not notified that this program lives: %s", error)
             else:
-                self._tell("WATCHDOG=1")
+                self._notify("WATCHDOG=1")
 
-    def _tell(self, message: str, *descriptors: int) -> None:
+    def _notify(self, message: str, *descriptors: int) -> None:
         if not self._address:
             return
         rights = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array("i", descriptors))] if descriptors else []
@@ -86,11 +86,11 @@ class ServiceManager:
                 manager.connect(self._address)
                 manager.sendmsg([message.encode()], rights)
         except OSError as error:
-            # it is the manager's loss, not the tool's
-            _log.warning("the service manager cannot be told: %s", error)
+            # this must not disturb the tool
+            _log.warning("the service manager cannot be notified: %s", error)
 
 
-def _handed_on(environ: Mapping[str, str]) -> dict[str, int]:
+def _stored_descriptors(environ: Mapping[str, str]) -> dict[str, int]:
     """Descriptors from 3 on, if they are meant for this process; none without a name."""
     count, pid = environ.get("LISTEN_FDS", ""), environ.get("LISTEN_PID", "")
     if pid != str(os.getpid()) or not count.isdigit():
@@ -110,7 +110,7 @@ def _handed_on(environ: Mapping[str, str]) -> dict[str, int]:
 
 
 def _watchdog_s(environ: Mapping[str, str]) -> float:
-    """How often a sign of life is wanted; 0: never, or not of this process."""
+    """How often a sign of life is expected; 0: never, or not of this process."""
     period, pid = environ.get("WATCHDOG_USEC", ""), environ.get("WATCHDOG_PID", "")
     mine = not pid or pid == str(os.getpid())
     return int(period) / 1e6 if mine and period.isdigit() else 0.0

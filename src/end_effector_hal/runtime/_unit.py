@@ -29,19 +29,19 @@ from ._venting import await_venting
 from .boundary import NOBODY, Recorder
 
 _log = logging.getLogger("end_effector_hal.runtime")
-HUNG_US = 3_000_000  # longer than the longest wait for the line owner
-OVERTAKEN = "The line owner took this program for dead and executed its will: it has begun anew."
+HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
+OVERTAKEN = "The line arbiter took this program for dead and executed its will: it has begun anew."
 
 
 class Unit:
-    """Executes ``grip`` or ``tool_change`` against the line owner.
+    """Executes ``grip`` or ``tool_change`` against the line arbiter.
 
-    All methods are thread-safe. What comes in is decided in the thread that brings it, and asked of the line owner
+    All methods are thread-safe. What comes in is decided in the thread that brings it, and asked of the line arbiter
     there, so that no hand-over stands between a frame and a line; whatever waits is done in the unit's own thread.
     There ``on_status`` is called, once for each step of the automata, in order, after the lines are written. Trouble
     never leaves the unit, and what a listener or the recorder suffers never comes in: it becomes an alarm.
 
-    A unit that the line owner took for dead is dead: in the middle of a grip, or when the lines are not as it left
+    A unit that the line arbiter took for dead is dead: in the middle of a grip, or when the lines are not as it left
     them, it begins anew, and adopts what it finds. Until it knows, it claims no grip.
     """
 
@@ -92,11 +92,11 @@ class Unit:
         self._relay.bring(lambda: self._acted(self._hear(values)))
 
     def lost(self, error: ArbiterError) -> None:
-        """The connection to the line owner was lost; returns at once."""
+        """The connection to the line arbiter was lost; returns at once."""
         self._relay.bring(lambda: partial(self._lose, error))
 
     def latched(self, faults: tuple[str, ...]) -> None:
-        """What the line owner has latched, in words; returns at once."""
+        """What the line arbiter has latched, in words; returns at once."""
         self._relay.bring(lambda: self._acted(self._know(faults)))
 
     def acknowledge(self) -> None:
@@ -126,7 +126,7 @@ class Unit:
         return self._newest.wait(until, timeout_s)
 
     def close(self, ending: str = "sigterm") -> None:
-        """End in good order: the line owner does what the description declares for this ending."""
+        """End in good order: the line arbiter does what the description declares for this ending."""
         self._ending = ending
         self._relay.end()
         if self._thread.is_alive():
@@ -162,9 +162,9 @@ class Unit:
             self._relay.run(lambda: self._act(self._begin()), lambda: partial(self._act, self._time_passed()))
             self._lines.close(self._duties.will(self.status, self._ending))
         except WireError as error:
-            _log.warning("the line owner is not there to take the will of %s: %s", self._program, error)
+            _log.warning("the line arbiter is not there to take the will of %s: %s", self._program, error)
         finally:
-            # after a defect in here the lease is not renewed any more, and the line owner does what is declared
+            # after a defect in here the lease is not renewed any more, and the line arbiter does what is declared
             self._newest.end()
             self._recorder.close()
 
@@ -202,7 +202,7 @@ class Unit:
         self._act([])
 
     def _look_again(self, statuses: list[Status]) -> list[Status]:
-        """What may be told of these after the line owner was lost."""
+        """What may be told of these after the line arbiter was lost."""
         at = now_us()
         if at >= (self._outputs.retry_at or 0):
             try:
@@ -267,7 +267,7 @@ class Unit:
         return tuple(text for text in notices if text)
 
     def _written(self, statuses: list[Status], unwritten: Sequence[Status]) -> list[Status]:
-        """These, and what follows from what the line owner says to them."""
+        """These, and what follows from what the line arbiter says to them."""
         self._outputs.finish()
         while unwritten:
             unwritten = self._outputs.begin(unwritten)

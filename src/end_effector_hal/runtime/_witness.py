@@ -1,4 +1,4 @@
-"""Whoever reads the sensor link tells the line owner what it proves."""
+"""Whoever reads the sensor link tells the line arbiter what it proves."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ REPEAT_US = 50_000
 
 
 class Witness:
-    """Frames in, predicates to the line owner: on change at once, else every 50 ms.
+    """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
 
     Call `frame` before the frame goes to anybody else: then the owner knows of it before any command that
     follows from it. A link that is slower than that is repeated by a thread, for as long as its readings are fresh.
@@ -34,7 +34,7 @@ class Witness:
         self, description: Description, codec: Codec | None = None, clock: Callable[[], int] = now_us
     ) -> None:
         codec = codec or get_codec(description.link.codec)
-        self._teller = PredicateSender(socket_path(description))
+        self._sender = PredicateSender(socket_path(description))
         self._predicates = Predicates(description, codec)
         needs = arbiter_policy(description).needs.values()
         self._needed = {need.predicate for needed in needs for need in needed}
@@ -65,7 +65,7 @@ class Witness:
         if self._thread:
             self._thread.join()
         with self._lock:
-            self._teller.close()
+            self._sender.close()
 
     def _repeat(self) -> None:
         while not self._ended.wait(REPEAT_US / 1e6):
@@ -75,5 +75,5 @@ class Witness:
 
     def _tell(self, proven: Mapping[str, bool], at: int) -> None:
         said = {name: holds for name, holds in proven.items() if name in self._needed}
-        if (said != self._said or at >= self._due) and self._teller.tell(said, at):
+        if (said != self._said or at >= self._due) and self._sender.send(said, at):
             self._said, self._due = said, at + REPEAT_US * 4 // 5

@@ -1,4 +1,4 @@
-"""What the line owner must know of the sensors (section 6 of the contract): predicates, from frames and time."""
+"""What the line arbiter must know of the sensors (section 6 of the contract): predicates, from frames and time."""
 
 from __future__ import annotations
 

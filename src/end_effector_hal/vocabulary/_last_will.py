@@ -1,4 +1,4 @@
-"""The will of a client: what the owner does when the client dies."""
+"""The last will of a client: what the line arbiter does when the client dies."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 from end_effector_hal.errors import UsageError
 
 MOST_STEPS, LONGEST_US = 64, 600_000_000
-
 LEASE_US = 1_000_000
-"""A client that the line owner has not heard of for so long is dead."""
+"""A client that does not renew its lease for so long is declared dead."""
 
 
 class LastWillStep(NamedTuple):
@@ -19,7 +18,7 @@ class LastWillStep(NamedTuple):
 
     Attributes:
         line: which.
-        level: False; a will activates nothing (IL-11).
+        level: False; a last will activates nothing (IL-11).
         after_us: after the death, not after the step before; the steps stand in this order.
     """
 
@@ -37,18 +36,18 @@ LastWill = tuple[LastWillStep, ...]
 
 
 def read_last_will(steps: object) -> LastWill:
-    """From a message, or from whatever a caller gives.
+    """A last will from a message, or from any list of steps.
 
     Raises:
-        UsageError: it is no will; says which step and why.
+        UsageError: it is not valid; says which step and why.
     """
     if not isinstance(steps, Iterable) or isinstance(steps, str | Mapping):
-        raise UsageError("a will is a list of steps.")
+        raise UsageError("a last will must be a list of steps.")
     will = tuple(_step(i, step) for i, step in enumerate(steps))
     if len(will) > MOST_STEPS:
-        raise UsageError(f"a will has at most {MOST_STEPS} steps, this one has {len(will)}.")
+        raise UsageError(f"a last will has at most {MOST_STEPS} steps, this one has {len(will)}.")
     if any(a.after_us > b.after_us for a, b in pairwise(will)):
-        raise UsageError("the steps of a will stand in the order of their after_us.")
+        raise UsageError("the steps of a last will must stand in the order of their after_us.")
     return will
 
 
@@ -56,11 +55,13 @@ def _step(i: int, given: Any) -> LastWillStep:
     try:
         step = LastWillStep(**given) if isinstance(given, Mapping) else LastWillStep(*given)
     except TypeError:
-        raise UsageError(f"step {i} of the will is not {{line, level, after_us}}.") from None
+        raise UsageError(f"step {i} of the last will is not {{line, level, after_us}}.") from None
     if not isinstance(step.line, str):
-        raise UsageError(f"step {i} of the will names no line.")
+        raise UsageError(f"step {i} of the last will names no line.")
     if step.level is not False:
-        raise UsageError(f"IL-11: step {i} of the will would activate {step.line}; a will only deactivates.")
+        raise UsageError(
+            f"IL-11: step {i} of the last will would activate {step.line}; a last will only deactivates."
+        )
     if type(step.after_us) is not int or not 0 <= step.after_us <= LONGEST_US:
-        raise UsageError(f"step {i} of the will: after_us is an integer from 0 to {LONGEST_US}.")
+        raise UsageError(f"step {i} of the last will: after_us must be an integer from 0 to {LONGEST_US}.")
     return step

@@ -48,7 +48,7 @@ class Cause(IntEnum):
     NOT_PROVEN = 5
     UNPROVEN_AT_START = 6
     REFUSED = 7
-    """The line owner refused to activate an output."""
+    """The line arbiter refused to activate an output."""
     RELEASED_AT_START = 8
     """Outputs were found active and are deactivated, as declared."""
     KEPT = 9

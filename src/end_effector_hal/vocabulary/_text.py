@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 LONGEST_NAME, LONGEST_SENTENCE = 64, 500
 
 
@@ -17,3 +20,9 @@ def printable(text: str, longest: int = LONGEST_SENTENCE) -> str:
     if text.isprintable():
         return text
     return "".join(each if each.isprintable() else " " if each.isspace() else "?" for each in text)
+
+
+def hint(word: str, known: Iterable[str]) -> str:
+    """For a sentence about a name that is not known: " (did you mean …?)"; empty if no known one is near."""
+    close = get_close_matches(word, [each for each in known if each], n=1)
+    return f" (did you mean {close[0]}?)" if close else ""

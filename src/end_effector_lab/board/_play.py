@@ -10,7 +10,7 @@ from pathlib import Path
 from end_effector_hal.description import Description
 from end_effector_hal.errors import BoardError, UsageError
 from end_effector_hal.recording import read_run, read_states
-from end_effector_lab.demo import Report, Scenario, draw, fresh_folder, judge, replayed
+from end_effector_lab.demo import DemoScenario, Report, draw, fresh_folder, judge, replayed
 from end_effector_lab.testbench import edges_of, open_inputs
 
 from ._machine import run_board
@@ -45,7 +45,7 @@ def need_its_wires(description: Description) -> None:
 
 
 def play_on_board(
-    scenario: Scenario,
+    scenario: DemoScenario,
     description: Description,
     parts: Path,
     folder: Path,
@@ -101,7 +101,7 @@ def play_on_board(
     )
 
 
-def judged(scenario: Scenario, description: Description, folder: Path, *, figures: bool) -> Report:
+def judged(scenario: DemoScenario, description: Description, folder: Path, *, figures: bool) -> Report:
     """The report on a recording that was brought home, by the pins that the testbench saw."""
     log, info = read_states(folder / "states.csv"), read_run(folder)
     if log.rows and figures:

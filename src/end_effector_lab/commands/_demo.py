@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from end_effector_hal.description import Description
-    from end_effector_lab.demo import Scenario
+    from end_effector_lab.demo import DemoScenario
 
 WIDTH = 120
 NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
@@ -68,7 +68,7 @@ def command(
 ) -> None:
     """Play the paper's three scenarios (Figs. 7, 8 and 9) and draw what was recorded.
 
-    For each of them a virtual chip, the line owner and the testbench are started, and with ROS a master, the
+    For each of them a virtual chip, the line arbiter and the testbench are started, and with ROS a master, the
     nodes of the launch file and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
     the tool itself) is at their other end already. DESCRIPTION: default is the shipped tool. Exit code 1: a
     scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
@@ -121,7 +121,7 @@ def figures_wanted(no_figures: bool, progress: Console) -> bool:
     return True
 
 
-def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[Scenario]:
+def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[DemoScenario]:
     """Those of these names; without a name the paper's three, or all. Raises UsageError."""
     from end_effector_lab.demo import scenarios, unplayable
 

@@ -20,7 +20,7 @@ from end_effector_hal.recording import (
     read_pressures,
     read_run,
     read_states,
-    tell,
+    read_story,
 )
 from end_effector_hal.verification.replay import missed_moments
 from end_effector_lab.figures import paper, save, timeline
@@ -58,7 +58,7 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
         figure = timeline(log, pressures, info, alarms, missed) if name == "timeline" else paper(log, info)
         files += [save(figure, path) for path in paths]
     notes = [note for note in (log.note, info.note, *info.gaps, *notes, *more) if note]
-    _report(log, tell(log, info), missed, files, notes, as_json)
+    _report(log, read_story(log, info), missed, files, notes, as_json)
 
 
 def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | None) -> list[Path]:

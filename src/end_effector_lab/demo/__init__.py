@@ -9,7 +9,7 @@ from ._pictures import draw
 from ._replayed import replayed
 from ._report import Report
 from ._ros import need_ros
-from ._scenario import Expected, Order, Scenario
+from ._scenario import DemoScenario, Expected, Order
 from ._scenarios import culprit_of, scenarios, unplayable
 from ._table import print_table
 from ._world import EEHAL
@@ -19,12 +19,12 @@ __all__ = [
     "LATEST_S",
     "Child",
     "Children",
+    "DemoScenario",
     "Expected",
     "Finding",
     "Measure",
     "Order",
     "Report",
-    "Scenario",
     "culprit_of",
     "draw",
     "fresh_folder",

@@ -20,7 +20,7 @@ class Child:
     """A process in a session of its own, with its output in a log file.
 
     Args:
-        name: for sentences, such as ``line owner``.
+        name: for sentences, such as ``line arbiter``.
         command: program and arguments.
         log: receives standard output and standard error.
         env: its whole environment.

@@ -15,7 +15,7 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires import now_us
 
-from ._scenario import Order, Scenario
+from ._scenario import DemoScenario, Order
 from ._world import World
 
 READY_S = 10.0
@@ -35,7 +35,7 @@ class _Recorder:
         self._recording.values(frame.at, frame.values)
 
 
-def play_core(scenario: Scenario, world: World, folder: Path) -> None:
+def play_core(scenario: DemoScenario, world: World, folder: Path) -> None:
     """Play a scenario through `EndEffector`, recorded into ``folder``; ``tool.log`` tells what was answered.
 
     Raises:

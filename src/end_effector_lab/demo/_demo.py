@@ -22,14 +22,14 @@ from ._progress import Progress
 from ._replayed import replayed
 from ._report import Report
 from ._ros import need_ros, play_ros
-from ._scenario import Scenario
+from ._scenario import DemoScenario
 from ._wires import read_edges
 from ._world import DESCRIPTION, LINES, World
 
 
 def run_demo(
     description: Description,
-    scenarios: Sequence[Scenario],
+    scenarios: Sequence[DemoScenario],
     output: Path,
     *,
     ros: bool,

@@ -6,19 +6,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby, pairwise
 
 from end_effector_hal.description import Description
-from end_effector_hal.recording import Grip, Outcome, RunInfo, StatesLog, Story, tell
+from end_effector_hal.recording import AttemptOutcome, Grip, RunInfo, StatesLog, Story, read_story
 from end_effector_hal.vocabulary import Command, EndEffectorState, TableState
 from end_effector_hal.wires.lines import Edge
 
 from ._finding import Finding
 from ._measure import measures
 from ._report import Report
-from ._scenario import Scenario
+from ._scenario import DemoScenario
 from ._wires import on_the_wires
 
 
 def judge(
-    scenario: Scenario,
+    scenario: DemoScenario,
     description: Description,
     log: StatesLog,
     info: RunInfo | None = None,
@@ -33,7 +33,7 @@ def judge(
         info: its run.json.
         edges: what was written to the lines; None: that is not known.
     """
-    story = tell(log, info)
+    story = read_story(log, info)
     expected = scenario.expected
     attempts = dict(story.grips[0].attempts_by_actuator) if len(story.grips) == 1 else {}
     states = _shown((row.end_effector for row in log.rows), EndEffectorState.OFF)
@@ -106,7 +106,7 @@ def _order(description: Description, story: Story) -> Finding:
 
 def _confirmed_by(grip: Grip, actuator: str, at: float) -> bool:
     return any(
-        attempt.outcome is Outcome.CONFIRMED and attempt.end_s is not None and attempt.end_s <= at
+        attempt.outcome is AttemptOutcome.CONFIRMED and attempt.end_s is not None and attempt.end_s <= at
         for attempt in grip.of(actuator)
     )
 

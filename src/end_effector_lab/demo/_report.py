@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from ._finding import LATEST_S, Finding, Measure
-from ._scenario import Scenario
+from ._scenario import DemoScenario
 
 
 @dataclass(frozen=True)
 class Report:
     """A scenario with what its recording shows; ``folder`` holds the recording and its pictures."""
 
-    scenario: Scenario
+    scenario: DemoScenario
     verdict: str
     attempts: Mapping[str, int] = field(default_factory=dict)
     measures: tuple[Measure, ...] = ()

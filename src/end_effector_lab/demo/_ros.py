@@ -15,7 +15,7 @@ from end_effector_hal.vocabulary import EndEffectorState
 
 from ._last_state import last_state
 from ._master import Master
-from ._scenario import Scenario
+from ._scenario import DemoScenario
 from ._world import World
 
 START_S = 120.0  # on a small board every interpreter takes seconds
@@ -46,7 +46,7 @@ def need_ros() -> None:
         )
 
 
-def play_ros(scenario: Scenario, world: World, folder: Path) -> None:
+def play_ros(scenario: DemoScenario, world: World, folder: Path) -> None:
     """Play a scenario through HALMain's actions, recorded by DataLogger into ``folder``.
 
     Raises:

@@ -43,7 +43,7 @@ class Expected:
 
 
 @dataclass(frozen=True)
-class Scenario:
+class DemoScenario:
     """``bench`` is the scenario as ``eehal testbench`` takes it; ``figure`` that of the paper, if any."""
 
     name: str

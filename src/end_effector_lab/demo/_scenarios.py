@@ -8,7 +8,7 @@ from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
-from ._scenario import Expected, Order, Scenario
+from ._scenario import DemoScenario, Expected, Order
 
 UNLOCK_LOCK = "unlock-lock"
 HOLD_S = 2.0
@@ -31,7 +31,7 @@ def culprit_of(description: Description) -> str:
     return next((name for name, actuator in later if kind_of(actuator).moves), later[0][0])
 
 
-def scenarios(description: Description, *, everything: bool = False) -> tuple[Scenario, ...]:
+def scenarios(description: Description, *, everything: bool = False) -> tuple[DemoScenario, ...]:
     """The three of the paper; with ``everything`` also a cancel, a failing release, and unlock and lock."""
     paper = (_nominal(description), _fails_once(description), _never_confirms(description))
     if not everything:
@@ -53,8 +53,8 @@ def unplayable(description: Description) -> dict[str, str]:
     return {}
 
 
-def _nominal(description: Description) -> Scenario:
-    return Scenario(
+def _nominal(description: Description) -> DemoScenario:
+    return DemoScenario(
         name="nominal",
         title="grip, hold, drop",
         bench="nominal",
@@ -68,7 +68,7 @@ def _nominal(description: Description) -> Scenario:
     )
 
 
-def _fails_once(description: Description) -> Scenario:
+def _fails_once(description: Description) -> DemoScenario:
     culprit = culprit_of(description)
     # what stays active between its attempts is not activated a second time, which is what the testbench waits for
     recovers = description.actuators[culprit].attempts > 1 and not _stays_on(description, culprit)
@@ -78,7 +78,7 @@ def _fails_once(description: Description) -> Scenario:
         dict.fromkeys(description.sequence, 1) | {culprit: 2},
         {culprit: 1},
     )
-    return Scenario(
+    return DemoScenario(
         name="fails-once",
         title=f"{culprit} fails once and recovers",
         bench=f"fails-once:{culprit}",
@@ -88,9 +88,9 @@ def _fails_once(description: Description) -> Scenario:
     )
 
 
-def _never_confirms(description: Description) -> Scenario:
+def _never_confirms(description: Description) -> DemoScenario:
     culprit = culprit_of(description)
-    return Scenario(
+    return DemoScenario(
         name="never-confirms",
         title=f"{culprit} never confirms",
         bench=f"never-confirms:{culprit}",
@@ -130,12 +130,12 @@ def _aborted(description: Description, culprit: str) -> Expected:
     )
 
 
-def _cancelled(description: Description) -> Scenario:
+def _cancelled(description: Description) -> DemoScenario:
     culprit = culprit_of(description)
     shown, after = (Command.GRIP, Command.CANCEL), _unwound(description, culprit, "cancel")
     middle_s = min(3.0, 0.6 * description.actuators[culprit].timeout_s)
     grip = Order(Command.GRIP, middle_s, background=True)
-    return Scenario(
+    return DemoScenario(
         name="cancel",
         title=f"cancelled while {culprit} is pending",
         bench=f"never-confirms:{culprit}",
@@ -148,9 +148,9 @@ def _cancelled(description: Description) -> Scenario:
     )
 
 
-def _stuck_release(description: Description) -> Scenario:
+def _stuck_release(description: Description) -> DemoScenario:
     culprit = culprit_of(description)
-    return Scenario(
+    return DemoScenario(
         name="stuck-release",
         title=f"{culprit} does not release",
         bench=f"stuck-release:{culprit}",
@@ -164,10 +164,10 @@ def _stuck_release(description: Description) -> Scenario:
     )
 
 
-def _unlock_and_lock(description: Description, changer: ToolChanger) -> Scenario:
+def _unlock_and_lock(description: Description, changer: ToolChanger) -> DemoScenario:
     constants = model_constants(description)
     arm = bool(constants["IL_02"]) and not constants["STAND"]
-    return Scenario(
+    return DemoScenario(
         name=UNLOCK_LOCK,
         title="armed, unlock and lock" if arm else "unlock and lock",
         bench="nominal",

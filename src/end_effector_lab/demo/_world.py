@@ -1,4 +1,4 @@
-"""The hardware of one run: virtual chip, line owner, and the testbench at the other end of the wires."""
+"""The hardware of one run: virtual chip, line arbiter, and the testbench at the other end of the wires."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class World:
         if not self._own_wires:
             self._start_testbench(path)
         owner = self.children.start(
-            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=ArbiterError
+            "line arbiter", [*EEHAL, "arbiter", path], log=self._folder / "owner.log", failed=ArbiterError
         )
         owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

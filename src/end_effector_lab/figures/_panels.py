@@ -21,7 +21,7 @@ _GAP_S = 1.5
 
 
 @dataclass(frozen=True)
-class Curve:
+class PanelCurve:
     """One channel, kPa gauge; NaN where there was none."""
 
     title: str
@@ -41,7 +41,7 @@ class Panel:
 
     title: str
     below: bool
-    curves: list[Curve] = field(default_factory=list)
+    curves: list[PanelCurve] = field(default_factory=list)
     bands: dict[float, list[str]] = field(default_factory=dict)
 
     def range_kpa(self) -> tuple[float, float]:
@@ -77,7 +77,7 @@ def panels_of(pressures: PressuresLog | None, info: RunInfo, actuators: tuple[st
         owner = _owner(channel, info, actuators)
         panel = vacuum if _is_vacuum(owner, values, info) else above
         title, colour = (display_name(owner), colours[owner]) if owner else (display_name(channel), SUPPLY)
-        panel.curves.append(Curve(title, colour, *_broken(pressures.times_s, curve)))
+        panel.curves.append(PanelCurve(title, colour, *_broken(pressures.times_s, curve)))
         limit = info.limits.get(owner or "", {}).get("confirmed_kpa")
         if owner and isinstance(limit, int | float) and math.isfinite(limit) and 0 < limit < 1e4:
             panel.bands.setdefault(-limit if panel.below else limit, []).append(display_name(owner))

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from end_effector_hal.recording import AlarmRow, Moment, PressuresLog, RunInfo, StatesLog, tell
+from end_effector_hal.recording import AlarmRow, Moment, PressuresLog, RunInfo, StatesLog, read_story
 from end_effector_lab.figures._bars import draw_lane
 from end_effector_lab.figures._events import FOOT_IN, ROW_IN, Event, place_events
 from end_effector_lab.figures._heading import draw_heading, heading_of
@@ -50,7 +50,7 @@ def draw(
 ) -> Figure:
     """Measure everything, then draw it; see `end_effector_lab.figures.timeline`."""
     with drawing():
-        story = tell(log, info, alarms)
+        story = read_story(log, info, alarms)
         panels = panels_of(pressures, info, log.actuators)
         page = page_of(log, pressures if panels else None, labels_width(panels))
         shown = [moment for moment in moments if page.start_s <= moment.time_s <= page.end_s]

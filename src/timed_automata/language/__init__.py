@@ -1,7 +1,7 @@
 """UPPAAL's language: grammar, syntax tree and parser."""
 
 from . import ast
-from ._parser import (
+from ._parts import (
     parse_declarations,
     parse_expression,
     parse_instantiations,

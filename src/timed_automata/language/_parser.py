@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from importlib.resources import files
 from typing import Any, cast
 
@@ -15,13 +14,8 @@ from lark.lexer import PatternStr
 from timed_automata._limits import NESTING, TEXT_CHARACTERS
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.errors import ModelError
-from timed_automata.language import ast
 from timed_automata.language._builder import Builder
 from timed_automata.language._refused_words import REFUSED_WORDS
-
-Item = (
-    ast.Declaration | ast.Instantiation
-)  # ``instantiation``: an element that older files have before ``system``
 
 _STARTS = [
     "declarations",
@@ -128,7 +122,7 @@ def _check_size(text: Text) -> None:
             )
 
 
-def _parse(text: Text, start: str) -> Any:
+def parse(text: Text, start: str) -> Any:
     """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
     _check_size(text)
     try:
@@ -143,13 +137,3 @@ def _parse(text: Text, start: str) -> Any:
         raise error.orig_exc from None
     except RecursionError:
         raise fault(text.whole, "This text is nested too deeply.") from None
-
-
-parse_declarations: Callable[[Text], tuple[ast.Declaration, ...]] = partial(_parse, start="declarations")
-parse_instantiations: Callable[[Text], tuple[Item, ...]] = partial(_parse, start="instantiations")
-parse_system: Callable[[Text], ast.System] = partial(_parse, start="system")
-parse_parameters: Callable[[Text], tuple[ast.Parameter, ...]] = partial(_parse, start="parameters")
-parse_selects: Callable[[Text], tuple[ast.Select, ...]] = partial(_parse, start="selects")
-parse_expression: Callable[[Text], ast.Expression] = partial(_parse, start="expression")
-parse_synchronisation: Callable[[Text], ast.Synchronisation] = partial(_parse, start="synchronisation")
-parse_updates: Callable[[Text], tuple[ast.Expression, ...]] = partial(_parse, start="items")

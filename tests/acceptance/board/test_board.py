@@ -13,7 +13,7 @@ from rich.console import Console
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.recording import StatesLog, read_states
 from end_effector_lab.board import play_on_board, run_board
-from end_effector_lab.demo import Scenario, run_demo, scenarios
+from end_effector_lab.demo import DemoScenario, run_demo, scenarios
 from end_effector_lab.testbench import edges_of
 from tests.acceptance.gpiochip.same_story import differences
 from tests.support.places import ROOT
@@ -25,7 +25,7 @@ TOLERANCE_S = 0.1
 
 
 @pytest.fixture(scope="session")
-def others(runs: Path) -> Callable[[Scenario], dict[str, StatesLog]]:
+def others(runs: Path) -> Callable[[DemoScenario], dict[str, StatesLog]]:
     """The same scenario on virtual lines, and on a real GPIO chip where `make test-gpiochip` has left it."""
 
     @cache
@@ -51,7 +51,7 @@ def others(runs: Path) -> Callable[[Scenario], dict[str, StatesLog]]:
 def test_a_scenario_tells_the_same_story_as_everywhere(
     parts: Path,
     runs: Path,
-    others: Callable[[Scenario], dict[str, StatesLog]],
+    others: Callable[[DemoScenario], dict[str, StatesLog]],
     name: str,
     ros: bool,
     capsys: pytest.CaptureFixture[str],
@@ -78,7 +78,7 @@ def test_a_scenario_tells_the_same_story_as_everywhere(
 def test_another_story_is_told_as_such(parts: Path, runs: Path) -> None:
     """The judge looks at this very recording: with the testbench of another scenario it objects."""
     nominal, other = SCENARIOS["nominal"], SCENARIOS["fails-once"]
-    swapped = Scenario(nominal.name, nominal.title, other.bench, nominal.orders, nominal.expected)
+    swapped = DemoScenario(nominal.name, nominal.title, other.bench, nominal.orders, nominal.expected)
     played = play_on_board(swapped, TOOL, parts, runs / "board-tests" / "swapped", ros=False, figures=False)
     assert [fault.partition(":")[0] for fault in played.report.faults] == ["attempts", "time-outs"]
 
@@ -94,10 +94,10 @@ def test_a_killed_owner_leaves_the_lines_as_they_are(
         f"opt/{path.relative_to(ROOT)}": path.read_text()
         for path in (
             ROOT / "tests/acceptance/gpiochip/inside/owned.py",
-            Path(__file__).with_name("kill_owner.py"),
+            Path(__file__).with_name("kill_arbiter.py"),
         )
     }
-    command = "cd /opt && python3 -m tests.acceptance.board.kill_owner"
+    command = "cd /opt && python3 -m tests.acceptance.board.kill_arbiter"
     ended = run_board(parts, folder, command, files=files, ros=False)
     with capsys.disabled():
         print(f"\nkilled owner: {ended.seconds:.0f} s from power-up to power-off; {ended.output}")  # noqa: T201

@@ -81,11 +81,11 @@ def test_end_since_leaves_those_before(tmp_path: Path) -> None:
 def test_one_that_ends_before_it_is_ready_is_told_with_its_last_lines(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "print('reading'); raise SystemExit('there is no chip')"]
     with Children() as children:
-        child = children.start("line owner", command, log=tmp_path / "owner.log", failed=ArbiterError)
+        child = children.start("line arbiter", command, log=tmp_path / "owner.log", failed=ArbiterError)
         with pytest.raises(ArbiterError) as raised:
             child.wait_until(lambda: False, timeout_s=PATIENCE_S, what="its socket")
     text = str(raised.value)
-    assert text.startswith("The line owner ended (exit code 1) before its socket.")
+    assert text.startswith("The line arbiter ended (exit code 1) before its socket.")
     assert str(tmp_path / "owner.log") in text
     assert text.endswith("    there is no chip")
     assert raised.value.exit_code == 3
@@ -93,7 +93,7 @@ def test_one_that_ends_before_it_is_ready_is_told_with_its_last_lines(tmp_path: 
 
 def test_one_that_is_never_ready(tmp_path: Path) -> None:
     with Children() as children:
-        child = children.start("line owner", ["sleep", "9"], log=tmp_path / "log", failed=ArbiterError)
+        child = children.start("line arbiter", ["sleep", "9"], log=tmp_path / "log", failed=ArbiterError)
         with pytest.raises(ArbiterError, match=r"but its socket did not come within 0\.1 s"):
             child.wait_until(lambda: False, timeout_s=0.1, what="its socket")
 

@@ -1,4 +1,4 @@
-"""The line owner as systemd really runs it: the shipped unit, booted in a container on an overlay of this machine."""
+"""The line arbiter as systemd really runs it: the shipped unit, booted in a container on an overlay of this machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from end_effector_hal.runtime import output_lines, program_lines
 from end_effector_hal.wires.lines import VirtualChip
 from tests.support.places import DEPLOY
 
-CHECK = Path(__file__).with_name("check_owner.py")
+CHECK = Path(__file__).with_name("check_arbiter.py")
 LINES = output_lines(load(profile_path()))
 GRIPPING = program_lines(load(profile_path()), "grip")
 HELD = dict.fromkeys(LINES, False) | dict.fromkeys(GRIPPING, True)
@@ -71,9 +71,9 @@ def write(path: Path, text: str, mode: int = 0o644) -> None:
 def seen(root: Path) -> dict:
     """What the check in the booted container saw."""
     etc = root / "etc/systemd/system"
-    shutil.copy(DEPLOY / "systemd" / "eehal-owner.service", etc / "eehal-owner.service")
+    shutil.copy(DEPLOY / "systemd" / "eehal-arbiter.service", etc / "eehal-arbiter.service")
     write(root / "etc/sysusers.d/eehal.conf", (DEPLOY / "systemd" / "eehal.sysusers").read_text())
-    write(etc / "eehal-owner.service.d/test.conf", "[Service]\nReadWritePaths=/bench\nWatchdogSec=2s\n")
+    write(etc / "eehal-arbiter.service.d/test.conf", "[Service]\nReadWritePaths=/bench\nWatchdogSec=2s\n")
     eehal = f"exec {sys.executable} -c 'from end_effector_hal.cli import main; main()' \"$@\""
     write(root / "opt/eehal/bin/eehal", f"#!/bin/sh\n{eehal}\n", 0o755)
     tool = profile_path().read_text().replace("backend: gpiod", "backend: virtual\n  path: /bench/chip\n")
@@ -85,15 +85,15 @@ def seen(root: Path) -> dict:
     (root / "bench/chip").chmod(0o666)
     (root / "bench").chmod(0o777)
     # what stands below /tmp is not seen in the container
-    shutil.copy(CHECK, root / "bench/check_owner.py")
+    shutil.copy(CHECK, root / "bench/check_arbiter.py")
     write(
         etc / "check.service",
-        "[Unit]\nAfter=eehal-owner.service\n[Service]\nType=oneshot\nTimeoutStartSec=90\n"
+        "[Unit]\nAfter=eehal-arbiter.service\n[Service]\nType=oneshot\nTimeoutStartSec=90\n"
         "Environment=EEHAL_RUN_DIR=/run/eehal\n"
-        f"ExecStart={sys.executable} /bench/check_owner.py /bench/seen.json\n"
+        f"ExecStart={sys.executable} /bench/check_arbiter.py /bench/seen.json\n"
         "StandardError=file:/bench/error.log\nExecStopPost=/bin/systemctl poweroff --force\n",
     )
-    write(etc / "check.target", "[Unit]\nRequires=basic.target\nWants=eehal-owner.service check.service\n")
+    write(etc / "check.target", "[Unit]\nRequires=basic.target\nWants=eehal-arbiter.service check.service\n")
     booted = subprocess.run(
         ["systemd-nspawn", "-D", root, "--register=no", "--keep-unit", "--private-network", "-b",
          "systemd.unit=check.target"],
@@ -115,7 +115,7 @@ def test_it_is_ready_when_it_says_so(seen: dict) -> None:
     assert -10 < seen["active_after_ms"] < 2000, "systemd waits for READY=1, which follows the socket"
 
 
-def test_the_claim_of_the_lines_and_the_journal_outlive_the_owner(seen: dict) -> None:
+def test_the_claim_of_the_lines_and_the_journal_outlive_the_arbiter(seen: dict) -> None:
     assert [seen["stored"], seen["SIGKILL"]["stored"], seen["SIGSTOP"]["stored"]] == [1, 1, 1]
     assert seen["journal"] == ["verdin_gripper.sock.journal"]
 

@@ -1,6 +1,6 @@
 """The container image, as it was built: what is in it, who runs it, and one grip against the testbench outside of it.
 
-In the order of the file: the container is not started, then its line owner runs, then the nodes run, too.
+In the order of the file: the container is not started, then its line arbiter runs, then the nodes run, too.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tests.acceptance.image.box import Box
 
 TOOL = load(profile_path())
 IMPORTS = (
-    "import end_effector_hal.runtime, gpiod, pydantic_core, rospy, actionlib, end_effector_msgs.msg as msg, matplotlib;"
+    "import end_effector_hal.runtime, gpiod, pydantic_core, rospy, actionlib, end_effector_msgs.msg as msg, pymodbus;"
     "print(gpiod.api_version, msg.EndEffectorGoal.__name__)"
 )
 
@@ -40,6 +40,11 @@ def test_its_user_is_in_gpio_and_dialout_and_may_do_nothing_else(box: Box) -> No
 
 def test_what_it_needs_can_be_imported(box: Box) -> None:
     assert well(box.run("eehal-container", "python", "-c", IMPORTS)).split()[1] == "EndEffectorGoal"
+
+
+def test_figures_are_drawn_elsewhere(box: Box) -> None:
+    done = box.run("eehal", "model", "show")
+    assert (done.returncode, "pip install 'end-effector-hal[lab]'" in done.stderr) == (2, True)
 
 
 def test_nothing_is_compiled_again_at_each_start(box: Box) -> None:
@@ -69,7 +74,7 @@ def health(box: Box, parts: str) -> int:
     return box.run(*command, env={"EEHAL_HEALTH": parts}).returncode
 
 
-OWNER, HAL = "description,lines,owner", "description,ros,owner,link"
+OWNER, HAL = "description,lines,arbiter", "description,ros,arbiter,link"
 
 
 def test_it_is_not_healthy_before_anything_runs(box: Box) -> None:
@@ -78,8 +83,8 @@ def test_it_is_not_healthy_before_anything_runs(box: Box) -> None:
 
 @pytest.fixture(scope="module")
 def owner(box: Box) -> Child:
-    """The line owner, by the entry that the image declares."""
-    assert box.config["Cmd"] == ["owner"]
+    """The line arbiter, by the entry that the image declares."""
+    assert box.config["Cmd"] == ["arbiter"]
     child = box.start("owner", *box.config["Entrypoint"], *box.config["Cmd"])
     child.wait_until(lambda: health(box, OWNER) == 0, timeout_s=box.limit_s, what="its health")
     return child

@@ -1,4 +1,4 @@
-"""One end-effector in this process: real line owner on a real socket, real programs, simulated sensors."""
+"""One end-effector in this process: real line arbiter on a real socket, real programs, simulated sensors."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def quick() -> Description:
 
 
 class Rig:
-    """Answers every line as its device would; ``odd`` are channels that show something else.
+    """RequestHandler every line as its device would; ``odd`` are channels that show something else.
 
     ``silent``: no frame comes. ``programs``: Grip and ToolChange; without them the lines are free for a hand.
     """

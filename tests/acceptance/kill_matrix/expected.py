@@ -3,11 +3,11 @@
 Rules (section 5 of the contract, and what follows from it):
 
 * A program that dies (SIGKILL) gets the ending ``process_death``, one that is told to end ``sigterm``. One that
-  hangs for longer than its lease (1 s) is dead to the line owner. Each actuator has its own ending: `release`
+  hangs for longer than its lease (1 s) is dead to the line arbiter. Each actuator has its own ending: `release`
   unwinds in release order, `hold` and `leave` move nothing. While it is releasing, the release is carried out. The
   tool changer ends locked. What the program that starts anew finds active is released where ``power_up`` says so;
   what is left, if it is part of a grip alone, is a GRIP_ERROR.
-* A line owner that dies moves nothing, and the programs go on when it is back. One that hangs for longer than its
+* A line arbiter that dies moves nothing, and the programs go on when it is back. One that hangs for longer than its
   clients wait for an answer (1 s) finds their connections closed: they are dead to it.
 * A master that goes away makes every node end in order, and start anew once it is back.
 * Who owns no line moves none: what runs, goes on. What lacks readings meanwhile waits, holds, and confirms nothing;

@@ -1,4 +1,4 @@
-"""One running system: roscore, launch file with the line owner, testbench, client, and the observer."""
+"""One running system: roscore, launch file with the line arbiter, testbench, client, and the observer."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from tests.acceptance.kill_matrix.waiting import Late, until
 LAUNCHED = ("HALMain", "Grip", "ToolChange", "Pressure", "Position", "LineOwner")
 START_S = 60.0
 LATCHED = ("Over:", "GRIP_ERROR:", "RELEASE_ERROR:", "IL-03:")
-"""Alarms that stay on purpose: of what is over, of the state that is expected, of what the line owner has ended."""
+"""Alarms that stay on purpose: of what is over, of the state that is expected, of what the line arbiter has ended."""
 
 
 class Plant(World):
-    """The hardware alone; the line owner comes with the launch file, which starts it again."""
+    """The hardware alone; the line arbiter comes with the launch file, which starts it again."""
 
     def _start(self) -> None:
         self.power_up()

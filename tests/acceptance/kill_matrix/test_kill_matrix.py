@@ -20,6 +20,7 @@ CELLS = ("Grip:SIGSTOP:GRIPPING top_vacuum", "LineOwner:SIGKILL:GRIPPED", "Grip:
 
 pytestmark = [
     pytest.mark.ros,
+    pytest.mark.alone,
     pytest.mark.timeout(200),
     pytest.mark.skipif(not ROS, reason="no ROS here, or its workspace is not sourced"),
 ]

@@ -30,6 +30,7 @@ def test_nothing_that_a_link_does_harms() -> None:
 
 
 @pytest.mark.wall
+@pytest.mark.alone
 @pytest.mark.timeout(180)
 def test_nor_in_real_time() -> None:
     found = play_for(3.0, seed=7)

@@ -1,4 +1,4 @@
-"""The same in real time: link reader, units, line owner and testbench as they are, over a pty and virtual lines."""
+"""The same in real time: link reader, units, line arbiter and testbench as they are, over a pty and virtual lines."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ WIRE = ("bit flips", "bursts", "changed bytes", "lost bytes", "doubled bytes", "
 
 
 class Hardware(World, Watcher):
-    """Line owner and chip as in a demo; the testbench in this process, so that the judge sees how it really is."""
+    """Line arbiter and chip as in a demo; the testbench in this process, so that the judge sees how it really is."""
 
     def __init__(self, description: Description, folder: Path) -> None:
         super().__init__(description, NOMINAL, folder)
@@ -57,7 +57,7 @@ class Hardware(World, Watcher):
         self.judge = Judge(self.description, self.bench._bench, late_us=LATE_US)
         path = str(self.description_path)
         owner = self.children.start(
-            "line owner", [*EEHAL, "owner", path], log=self._folder / "owner.log", failed=ArbiterError
+            "line arbiter", [*EEHAL, "arbiter", path], log=self._folder / "owner.log", failed=ArbiterError
         )
         owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

@@ -1,4 +1,4 @@
-"""A real roscore, the shipped launch file, the line owner and the testbench: started once for all tests."""
+"""A real roscore, the shipped launch file, the line arbiter and the testbench: started once for all tests."""
 
 from __future__ import annotations
 

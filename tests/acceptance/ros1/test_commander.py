@@ -68,7 +68,7 @@ def test_what_was_given_up_is_not_asked_again(commander: Any, monkeypatch: pytes
     assert commander.ask(2).accepted
     monkeypatch.setattr("end_effector_hal.ros1.connections._commander.VALID_S", 0.0)
     reply = commander.ask(3)
-    assert (reply.accepted, reply.reached) == (False, False)
+    assert (reply.accepted, reply.decided) == (False, False)
     assert [command for command, _ in Proxy.calls] == [2, 3]
 
 
@@ -78,7 +78,7 @@ def test_an_answer_that_the_program_did_not_give_in_time_is_none(commander: Any)
     assert not HalCommandResponse().decided
     Proxy.answers = [HalCommandResponse(reason="The grip program does not answer.")]
     reply = commander.ask(2)
-    assert (reply.accepted, reply.reached) == (False, False)
+    assert (reply.accepted, reply.decided) == (False, False)
     assert reply.reason == "The grip program does not answer."
     assert len(Proxy.calls) == 1
 
@@ -88,4 +88,4 @@ def test_a_connection_that_breaks_within_a_call_is_an_answer(commander: Any) -> 
 
     Proxy.answers = [rospy.exceptions.TransportTerminated("unable to receive data")]
     reply = commander.ask(2)
-    assert (reply.reached, reply.reason) == (False, "The node Grip cannot be reached.")
+    assert (reply.decided, reply.reason) == (False, "The node Grip cannot be reached.")

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import threading
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
+from end_effector_hal.control import Answer
 from tests.support.goals_of_hal_main import GRIP, GRIPPED, GRIPPING, RELEASE, STAND_BY, STATUSES, Hal
 from tests.support.patience import wait_until
 from tests.support.places import DOCS
@@ -76,9 +78,7 @@ def at_the_end_running(hal: Hal) -> None:
 
 
 def refused(hal: Hal) -> None:
-    from end_effector_hal.ros1.connections._commander import Reply
-
-    hal.grip.replies = [Reply(False, "Nothing is held.")]
+    hal.grip.replies = [Answer(False, "Nothing is held.")]
     hal.send()
 
 
@@ -109,17 +109,13 @@ def at_the_end_asked(hal: Hal) -> None:
 
 
 def not_reached(hal: Hal) -> None:
-    from end_effector_hal.ros1.connections._commander import Reply
-
-    hal.grip.replies = [Reply(False, "The node Grip does not answer.", reached=False)]
+    hal.grip.replies = [Answer(False, "The node Grip does not answer.", decided=False)]
     hal.send()
 
 
 def piled_up(hal: Hal) -> None:
-    from end_effector_hal.ros1.connections._commander import Reply
-
     hal.grip.goes_on.clear()
-    hal.grip.replies = [Reply(False, "The node Grip does not answer.", reached=False)]
+    hal.grip.replies = [Answer(False, "The node Grip does not answer.", decided=False)]
     hal.send("first", "Drop")
     wait_until("the first is asked", lambda: hal.grip.asked)
     hal.send()
@@ -199,9 +195,7 @@ def test_a_goal_that_waits_for_its_decision_is_in_nobodys_way(hal: Hal) -> None:
     hal.send("first", "LockToolChanger")
     wait_until("the first is asked", lambda: hal.tool_change.asked)
     hal.send("drop", "Drop")
-    from end_effector_hal.ros1.connections._commander import Reply
-
-    hal.tool_change.replies = [Reply(False, "The node ToolChange does not answer.", reached=False)]
+    hal.tool_change.replies = [Answer(False, "The node ToolChange does not answer.", decided=False)]
     hal.tool_change.goes_on.set()
     hal.accepted("drop")
     assert hal.end("first", "LockToolChanger") == ("REJECTED", "UNREACHABLE")
@@ -227,13 +221,20 @@ def test_a_cancel_of_another_goal_than_a_grip_changes_nothing(hal: Hal) -> None:
     assert hal.grip.asked == [RELEASE]
 
 
-def test_an_answer_comes_to_an_end_that_has_been_answered(hal: Hal) -> None:
+def test_an_answer_comes_to_an_end_that_has_been_answered(hal: Hal, monkeypatch: pytest.MonkeyPatch) -> None:
     """The node answers after HALMain has begun to end: the goal has its result, and gets no other."""
     at_the_end_asked(hal)
     assert hal.end() == ("REJECTED", "UNREACHABLE")
     over = threading.Event()
-    hal.goals._jobs.put(over.set)
+    answer = hal.goals._goals.answer
+
+    def answered(*arguments: Any) -> Any:
+        effects = answer(*arguments)
+        over.set()
+        return effects
+
+    monkeypatch.setattr(hal.goals._goals, "answer", answered)
     hal.grip.goes_on.set()
     assert over.wait(60.0)
     assert hal.end() == ("REJECTED", "UNREACHABLE")
-    assert hal.goals._running is None
+    assert hal.goals._goals.open == ()

@@ -18,13 +18,12 @@ from end_effector_hal.nodes.hal_main._positions import Positions
 from end_effector_hal.nodes.transport import (
     ChangerPlace,
     CommandMessage,
-    CommandReply,
     CylinderPlace,
     DiagnosticMessage,
     DiagnosticsMessage,
     FrameMessage,
-    Header,
     KeyValueMessage,
+    MessageHeader,
     PositionMessage,
     PressureMessage,
     StateMessage,
@@ -36,7 +35,6 @@ from end_effector_hal.nodes.transport import (
 )
 from end_effector_hal.sensing import ToolPlace
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import Command
 
 pytestmark = pytest.mark.ros
 KINDS = get_codec("ees1-ascii").channels
@@ -92,34 +90,15 @@ def test_margins_are_beyond_the_threshold_that_matters() -> None:
     assert margins.values(())[1] == 88000.0, "without a reading of the supply its nominal pressure counts"
 
 
-@pytest.mark.parametrize(
-    ("command", "status", "outcome", "reason"),
-    [
-        (Command.GRIP, {"state": 3}, "SUCCEEDED", ""),
-        (Command.GRIP, {"state": 6, "cause": 3, "reason": "cancelled"}, "CANCELLED", "cancelled"),
-        (Command.GRIP, {"state": 6, "cause": 1, "reason": "not confirmed"}, "FAILED", "not confirmed"),
-        (Command.GRIP, {"state": 5, "cause": 4, "reason": "still there"}, "FAILED", "still there"),
-        (Command.RELEASE, {"state": 6}, "SUCCEEDED", ""),
-        (Command.RELEASE, {"state": 5, "cause": 4, "reason": "still there"}, "FAILED", "still there"),
-        (Command.RELEASE, {"state": 6, "cause": 3, "reason": "old"}, "SUCCEEDED", ""),
-        (Command.LOCK, {"tool_changer": 1}, "SUCCEEDED", ""),
-        (Command.UNLOCK, {"tool_changer": 2}, "SUCCEEDED", ""),
-        (
-            Command.UNLOCK,
-            {"tool_changer": 4},
-            "FAILED",
-            "The tool changer is LOCKING: its sensors do not prove UNLOCKED.",
-        ),
-    ],
-)
-def test_the_outcome_is_read_off_the_status(
-    command: Command, status: dict[str, Any], outcome: str, reason: str
-) -> None:
-    from end_effector_msgs.msg import Outcome, UnitStatus
+def test_the_outcomes_have_the_integers_of_the_message() -> None:
+    from end_effector_msgs.msg import Outcome as Message
 
-    from end_effector_hal.ros1.actions._judgement import judge
+    from end_effector_hal.control.goals import Outcome
 
-    assert judge(command, UnitStatus(**status)) == (getattr(Outcome, outcome), reason)
+    numbers = {
+        name: value for name, value in vars(Message).items() if name.isupper() and isinstance(value, int)
+    }
+    assert numbers == {each.name: each.value for each in Outcome}
 
 
 def test_a_position_that_is_not_told_any_more_is_unknown() -> None:
@@ -181,7 +160,7 @@ def test_a_message_with_parts_survives_the_topic(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
     make = MessageMaker(message_class("end_effector_msgs/UnitStatus"))
     status = StatusMessage(
-        header=Header(frame_id="here"),
+        header=MessageHeader(frame_id="here"),
         count=7,
         evidence=(3, 1),
         outputs=(True, False),
@@ -203,5 +182,5 @@ def test_an_answer_becomes_the_response_of_any_service() -> None:
         response = over_the_wire(response_maker(service_class(kind))(Answer(False, "why not")))
         assert answer_of(response) == Answer(False, "why not")
     respond = response_maker(service_class("end_effector_msgs/HalCommand"))
-    response = over_the_wire(respond(CommandReply(True, "", False, 7)))
+    response = over_the_wire(respond(Answer(True, "", False, 7)))
     assert (response.accepted, response.reason, response.count, response.decided) == (True, "", 7, False)

@@ -1,4 +1,4 @@
-"""A whole tool without ROS: real line owner, real testbench, real pty; what is killed is really killed."""
+"""A whole tool without ROS: real line arbiter, real testbench, real pty; what is killed is really killed."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp
         time.sleep(0.5)
         assert levels(world) == ALL_ACTIVE
         again = world.children.start(
-            "line owner again", [*EEHAL, "owner", str(world.description_path)], log=tmp_path / "again.log"
+            "line arbiter again", [*EEHAL, "arbiter", str(world.description_path)], log=tmp_path / "again.log"
         )
         again.wait_until(lambda: "ready:" in again.text(), timeout_s=PATIENCE_S, what="it was ready")
         assert levels(world) == ALL_ACTIVE

@@ -128,7 +128,7 @@ class TestUnit:
 
     def test_a_lease_that_ends_without_an_owner_is_ended_when_it_is_back(self, tool: Tool) -> None:
         drive(tool, "cylinder", CYLINDER)
-        tool.owner.error = ArbiterError("the line owner cannot be reached.")
+        tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
         tool.until(lambda status: any("cannot be reached" in alarm for alarm in status.alarms))
         assert tool.unit.alive
         tool.owner.error = None

@@ -1,4 +1,4 @@
-"""A unit that the line owner took for dead, or that does not reach it: it claims nothing that it does not know."""
+"""A unit that the line arbiter took for dead, or that does not reach it: it claims nothing that it does not know."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_find
     overtake(tool)
     status = tool.until(lambda status: status.ee == State.STAND_BY)
     assert tool.states() == [State.OFF, State.STAND_BY, State.GRIPPING, State.OFF, State.STAND_BY]
-    assert status.reason.startswith("The line owner took this program for dead")
+    assert status.reason.startswith("The line arbiter took this program for dead")
     assert status.outputs == (OFF, OFF, OFF)
     assert tool.owner.active == dict.fromkeys(LINES, OFF), "nothing is activated by itself (IL-11)"
     tool.grip_to(0)
@@ -45,10 +45,10 @@ def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_find
 
 def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
     tool.grip_to(1)
-    tool.owner.error = LineBusyError("the will of grip is being executed.")
+    tool.owner.error = LineBusyError("the last will of grip is being executed.")
     tool.unit.lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarms))
-    assert "the will of grip is being executed." in status.alarms
+    assert "the last will of grip is being executed." in status.alarms
     assert not tool.unit.command("grip").accepted
     tool.owner.error = None
     overtake(tool)
@@ -57,7 +57,7 @@ def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
 
 def test_lines_that_did_not_move_change_nothing(tool: Tool) -> None:
     tool.grip_to(2)
-    tool.unit.lost(ArbiterError("the line owner was lost."))
+    tool.unit.lost(ArbiterError("the line arbiter was lost."))
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     assert State.OFF not in tool.states()[1:]
@@ -92,7 +92,7 @@ def test_gripped_is_not_claimed_before_the_owner_has_the_will_that_holds(tool: T
     """Else it might unwind, with the will from before, what is held already."""
     tool.grip_to(2)
     assert tool.owner.will
-    tool.owner.error = ArbiterError("the line owner does not answer.")
+    tool.owner.error = ArbiterError("the line arbiter does not answer.")
     tool.confirmed[TOP] = ON
     tool.until(lambda status: any("does not answer" in alarm for alarm in status.alarms))
     for _ in range(30):
@@ -109,8 +109,8 @@ def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.owner.error = ArbiterError("the line owner cannot be reached.")
-    tool.unit.lost(ArbiterError("the line owner was lost."))
+    tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
+    tool.unit.lost(ArbiterError("the line arbiter was lost."))
     assert tool.until(lambda status: bool(status.alarms)).held
     tool.owner.error = None
     assert tool.until(lambda status: not status.alarms).ee == State.GRIPPED
@@ -120,7 +120,7 @@ def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
 
 def test_a_deactivation_that_found_no_owner_is_done_when_it_is_back(tool: Tool) -> None:
     tool.grip_to(1)
-    tool.owner.error = ArbiterError("the line owner cannot be reached.")
+    tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
     assert tool.unit.command("cancel").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: bool(status.alarms))

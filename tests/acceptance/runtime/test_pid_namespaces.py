@@ -1,4 +1,4 @@
-"""In PID namespaces of their own, as in containers, every program is pid 0 to the line owner."""
+"""In PID namespaces of their own, as in containers, every program is pid 0 to the line arbiter."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def kill(process: subprocess.Popen[str]) -> None:
 
 def test_what_two_killed_programs_have_left_is_unwound_though_both_are_pid_0(tmp_path: Path) -> None:
     with World(load(profile_path()), "nominal", tmp_path) as world:
-        owner = [*EEHAL, "owner", world.description_path]
+        owner = [*EEHAL, "arbiter", world.description_path]
         program = [sys.executable, "-c", GRIP, world.description_path]
         lines = [part.line for _, part in world.description.ordered]
 

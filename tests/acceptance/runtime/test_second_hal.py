@@ -60,15 +60,15 @@ def test_a_second_hal_is_told_who_writes_the_lines(world: World, running: subpro
 def test_a_second_owner_at_the_same_socket_is_told_who_serves_it(world: World) -> None:
     with ArbiterClient(world.socket, "look") as look:
         first = look.status()["pid"]
-        said = second("owner", world.description_path)
-        assert f"the line owner's socket is held by pid {first} (" in said
+        said = second("arbiter", world.description_path)
+        assert f"the line arbiter's socket is held by pid {first} (" in said
         assert look.status()["pid"] == first
 
 
 def test_a_second_owner_of_the_same_lines_is_told_who_has_them(world: World, tmp_path: Path) -> None:
     with ArbiterClient(world.socket, "look") as look:
         first = look.status()["pid"]
-        said = second("owner", world.description_path, "--socket", tmp_path / "other.sock")
+        said = second("arbiter", world.description_path, "--socket", tmp_path / "other.sock")
         assert f"the virtual chip is held by pid {first} (" in said
         assert look.levels()
     assert not (tmp_path / "other.sock").exists()
@@ -85,7 +85,7 @@ def test_a_second_reader_of_the_same_port_is_told_who_reads_it(
         assert text.count(str(mine)) == 1
         text = text.replace(str(mine), str(its))
     other.write_text(text, encoding="utf-8")
-    with subprocess.Popen([*EEHAL, "owner", str(other)], stdout=subprocess.PIPE, text=True) as owner:
+    with subprocess.Popen([*EEHAL, "arbiter", str(other)], stdout=subprocess.PIPE, text=True) as owner:
         try:
             assert owner.stdout is not None
             assert "ready" in owner.stdout.readline()

@@ -1,4 +1,4 @@
-"""Interlocks that need a sensor, at the line owner: real owner, real testbench; no program can pass them by."""
+"""Interlocks that need a sensor, at the line arbiter: real owner, real testbench; no program can pass them by."""
 
 from __future__ import annotations
 
@@ -54,8 +54,12 @@ def refusal(client: ArbiterClient, line: str) -> str:
 
 def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
     with ArbiterClient(world.socket, "hand", [UNLOCK, BOTTOM]) as hand:
-        assert "nobody who reads the sensors has said yet whether nothing is gripped" in refusal(hand, UNLOCK)
-        assert "nobody who reads the sensors has said yet whether the tool is locked" in refusal(hand, BOTTOM)
+        assert "no process that reads the sensors has reported yet whether nothing is gripped" in refusal(
+            hand, UNLOCK
+        )
+        assert "no process that reads the sensors has reported yet whether the tool is locked" in refusal(
+            hand, BOTTOM
+        )
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
@@ -119,7 +123,7 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
         wait_until("it", lambda: tool.lock().succeeded)
         outcome = tool.grip()
         assert (outcome.succeeded, outcome.state) == (False, STAND_BY)
-        assert outcome.reason.startswith("The line owner refused to activate Bottom vacuum.")
+        assert outcome.reason.startswith("The line arbiter refused to activate Bottom vacuum.")
         assert f"IL-05: {BOTTOM} (bottom_vacuum) is not activated: for " in outcome.reason
         by_hand = tool.set_actuator("cylinder", True)
         assert not by_hand.accepted

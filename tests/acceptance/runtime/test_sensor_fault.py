@@ -1,4 +1,4 @@
-"""A sensor fault of the tool changer stays latched through the death of its program: the line owner keeps it."""
+"""A sensor fault of the tool changer stays latched through the death of its program: the line arbiter keeps it."""
 
 from __future__ import annotations
 

@@ -26,15 +26,15 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     )
     tool.unit.start()
     tool.grip_to(2)
-    tool.owner.active = dict.fromkeys(LINES, OFF)  # the line owner took it for dead
+    tool.owner.active = dict.fromkeys(LINES, OFF)  # the line arbiter took it for dead
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.unit.lost(ArbiterError("the lease ended."))
     tool.until(lambda status: status.ee == State.STAND_BY)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.owner.error = ArbiterError("the line owner cannot be reached.")
-    tool.unit.lost(ArbiterError("the line owner was lost."))
+    tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
+    tool.unit.lost(ArbiterError("the line arbiter was lost."))
     tool.until(lambda status: bool(status.alarms))
     tool.owner.error = None
     tool.until(lambda status: not status.alarms)

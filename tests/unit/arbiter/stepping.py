@@ -1,4 +1,4 @@
-"""A real line owner on a real socket, round by round in virtual time: no thread, no waiting, the same every time."""
+"""A real line arbiter on a real socket, round by round in virtual time: no thread, no waiting, the same every time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.arbiter import ArbiterServer, Policy
-from end_effector_hal.arbiter.server import _answers, _connections, _server
+from end_effector_hal.arbiter.server import _connections, _requests, _server
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from tests.support.keeping import CLOSED, GRIP, LINES, LOCKED, UNLOCK
 
@@ -29,11 +29,11 @@ GUARDED = Policy(
 class Peer:
     """One connection; it never waits."""
 
-    def __init__(self, owner: Stepped) -> None:
-        self._owner, self._rest = owner, b""
+    def __init__(self, arbiter: Stepped) -> None:
+        self._arbiter, self._rest = arbiter, b""
         self.sock = socket.socket(socket.AF_UNIX)
         self.sock.setblocking(False)
-        self.sock.connect(owner.socket.name)
+        self.sock.connect(arbiter.socket.name)
         self.number = 0
 
     def send(self, message: dict[str, Any] | bytes) -> None:
@@ -53,11 +53,11 @@ class Peer:
         return lines
 
     def ask(self, op: str, **fields: object) -> dict[str, Any]:
-        """Its reply; the owner has a few rounds for it."""
+        """Its reply; the arbiter has a few rounds for it."""
         self.number += 1
         self.send({"id": self.number, "op": op, **fields})
         for _ in range(4):
-            self._owner.step()
+            self._arbiter.step()
             for reply in self.replies():
                 if reply["id"] in (self.number, None):
                     return reply
@@ -65,8 +65,8 @@ class Peer:
 
     @property
     def open(self) -> bool:
-        """Whether the owner has not closed it; what came is left out."""
-        self._owner.step()
+        """Whether the arbiter has not closed it; what came is left out."""
+        self._arbiter.step()
         try:
             while self.sock.recv(1 << 20):
                 pass
@@ -85,32 +85,32 @@ class Peer:
         return self.ask("hello", role="sensors", client="pressure", token=token)
 
     def tell(self, **predicates: bool) -> dict[str, Any]:
-        return self.ask("tell", predicates=predicates, at_us=self._owner.at)
+        return self.ask("tell", predicates=predicates, at_us=self._arbiter.at)
 
     def close(self) -> None:
         self.sock.close()
 
 
 class Stepped:
-    """The owner, its clock, and those who connect to it."""
+    """The arbiter, its clock, and those who connect to it."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, policy: Policy = GUARDED) -> None:
         self.at = 1_000 * S
-        for module in (_server, _answers, _connections):
+        for module in (_server, _requests, _connections):
             monkeypatch.setattr(module, "now_us", lambda: self.at)
         self.chip = VirtualChip.create(folder / "chip", policy.lines).path
         self.socket, self.record = folder / "sock", folder / "sock.sessions"
-        self.owner = ArbiterServer(VirtualLines(self.chip), self.socket, policy)
+        self.arbiter = ArbiterServer(VirtualLines(self.chip), self.socket, policy)
         self.peers: list[Peer] = []
         monkeypatch.chdir(folder)  # the folders above it may be closed to others
         self.to(1 * S)
 
     @property
-    def keeper(self) -> Any:
-        return self.owner._keeper
+    def rules(self) -> Any:
+        return self.arbiter._arbiter
 
     def step(self) -> None:
-        self.owner.step(0)
+        self.arbiter.step(0)
 
     def to(self, later: int) -> None:
         """So many µs later, in one round."""
@@ -133,4 +133,4 @@ class Stepped:
     def close(self) -> None:
         for peer in self.peers:
             peer.close()
-        self.owner.close()
+        self.arbiter.close()

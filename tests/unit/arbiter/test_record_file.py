@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.arbiter.records import _storage as module
-from end_effector_hal.arbiter.records._record_file import SLOT, Found, RecordFile, Standing
+from end_effector_hal.arbiter.records._record_file import SLOT, FoundRecord, RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import FileStorage
 
 WORDS = [b"one", b"a longer second one", b"", b"four", b"five " * 100]
@@ -19,7 +19,7 @@ def records(path: Path) -> RecordFile:
     return RecordFile(FileStorage(path, durable=False))
 
 
-def found(path: Path) -> Found:
+def found(path: Path) -> FoundRecord:
     kept = records(path)
     try:
         return kept.read()

@@ -1,4 +1,4 @@
-"""The record of the sessions: what it holds, and what makes it be doubted."""
+"""The session record: what it holds, and what makes it be doubted."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_what_is_kept_is_read(tmp_path: Path) -> None:
     left = record(tmp_path).read()
     assert left
     assert left.clients == (GRIPPING,)
-    assert left.doubt.startswith("the owner before this one died while it changed a line")
+    assert left.doubt.startswith("the arbiter before this one died while it changed a line")
     first.keep(MEMORY)
     assert record(tmp_path).read() == MEMORY
 
@@ -62,20 +62,20 @@ def test_what_cannot_be_read_is_a_doubt(tmp_path: Path, payload: bytes) -> None:
     RecordFile(FileStorage(tmp_path / "sessions", durable=False)).keep(payload)
     left = record(tmp_path).read()
     assert left
-    assert (left.clients, left.doubt) == ((), "the record of the sessions is of another version")
+    assert (left.clients, left.doubt) == ((), "the session record is of another version")
     (tmp_path / "sessions").write_bytes(b"hello")
     left = record(tmp_path).read()
     assert left
-    assert left.doubt == "the record of the sessions is damaged"
+    assert left.doubt == "the session record is damaged"
     (tmp_path / "sessions").unlink()
     (tmp_path / "sessions").mkdir()
     left = record(tmp_path).read()
     assert left
-    assert left.doubt == "the record of the sessions cannot be read (Is a directory)"
+    assert left.doubt == "the session record cannot be read (Is a directory)"
 
 
 def test_a_record_that_cannot_be_kept_does_not_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The next owner would believe it: it is removed, and trouble until it is kept again."""
+    """The next arbiter would believe it: it is removed, and trouble until it is kept again."""
     first, whole = record(tmp_path), os.pwrite
     first.keep(MEMORY)
 
@@ -124,12 +124,12 @@ def test_an_older_record_that_is_whole_is_a_doubt(tmp_path: Path) -> None:
     (tmp_path / "sessions").write_bytes(copy)
     left = record(tmp_path).read()
     assert left
-    assert left.doubt == "the record of the sessions is not the latest one"
+    assert left.doubt == "the session record is not the latest one"
     first.keep(MEMORY)
     (tmp_path / "generation").unlink()
     left = record(tmp_path).read()
     assert left
-    assert left.doubt == "the record of the sessions is not the latest one"
+    assert left.doubt == "the session record is not the latest one"
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

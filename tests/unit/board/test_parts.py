@@ -184,6 +184,7 @@ def test_the_root_is_what_was_built_and_the_project_and_the_job(tmp_path: Path) 
         b"echo done",
         b"opt/more\0",
         b"site/end_effector_lab/commands/_board.py\0",
+        f"site/end_effector_hal-{version('end-effector-hal')}.dist-info/entry_points.txt\0".encode(),
         b"RNDADDENTROPY",
     ):
         assert part in root

@@ -1,4 +1,4 @@
-"""``eehal doctor`` on real parts: a virtual chip, a pty, a line owner, and on machines that lack them."""
+"""``eehal doctor`` on real parts: a virtual chip, a pty, a line arbiter, and on machines that lack them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from end_effector_hal.arbiter import ArbiterServer
-from end_effector_hal.cli.doctor import _doctor, _lines, _link, _machine, _owner, _ros
-from end_effector_hal.cli.doctor._finding import Finding, Level
+from end_effector_hal.cli.doctor import _arbiter, _doctor, _lines, _link, _machine, _ros
+from end_effector_hal.cli.doctor._check_result import CheckResult, Level
 from end_effector_hal.cli.doctor._holders import holders_of
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, load, profile_path
@@ -81,14 +81,14 @@ def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Machine:
 
 
 @pytest.fixture
-def owner(machine: Machine) -> Iterator[ArbiterServer]:
+def arbiter(machine: Machine) -> Iterator[ArbiterServer]:
     with serving(machine) as running:
         yield running
 
 
 @contextmanager
 def serving(machine: Machine) -> Iterator[ArbiterServer]:
-    """A line owner in a thread, with the policy of the tool."""
+    """A line arbiter in a thread, with the policy of the tool."""
     machine.make_chip()
     policy = replace(arbiter_policy(load(machine.path)), min_switch_us=0)
     with ArbiterServer(VirtualLines(machine.chip), machine.socket, policy) as running:
@@ -143,20 +143,20 @@ def test_a_running_tool_is_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         for each in told["findings"]:
             of.setdefault(each["part"], []).append(each)
         assert list(of) == list(_doctor.PARTS)
-        (lines,), (owner, active), (link,) = of["lines"], of["owner"], of["link"]
+        (lines,), (arbiter, active), (link,) = of["lines"], of["arbiter"], of["link"]
         assert lines["what"].endswith(
-            f"active: none; held by pid {world_owner(world)} ({owner_words(world)})"
+            f"active: none; held by pid {world_arbiter(world)} ({owner_words(world)})"
         )
-        assert owner["what"] == f"pid {world_owner(world)} serves {world.socket}; nobody writes"
+        assert arbiter["what"] == f"pid {world_arbiter(world)} serves {world.socket}; no program writes"
         assert active["what"] == "active: no line"
         assert link["what"].startswith(f"{world.port}, ees1-ascii, 115200 baud: 50 frames, ")
         assert 35 <= int(link["what"].split(", ")[-1].split()[0]) <= 60
-        assert [each["status"] for each in (*of["lines"], *of["owner"], *of["link"])] == ["ok"] * 4
-        # nothing was requested: the lines are as the owner adopted them
+        assert [each["status"] for each in (*of["lines"], *of["arbiter"], *of["link"])] == ["ok"] * 4
+        # nothing was requested: the lines are as the arbiter adopted them
         assert set(read_chip(world.chip).lines.values()) == {("out", False)}
 
 
-def world_owner(world: World) -> int:
+def world_arbiter(world: World) -> int:
     (holder,) = holders_of(f"{world.chip}.lock")
     return holder.pid
 
@@ -170,9 +170,9 @@ def test_nothing_is_there(machine: Machine) -> None:
     assert result.exit_code == 3
     lines = result.stdout.splitlines()
     missing = [line.split(maxsplit=2) for line in lines if line.startswith("missing")]
-    assert [words[1] for words in missing] == ["lines", "owner", "link"]
+    assert [words[1] for words in missing] == ["lines", "arbiter", "link"]
     assert missing[0][2] == f"{machine.chip}: there is no virtual chip: No such file or directory."
-    assert missing[1][2] == f"no line owner runs at {machine.socket}"
+    assert missing[1][2] == f"no line arbiter runs at {machine.socket}"
     assert missing[2][2] == f"{machine.port} does not exist"
     assert all(lines[i + 1].strip().startswith("→ ") for i, line in enumerate(lines) if line[:7] == "missing")
     assert sorted(path.name for path in machine.path.parent.iterdir()) == ["tool.yaml"]
@@ -215,7 +215,7 @@ def test_only_what_was_asked_for(machine: Machine) -> None:
 
 
 def test_never_a_traceback(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaks() -> Iterator[Finding]:
+    def breaks() -> Iterator[CheckResult]:
         raise ZeroDivisionError
 
     monkeypatch.setattr(_ros, "look_at_ros", breaks)
@@ -310,7 +310,7 @@ def test_lines_of_the_kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         f"missing: {tmp_path}/chip3 cannot be opened: No such device",
         "missing: no line SODIMM_212 (did you mean 'SODIMM_21'?) on "
         + ", ".join(f"{tmp_path}/chip{number}" for number in range(4)),
-        f"ok: SODIMM_208 = {tmp_path}/chip0 line 2, output, held by the line owner",
+        f"ok: SODIMM_208 = {tmp_path}/chip0 line 2, output, held by the line arbiter",
         f"missing: SODIMM_210 = {tmp_path}/chip1 line 1 is held by wifi",
         f"missing: SODIMM_206 is ambiguous: {tmp_path}/chip0 line 0 and {tmp_path}/chip1 line 0",
     ]
@@ -325,17 +325,17 @@ def test_no_chip_and_the_wrong_library(tmp_path: Path, monkeypatch: pytest.Monke
     assert look_at(None, tmp_path, monkeypatch)[0].startswith("missing: gpiod cannot be imported: ")
 
 
-# Owner
+# Arbiter
 
 
-def test_an_owner_and_its_clients(machine: Machine, owner: ArbiterServer) -> None:
+def test_an_arbiter_and_its_clients(machine: Machine, arbiter: ArbiterServer) -> None:
     from end_effector_hal.arbiter import ArbiterClient
 
     proven = proving(machine.socket, locked=True, nothing_gripped=False, parked=True)
-    machine.findings("owner")  # the first look takes longer than what is said counts
+    machine.findings("arbiter")  # the first look takes longer than what is said counts
     with ArbiterClient(machine.socket, "grip", ["SODIMM_208"]) as client, proven:
         client.set({"SODIMM_208": True}, will=[("SODIMM_208", False, 0)])
-        assert machine.findings("owner") == [
+        assert machine.findings("arbiter") == [
             (
                 "ok",
                 f"pid {os.getpid()} serves {machine.socket}; writing: grip (pid {os.getpid()})",
@@ -347,26 +347,26 @@ def test_an_owner_and_its_clients(machine: Machine, owner: ArbiterServer) -> Non
         assert client.levels()["SODIMM_208"], "a look is not a death"
 
 
-def test_an_owner_that_nobody_tells_of_the_sensors_and_its_faults(
-    machine: Machine, owner: ArbiterServer
+def test_an_arbiter_that_nobody_tells_of_the_sensors_and_its_faults(
+    machine: Machine, arbiter: ArbiterServer
 ) -> None:
     from end_effector_hal.arbiter import ArbiterClient
 
     with ArbiterClient(machine.socket, "grip", ["SODIMM_208"]) as client:
         client.latch("sensor_fault", "IL-04: both bits are set.")
-        told = machine.findings("owner")[2:]
+        told = machine.findings("arbiter")[2:]
     assert [level for level, _, _ in told] == ["warning", "warning"]
     assert (
         told[0][1]
-        == "nobody says what the sensors show (locked, nothing_gripped, parked): activations are refused"
+        == "no process reports what the sensors show (locked, nothing_gripped, parked): activations are refused"
     )
     assert told[1][1] == "latched: IL-04: both bits are set."
 
 
-def test_the_owner_of_another_tool(machine: Machine, owner: ArbiterServer) -> None:
+def test_the_arbiter_of_another_tool(machine: Machine, arbiter: ArbiterServer) -> None:
     text = machine.path.read_text().replace("SODIMM_212", "SODIMM_216")
     machine.describe(text=text)
-    level, what, todo = machine.finding("owner")
+    level, what, todo = machine.finding("arbiter")
     assert (level, what) == (
         "missing",
         f"pid {os.getpid()} at {machine.socket} owns other lines: {', '.join(LINES)}",
@@ -375,34 +375,34 @@ def test_the_owner_of_another_tool(machine: Machine, owner: ArbiterServer) -> No
 
 
 @pytest.mark.wall
-def test_an_owner_that_hangs_is_named(machine: Machine) -> None:
+def test_an_arbiter_that_hangs_is_named(machine: Machine) -> None:
     machine.make_chip()
-    with subprocess.Popen([*EEHAL, "owner", str(machine.path)], stdout=subprocess.PIPE) as process:
+    with subprocess.Popen([*EEHAL, "arbiter", str(machine.path)], stdout=subprocess.PIPE) as process:
         assert process.stdout
         assert process.stdout.readline().startswith(b"ready:")
         try:
             process.send_signal(signal.SIGSTOP)
-            level, what, todo = machine.finding("owner")
+            level, what, todo = machine.finding("arbiter")
         finally:
             process.kill()
     assert level == "missing"
     assert what.startswith(f"{machine.socket} is held by pid {process.pid} (")
-    assert what.endswith("): the line owner does not answer.")
+    assert what.endswith("): the line arbiter does not answer.")
     assert "adopts" in todo
-    # a socket that a dead owner left behind
-    assert machine.finding("owner")[:2] == ("missing", f"no line owner runs at {machine.socket}")
+    # a socket that a dead arbiter left behind
+    assert machine.finding("arbiter")[:2] == ("missing", f"no line arbiter runs at {machine.socket}")
 
 
-def test_an_owner_where_somebody_else_put_it(
-    machine: Machine, owner: ArbiterServer, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+def test_an_arbiter_where_somebody_else_put_it(
+    machine: Machine, arbiter: ArbiterServer, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
 
-    monkeypatch.setattr(_owner, "_FOLDERS", (tmp_path,))
+    monkeypatch.setattr(_arbiter, "_FOLDERS", (tmp_path,))
     machine.describe(text=machine.path.read_text().replace(f"{machine.socket}", f"{tmp_path}/x/owner.sock"))
-    assert machine.finding("owner") == (
+    assert machine.finding("arbiter") == (
         "missing",
-        f"no line owner at {tmp_path}/x/owner.sock, but there is a socket at {machine.socket}",
-        f"Set EEHAL_RUN_DIR={tmp_path}, as the owner has it.",
+        f"no line arbiter at {tmp_path}/x/owner.sock, but there is a socket at {machine.socket}",
+        f"Set EEHAL_RUN_DIR={tmp_path}, like the arbiter.",
     )
 
 
@@ -421,7 +421,7 @@ def test_a_stranger_is_told_which_group_he_needs() -> None:
     def told() -> list[tuple[str, str]]:
         # the description is open already: a stranger to the wires, not to the disk
         with machine.path.open() as description:
-            result = as_nobody(STRANGER, "--json", "--only", "lines,owner,link", stdin=description)
+            result = as_nobody(STRANGER, "--json", "--only", "lines,arbiter,link", stdin=description)
         assert (result.returncode, result.stderr) == (3, "")
         return [(each["what"], each["todo"]) for each in json.loads(result.stdout)["findings"]]
 
@@ -631,7 +631,7 @@ def test_messages_without_their_launch_files(machine: Machine, monkeypatch: pyte
 
 
 def test_hints_about_time() -> None:
-    def told(finding: Finding) -> tuple[Level, str]:
+    def told(finding: CheckResult) -> tuple[Level, str]:
         return finding.level, finding.what
 
     assert told(_machine.kernel("#1 SMP PREEMPT_DYNAMIC x", realtime=False))[0] is Level.OK

@@ -95,7 +95,7 @@ def test_every_fault_of_a_description_is_told(
     assert told["verify"] == told["demo"] == told["check"]
 
 
-@pytest.mark.parametrize("command", ["verify", "owner", "run", "demo", "testbench", "model show"])
+@pytest.mark.parametrize("command", ["verify", "arbiter", "run", "demo", "testbench", "model show"])
 def test_what_check_refuses_no_other_command_takes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:

@@ -10,7 +10,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.recording import StatesLog, StatesWriter, read_states
 from end_effector_hal.vocabulary import Command, EndEffectorState
-from end_effector_lab.demo import Scenario, scenarios
+from end_effector_lab.demo import DemoScenario, scenarios
 from tests.support.virtual_tool import VirtualTool
 
 NAMES = {
@@ -31,7 +31,7 @@ class RecordedTool(VirtualTool):
         self._writer = StatesWriter(states, description.sequence)
         super().__init__(description, bench)
 
-    def play(self, scenario: Scenario) -> None:
+    def play(self, scenario: DemoScenario) -> None:
         """Give the orders of a scenario, with its waits."""
         self.run(scenario.rest_s)
         for order in scenario.orders:

@@ -49,6 +49,7 @@ def left(monkeypatch: pytest.MonkeyPatch) -> Callable[[], set[int]]:
 
 
 @pytest.mark.wall
+@pytest.mark.alone
 def test_the_nominal_scenario_without_ros(
     verdin: Description, tmp_path: Path, left: Callable[[], set[int]]
 ) -> None:
@@ -77,6 +78,7 @@ def test_the_nominal_scenario_without_ros(
 
 
 @pytest.mark.wall
+@pytest.mark.alone
 def test_an_unlock_is_armed_first_where_the_codec_shows_no_stand(verdin: Description, tmp_path: Path) -> None:
     # a codec that shows more often than each second: it is not the times that are tried here
     assert verdin.tool_changer
@@ -90,6 +92,7 @@ def test_an_unlock_is_armed_first_where_the_codec_shows_no_stand(verdin: Descrip
 
 
 @pytest.mark.wall
+@pytest.mark.alone
 def test_on_its_own_wires_the_testbench_is_somebody_elses(verdin: Description, tmp_path: Path) -> None:
     place, folder = tmp_path / "wires", tmp_path / "demo"
     place.mkdir()
@@ -108,6 +111,7 @@ def test_on_its_own_wires_the_testbench_is_somebody_elses(verdin: Description, t
 
 
 @pytest.mark.wall
+@pytest.mark.alone
 def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
     verdin: Description,
     tmp_path: Path,
@@ -115,11 +119,11 @@ def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
     left: Callable[[], set[int]],
 ) -> None:
     real = world_module.EEHAL
-    program = "import sys; args = sys.argv[1:]; sys.exit('no chip today') if args[0] == 'owner' else None; "
+    program = "import sys; args = sys.argv[1:]; sys.exit('no chip today') if args[0] == 'arbiter' else None; "
     monkeypatch.setattr(world_module, "EEHAL", (*real[:2], program + real[2]))
     with pytest.raises(ArbiterError) as raised:
         list(run_demo(verdin, scenarios(verdin)[:1], tmp_path, ros=False, progress=Console(quiet=True)))
-    assert str(raised.value).startswith("The line owner ended (exit code 1) before its socket.")
+    assert str(raised.value).startswith("The line arbiter ended (exit code 1) before its socket.")
     assert str(raised.value).endswith("no chip today")
     assert left() == set()
     assert (tmp_path / "nominal" / "owner.log").read_text() == "no chip today\n"

@@ -10,7 +10,7 @@ import pytest
 from end_effector_hal.description import Description
 from end_effector_hal.recording import StatesLog, StatesRow
 from end_effector_hal.vocabulary import Command, EndEffectorState
-from end_effector_lab.demo import Report, Scenario, judge, scenarios
+from end_effector_lab.demo import DemoScenario, Report, judge, scenarios
 
 NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
 Rows = list[StatesRow]
@@ -162,4 +162,4 @@ def test_the_report_as_json(told: Callable[..., Report]) -> None:
 
 
 def test_scenarios_are_values() -> None:
-    assert Scenario.__dataclass_params__.frozen  # type: ignore[attr-defined]
+    assert DemoScenario.__dataclass_params__.frozen  # type: ignore[attr-defined]

@@ -7,14 +7,14 @@ import pytest
 from end_effector_hal.description import Description
 from end_effector_hal.runtime import read_script
 from end_effector_hal.vocabulary import Command, EndEffectorState
-from end_effector_lab.demo import Scenario, culprit_of, scenarios, unplayable
+from end_effector_lab.demo import DemoScenario, culprit_of, scenarios, unplayable
 from end_effector_lab.testbench import parse_scenario
 from tests.support.declared import declared
 
 NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
 
 
-def of(description: Description, name: str) -> Scenario:
+def of(description: Description, name: str) -> DemoScenario:
     return next(each for each in scenarios(description, everything=True) if each.name == name)
 
 

@@ -15,7 +15,9 @@ from tests.support.places import ROOT
 CALLED = [
     "setup",
     "check",
+    "test-dist",
     "test",
+    "test-thinned",
     "kill-matrix",
     "demo",
     "link-campaign",
@@ -37,7 +39,7 @@ def test_second_time():
 """
 
 
-@pytest.mark.parametrize("failing", ["", "check", "test", "build-kernel.sh", "test-gpiochip"])
+@pytest.mark.parametrize("failing", ["", "check", "test-dist", "test", "build-kernel.sh", "test-gpiochip"])
 def test_ci_leaves_nothing_out_and_ends_with_what_was_run_once_more(tmp_path: Path, failing: str) -> None:
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci" / "run")
@@ -55,7 +57,7 @@ def test_ci_leaves_nothing_out_and_ends_with_what_was_run_once_more(tmp_path: Pa
     )  # fmt: skip
     assert (tmp_path / "called").read_text().split() == CALLED[: CALLED.index(failing or CALLED[-1]) + 1]
     assert done.returncode == bool(failing), done.stderr
-    assert done.stdout.endswith("\ntests/a.py::b\nit was late\n") is (failing != "check")
+    assert done.stdout.endswith("\ntests/a.py::b\nit was late\n") is (failing not in ("check", "test-dist"))
 
 
 def test_a_test_that_was_run_again_is_listed_with_why_it_failed_first(tmp_path: Path) -> None:

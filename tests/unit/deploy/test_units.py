@@ -79,18 +79,18 @@ def longest_will_s(description: Description) -> float:
 def test_a_stop_leaves_the_time_that_a_will_takes() -> None:
     longest = longest_will_s(load(profile_path()))
     assert longest == 7.0
-    owner = unit("eehal-owner.service")["Service"]
-    assert seconds(owner["TimeoutStopSec"]) > 2 * longest
-    assert (owner["KillSignal"], owner["KillMode"]) == ("SIGTERM", "mixed")
-    assert "SendSIGHUP" not in owner
+    arbiter = unit("eehal-arbiter.service")["Service"]
+    assert seconds(arbiter["TimeoutStopSec"]) > 2 * longest
+    assert (arbiter["KillSignal"], arbiter["KillMode"]) == ("SIGTERM", "mixed")
+    assert "SendSIGHUP" not in arbiter
     for service in compose()["services"].values():
         assert seconds(service["stop_grace_period"]) > 2 * longest
 
 
-def test_the_nodes_outlive_a_restart_of_the_owner() -> None:
+def test_the_nodes_outlive_a_restart_of_the_arbiter() -> None:
     hal = unit("eehal-hal.service")["Unit"]
-    assert "eehal-owner.service" in hal["Wants"].split()
-    assert "eehal-owner.service" in hal["After"].split()
+    assert "eehal-arbiter.service" in hal["Wants"].split()
+    assert "eehal-arbiter.service" in hal["After"].split()
     assert not {"Requires", "BindsTo", "PartOf"} & set(hal)
 
 
@@ -110,7 +110,7 @@ def compose() -> dict:
 
 def test_containers_have_what_they_need_and_no_more() -> None:
     services = compose()["services"]
-    assert services["owner"]["devices"] == ["/dev/gpiochip0"]
+    assert services["arbiter"]["devices"] == ["/dev/gpiochip0"]
     assert services["hal"]["devices"] == [load(profile_path()).link.port]
     for service in services.values():
         assert service["privileged"] is False
@@ -145,9 +145,9 @@ def test_the_image_has_a_package_for_every_module_of_ros() -> None:
 @pytest.mark.parametrize(
     ("description", "arguments", "given"),
     [
-        ("/etc/eehal/my tool.yaml", ["owner"], ["owner", "/etc/eehal/my tool.yaml"]),
-        ("", ["owner", "--profile", "verdin_gripper"], ["owner", "--profile", "verdin_gripper"]),
-        ("", [], ["owner"]),
+        ("/etc/eehal/my tool.yaml", ["arbiter"], ["arbiter", "/etc/eehal/my tool.yaml"]),
+        ("", ["arbiter", "--profile", "verdin_gripper"], ["arbiter", "--profile", "verdin_gripper"]),
+        ("", [], ["arbiter"]),
     ],
 )
 def test_the_entry_of_the_container_names_no_tool_by_itself(

@@ -1,7 +1,7 @@
 """Files that version 0.1 wrote, before its packages were renamed: they are read as they are.
 
 ``run``: a grip that was cancelled, by `eehal demo --no-ros --only cancel`. ``arbiter``: the virtual chip, the session
-record and its generation of a line owner that was killed in the third step of a grip; and the journal of one that
+record and its generation of a line arbiter that was killed in the third step of a grip; and the journal of one that
 started after it without a session record, and ended in order.
 """
 

@@ -1,4 +1,4 @@
-"""What a line owner of version 0.1 left for the next one is believed: last wills, levels, latched faults."""
+"""What a line arbiter of version 0.1 left for the next one is believed: last wills, levels, latched faults."""
 
 from __future__ import annotations
 

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal._extras import extras
+from end_effector_hal.cli.doctor import _python
+from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.description import profile_path
 from tests.support.blocked import eehal_without
 from tests.support.refuted import REFUTED
@@ -75,3 +77,12 @@ def test_a_modbus_codec(tmp_path: Path) -> None:
         ": The codec modbus-rtu-epick needs pymodbus, which is not installed; "
         "Install it: pip install 'end-effector-hal[modbus]' [EE-226]"
     )
+
+
+def test_the_doctor_says_which_extra_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_python, "_installed", lambda name: name != "matplotlib")
+    (finding,) = (each for each in _python.look_at_python() if "extra" in each.what)
+    assert (finding.level, finding.what) == (Level.WARNING, "the extra lab is not installed (matplotlib)")
+    assert finding.todo == "Needed by figures only: pip install 'end-effector-hal[lab]'"
+    monkeypatch.setattr(_python, "_installed", lambda name: True)
+    assert not [each for each in _python.look_at_python() if "extra" in each.what]

@@ -52,6 +52,12 @@ def test_a_recording_is_read(run: Path, command: str) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_what_needs_linux_says_so(tmp_path: Path) -> None:
+    done = eehal("testbench", "--lines", f"virtual:{tmp_path / 'chip'}", "--port", f"pty:{tmp_path / 'uart'}")
+    assert done.returncode == 2
+    assert done.stderr.startswith("This command needs Linux: there is no module ")
+
+
 @pytest.mark.parametrize("module", ["end_effector_hal.control", "end_effector_hal.codecs", "timed_automata"])
 def test_the_core_loads_no_wires(module: str) -> None:
     wires = ("serial", "inotify_simple", "gpiod", "fcntl", "matplotlib", "numpy", "end_effector_hal.wires")

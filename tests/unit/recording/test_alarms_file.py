@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import AlarmRow, AlarmsWriter, read_alarms, tell
+from end_effector_hal.recording import AlarmRow, AlarmsWriter, read_alarms, read_story
 from tests.support.trace_recordings import INFO, NOMINAL
 
 WEAK = 'Weak grip: Top vacuum fell to 59.8 kPa, "secure" down to 60 kPa.'
@@ -77,5 +77,5 @@ def test_alarms_are_moments_of_the_story_but_not_what_the_states_show():
         AlarmRow(4.0, "begun", "Over: Top vacuum was not secure for a while."),
         AlarmRow(5.0, "begun", "GRIP_ERROR: Top vacuum was lost."),
     ]
-    moments = tell(NOMINAL, INFO, rows).moments
+    moments = read_story(NOMINAL, INFO, rows).moments
     assert [(m.time_s, m.text) for m in moments if m.kind == "alarm"] == [(3.0, "Weak grip")]

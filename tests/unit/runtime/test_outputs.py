@@ -1,4 +1,4 @@
-"""What is asked of the line owner for which statuses."""
+"""What is asked of the line arbiter for which statuses."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_a_refusal_is_known_once_it_was_waited_for() -> None:
 def activation_that_found_no_owner(lines: Lines) -> Outputs:
     outputs = outputs_of(lines)
     for each in (status(1, True, False, attempt=1), status(2, True, True, attempt=1)):
-        lines.error = ArbiterError("the line owner was lost.") if each.outputs[1] else None
+        lines.error = ArbiterError("the line arbiter was lost.") if each.outputs[1] else None
         outputs.begin([each])
         outputs.finish()
     assert outputs.lost

@@ -1,4 +1,4 @@
-"""What the line owner tells systemd, held against a stand-in that listens on its socket."""
+"""What the line arbiter tells systemd, held against a stand-in that listens on its socket."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ArbiterError, LineBusyError
 from end_effector_hal.runtime import output_lines
-from end_effector_hal.runtime._owner import _Question
+from end_effector_hal.runtime._arbiter import _Probe
 from end_effector_hal.runtime._service_manager import ServiceManager
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from end_effector_lab.demo._world import EEHAL
@@ -152,16 +152,16 @@ def virtual_tool(folder: Path) -> Path:
 
 def test_what_was_handed_on_is_for_this_process_and_has_a_name(tmp_path: Path) -> None:
     ours = {"LISTEN_PID": str(os.getpid()), "LISTEN_FDS": "0", "LISTEN_FDNAMES": ""}
-    assert ServiceManager(ours).handed_on() == {}
-    assert ServiceManager({"LISTEN_PID": "1", "LISTEN_FDS": "5"}).handed_on() == {}
-    assert ServiceManager({}).handed_on() == {}
+    assert ServiceManager(ours).stored_descriptors() == {}
+    assert ServiceManager({"LISTEN_PID": "1", "LISTEN_FDS": "5"}).stored_descriptors() == {}
+    assert ServiceManager({}).stored_descriptors() == {}
 
 
 @pytest.mark.wall
 def test_lines_are_handed_on_without_a_gap(manager: Manager, tmp_path: Path) -> None:
     description, chip = virtual_tool(tmp_path), tmp_path / "chip"
     environ = {**os.environ, "NOTIFY_SOCKET": str(tmp_path / "notify")}
-    command = [*EEHAL, "owner", str(description)]
+    command = [*EEHAL, "arbiter", str(description)]
     with manager.start(command, environ) as first:
         assert manager.told().startswith("READY=1")
         assert list(manager.store) == ["virtual-chip"]
@@ -172,7 +172,7 @@ def test_lines_are_handed_on_without_a_gap(manager: Manager, tmp_path: Path) -> 
             time.sleep(0.01)
         first.kill()
     records = chip.read_bytes()
-    # while there is no owner nobody else can take the lines
+    # while there is no arbiter nobody else can take the lines
     with pytest.raises(LineBusyError, match="the virtual chip is held by"):
         VirtualLines(chip).request(["SODIMM_208"])
     for signal_number in (signal.SIGTERM, signal.SIGKILL):
@@ -197,45 +197,47 @@ def test_what_was_handed_on_and_fits_nothing_is_given_back(manager: Manager, tmp
     VirtualChip.create(elsewhere, ["A"])
     stranger = VirtualLines(elsewhere)
     stranger.request(["A"])
-    manager.store = {name: os.dup(stranger.keepsakes()["virtual-chip"]) for name in ("virtual-chip", "other")}
+    manager.store = {
+        name: os.dup(stranger.descriptors()["virtual-chip"]) for name in ("virtual-chip", "other")
+    }
     stranger.close()
     environ = {**os.environ, "NOTIFY_SOCKET": str(tmp_path / "notify")}
-    with manager.start([*EEHAL, "owner", str(description)], environ) as owner:
+    with manager.start([*EEHAL, "arbiter", str(description)], environ) as arbiter:
         assert manager.told().startswith("READY=1")
         os.close(manager.store.pop("other"))
         again = VirtualLines(elsewhere)
         again.request(["A"])
         again.close()
-        owner.terminate()
+        arbiter.terminate()
 
 
 @pytest.mark.wall
-def test_a_stopped_owner_gives_no_sign_of_life(manager: Manager, tmp_path: Path) -> None:
+def test_a_stopped_arbiter_gives_no_sign_of_life(manager: Manager, tmp_path: Path) -> None:
     description = virtual_tool(tmp_path)
     environ = {**os.environ, "NOTIFY_SOCKET": str(tmp_path / "notify"), "WATCHDOG_USEC": "150000"}
     environ.pop("WATCHDOG_PID", None)
-    with manager.start([*EEHAL, "owner", str(description)], environ) as owner:
+    with manager.start([*EEHAL, "arbiter", str(description)], environ) as arbiter:
         assert manager.told() == f"READY=1\nSTATUS=verdin_gripper on {tmp_path}/owner.sock"
         assert manager.told() == "WATCHDOG=1"
-        owner.send_signal(signal.SIGSTOP)
+        arbiter.send_signal(signal.SIGSTOP)
         while manager.told(0.5):
             pass
-        owner.send_signal(signal.SIGCONT)
+        arbiter.send_signal(signal.SIGCONT)
         assert manager.told() == "WATCHDOG=1"
-        owner.terminate()
-        assert owner.wait(PATIENCE_S) == 0
+        arbiter.terminate()
+        assert arbiter.wait(PATIENCE_S) == 0
 
 
-def test_an_owner_whose_loop_hangs_does_not_live(tmp_path: Path) -> None:
+def test_an_arbiter_whose_loop_hangs_does_not_live(tmp_path: Path) -> None:
     VirtualChip.create(tmp_path / "chip", ["A"])
-    question = _Question(tmp_path / "owner.sock")
-    with ArbiterServer(VirtualLines(tmp_path / "chip"), tmp_path / "owner.sock", Policy(["A"])) as owner:
+    question = _Probe(tmp_path / "owner.sock")
+    with ArbiterServer(VirtualLines(tmp_path / "chip"), tmp_path / "owner.sock", Policy(["A"])) as arbiter:
         with pytest.raises(ArbiterError, match="does not answer"):
             question()
-        thread = threading.Thread(target=owner.run)
+        thread = threading.Thread(target=arbiter.run)
         thread.start()
         question()
         assert question._client
         question._client.close()
-        owner.stop()
+        arbiter.stop()
         thread.join()

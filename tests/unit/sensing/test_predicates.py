@@ -1,4 +1,4 @@
-"""What the line owner is told of the sensors."""
+"""What the line arbiter is told of the sensors."""
 
 from __future__ import annotations
 

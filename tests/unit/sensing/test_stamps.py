@@ -198,7 +198,7 @@ def test_only_wrong_frames_are_a_silence(description: Description) -> None:
     assert not tool.command("grip").accepted
 
 
-# What else takes frames: predicates for the line owner, the nodes
+# What else takes frames: predicates for the line arbiter, the nodes
 
 
 def test_a_frame_from_the_future_proves_nothing_to_the_line_owner(description: Description) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import Decision, tell
+from end_effector_hal.recording import GripDecision, read_story
 from end_effector_hal.verification._model_run import has_states, states_of
 from timed_automata import Change, State, Trace, TraceStep, load_network, make_network, read_document
 from timed_automata.simulate import parse_choices, simulate
@@ -61,8 +61,8 @@ def test_it_tells_the_story_of_a_recording(shipped):
         ),
         NAMES,
     )
-    (grip,) = tell(log).grips
-    assert (grip.decision, grip.culprit, len(grip.timeouts)) == (Decision.ABORTED, "bottom_vacuum", 3)
+    (grip,) = read_story(log).grips
+    assert (grip.decision, grip.culprit, len(grip.timeouts)) == (GripDecision.ABORTED, "bottom_vacuum", 3)
     assert (grip.start_s, grip.decided_s) == (1.0, 18.0)
 
 

@@ -181,22 +181,22 @@ def test_a_request_is_handed_on_by_its_descriptor(kernel, descriptors, tmp_path)
     first = make()
     first.request([C, A, B])
     first.set({C: True})
-    (name, fd), *more = first.keepsakes().items()
+    (name, fd), *more = first.descriptors().items()
     assert (name, more) == ("gpiochip0.5.0.1", [])
     kept = os.dup(fd)
     # the first one dies; its lines stay claimed
     second = make()
-    second.inherit({name: kept})
+    second.restore({name: kept})
     assert second.request([C, A, B]) == {C: True, A: False, B: False}
     assert len(fake.requests) == 1
     second.set({A: True, C: False})
     assert second.levels() == {C: False, A: True, B: False}
     assert [line["level"] for line in fake.chips[str(tmp_path / "gpiochip0")]][::5] == [True, False]
-    assert second.keepsakes() == {name: kept}
+    assert second.descriptors() == {name: kept}
     file = os.fstat(kept).st_ino
     second.close()
     assert not is_open(kept, file)
-    assert second.keepsakes() == {}
+    assert second.descriptors() == {}
 
 
 def is_open(fd, file):
@@ -212,11 +212,11 @@ def test_a_request_of_other_lines_is_given_back_before_the_lines_are_asked_for(
     fake, make = kernel(gpiochip0=[A, B, C])
     first = make()
     first.request([A, B])
-    ((name, fd),) = first.keepsakes().items()
+    ((name, fd),) = first.descriptors().items()
     kept, file = os.dup(fd), os.fstat(fd).st_ino
     first.close()
     second = make()
-    second.inherit({name: kept})
+    second.restore({name: kept})
     # what is closed has a number that the next descriptor may have
     given_back, asked = [], FakeChip.request_lines
 

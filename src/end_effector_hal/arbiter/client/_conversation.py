@@ -1,4 +1,4 @@
-"""Requests to the line owner and its replies, one after the other over one socket."""
+"""Requests to the line arbiter and its replies, one after the other over one socket."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import struct
 from collections.abc import Mapping
 from typing import Any
 
-from end_effector_hal.arbiter.protocol import LONGEST, read_reply, write_message
+from end_effector_hal.arbiter.protocol import LONGEST, LastWillRunsError, read_reply, write_message
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, UsageError
 from end_effector_hal.vocabulary import printable
 
@@ -19,17 +19,11 @@ _ERRORS: dict[str, type[ReportedError]] = {
 LONGEST_REPLY = 1 << 22
 
 
-class WillStillRunsError(LineBusyError):
-    """The will of the one who had these lines is not over yet; ``retry_s`` says when it is."""
-
-    retry_s = 0.0
-
-
 class Conversation:
     """Not connected at first, nor after the connection was lost. Not thread-safe.
 
     Args:
-        path: of the owner's socket.
+        path: of the arbiter's socket.
         timeout_s: longest wait for a reply.
     """
 
@@ -41,11 +35,11 @@ class Conversation:
 
     @property
     def connected(self) -> bool:
-        """Whether it is, as far as is known."""
+        """Whether it is connected, as far as the last exchange showed."""
         return self._socket is not None
 
     def connect(self) -> None:
-        """Begin; raises ArbiterError."""
+        """Connect; raises ArbiterError."""
         self._socket, self._rest = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM), b""
         self._socket.settimeout(self._timeout_s)
         try:
@@ -53,32 +47,32 @@ class Conversation:
         except OSError as error:
             self.close()
             raise ArbiterError(
-                f"the line owner cannot be reached: {error.strerror or error}.",
+                f"the line arbiter cannot be reached: {error.strerror or error}.",
                 where=self._path,
-                todo="Start it with eehal owner.",
+                todo="Start it with eehal arbiter.",
             ) from error
-        # The kernel keeps the time: Python would ask it before each call whether there is something to read.
+        # Time-outs of the kernel: with those of Python each call would be preceded by a poll.
         limit = struct.pack("@ll", int(self._timeout_s), round(self._timeout_s % 1 * 1e6))
         for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
             self._socket.setsockopt(socket.SOL_SOCKET, option, limit)
         self._socket.settimeout(None)
 
     def close(self) -> None:
-        """End without a word."""
+        """Close the socket."""
         if self._socket:
             self._socket.close()
             self._socket = None
 
     def exchange(self, op: str, fields: Mapping[str, object]) -> dict[str, Any]:
-        """Ask and wait for the reply; raises what `reply` does."""
+        """Send a request and wait for its reply; raises what `reply` does."""
         return self.reply(self.send(op, fields))
 
     def send(self, op: str, fields: Mapping[str, object]) -> OSError | None:
-        """Ask; the error if that was not possible, for `reply`, which must follow."""
+        """Send a request; returns the error if that failed, for `reply`, which must follow."""
         assert self._socket
         self._number += 1
         try:
-            # A closed connection may still hold the owner's last words.
+            # A connection that the arbiter closed may still hold its last message.
             with contextlib.suppress(BrokenPipeError):
                 self._socket.sendall(write_message({"id": self._number, "op": op, **fields}))
         except OSError as error:
@@ -86,11 +80,11 @@ class Conversation:
         return None
 
     def reply(self, failed: OSError | None = None) -> dict[str, Any]:
-        """To what was sent.
+        """Wait for the reply to what was sent.
 
         Raises:
-            ArbiterError: the owner is gone or does not answer; not connected any more.
-            ReportedError: what the owner says.
+            ArbiterError: the arbiter is gone or does not answer; the connection is closed.
+            ReportedError: the refusal of the arbiter.
         """
         try:
             if failed is not None:
@@ -101,7 +95,7 @@ class Conversation:
             silent = isinstance(error, TimeoutError | BlockingIOError)
             text = "does not answer" if silent else f"was lost: {error}"
             raise ArbiterError(
-                f"the line owner {text}.", where=self._path, todo="Levels may have changed: read them."
+                f"the line arbiter {text}.", where=self._path, todo="Levels may have changed: read them."
             ) from error
         if reply.get("ok"):
             return reply
@@ -125,7 +119,5 @@ class Conversation:
 def _error(reply: Mapping[str, Any]) -> ReportedError:
     text, retry_us = printable(str(reply.get("error"))), reply.get("retry_us")
     if isinstance(retry_us, int):
-        error = WillStillRunsError(text)
-        error.retry_s = retry_us / 1e6
-        return error
+        return LastWillRunsError(text, retry_us)
     return _ERRORS.get(str(reply.get("code")), ArbiterError)(text)

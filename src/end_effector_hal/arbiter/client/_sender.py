@@ -1,4 +1,4 @@
-"""Tells the line owner what the sensors prove; never waits for it."""
+"""Sends what the sensors prove to the line arbiter; never waits for it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 AGAIN_US = 200_000
-"""After a refusal: another process reads the sensors, and perhaps ends soon."""
+"""Pause after a refusal: another process reads the sensors, and perhaps ends soon."""
 
 
 class PredicateSender:
@@ -23,18 +23,18 @@ class PredicateSender:
     What cannot be sent at once is not sent later: it would be old by then.
 
     Args:
-        socket_path: of the owner; it need not be there yet.
-        client: own name, as others are told it.
+        socket_path: of the arbiter; it need not exist yet.
+        client: own name, for the messages to people.
     """
 
     def __init__(self, socket_path: str | Path, client: str = SENSORS) -> None:
         self._path, self._client, self._token = str(socket_path), client, make_token()
         self._socket: socket.socket | None = None
-        self._rest, self._heard = b"", b""
+        self._rest, self._received = b"", b""
         self._not_before, self._refused = 0, ""
 
-    def tell(self, predicates: Mapping[str, bool], at_us: int) -> bool:
-        """Send; whether it was sent as a whole.
+    def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
+        """Send predicates; returns whether the whole message was sent.
 
         Args:
             predicates: by name; see `Need`.
@@ -48,7 +48,7 @@ class PredicateSender:
             data = self._rest + write_message({"op": "tell", "predicates": dict(predicates), "at_us": at_us})
             sent = sock.send(data)
             self._rest = data[sent:]
-            self._listen(sock)
+            self._read_replies(sock)
         except BlockingIOError:
             return False
         except OSError as error:
@@ -57,11 +57,11 @@ class PredicateSender:
         return not self._rest
 
     def close(self) -> None:
-        """Say nothing any more."""
+        """Close the connection."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None
-        self._rest = self._heard = b""
+        self._rest = self._received = b""
 
     def _connected(self) -> socket.socket:
         if self._socket is None:
@@ -77,15 +77,15 @@ class PredicateSender:
             self._rest = write_message({"id": 0, **hello})
         return self._socket
 
-    def _listen(self, sock: socket.socket) -> None:
-        """Raises ArbiterError when the owner has refused something, or has gone."""
+    def _read_replies(self, sock: socket.socket) -> None:
+        """Raises ArbiterError when the arbiter has refused something, or has gone."""
         try:
             data = sock.recv(LONGEST)
         except BlockingIOError:
             return
         if not data:
-            raise ArbiterError("the line owner has closed the connection.")
-        *lines, self._heard = (self._heard + data)[-2 * LONGEST :].split(b"\n")
+            raise ArbiterError("the line arbiter has closed the connection.")
+        *lines, self._received = (self._received + data)[-2 * LONGEST :].split(b"\n")
         for line in lines:
             try:
                 reply = read_reply(line)
@@ -99,5 +99,5 @@ class PredicateSender:
     def _failed(self, error: OSError) -> None:
         if self._socket is not None and str(error) != self._refused:
             self._refused = str(error)
-            _log.warning("the line owner cannot be told what the sensors say: %s", error)
+            _log.warning("what the sensors prove cannot be sent to the line arbiter: %s", error)
         self.close()

@@ -1,4 +1,4 @@
-r"""Messages between the line owner and its clients: a JSON object per line, on a Unix stream socket.
+r"""Messages between the line arbiter and its clients: a JSON object per line, on a Unix stream socket.
 
 Requests have ``op``, and an ``id`` (an integer or a short text) that the reply repeats::
 
@@ -18,42 +18,44 @@ Requests have ``op``, and an ``id`` (an integer or a short text) that the reply 
     {"op": "tell", "predicates": {"locked": true}, "at_us": 815000000}
 
 **Writing lines.** ``hello`` names the lines that the client will write; each line has one writing client. ``token``
-is 32 random digits from 0 to f, made once by the client: only one that says the same name and token again has come
-back, after a lost connection or a restart of the owner; any other is another program, and the will of the one before
-is executed. A pid would not tell them apart: in PID namespaces of their own, as in containers, all are pid 0 to the
-owner. Tokens are shown to nobody. ``hello`` is answered with
-the code EE-402 and ``retry_us`` while the will of the one before is executed: a will runs to its end first,
-so that the next client adopts lines that stand still. ``set`` is atomic, and leaves a will (left out: the one
-before stays valid); an empty will holds. After ``until_us`` (monotonic clock; left out: whenever it comes) it
-is refused as a whole: its sender has given it up, and nobody knows of it any more. ``renew`` keeps the lease
-and is answered with the latched ``faults``;
-any ``set`` does, too. ``bye`` ends in order: the will in it is executed at once, the one left before is void.
-A socket that is closed without it, or a lease that ends, is the death of the client: its will is executed.
-The last step of a will is due at most 10 s after the death, or as late as the description of the tool needs it.
+is 32 random digits from 0 to f, made once by the client: a client with the same name and token is the one before,
+which connects again after a lost connection or a restart of the arbiter; any other is another program, and the last
+will of the one before is executed. A pid would not tell them apart: the arbiter sees pid 0 for every client in a PID
+namespace of its own, as in a container. Tokens are shown to nobody. While the last will of the client before is
+executed, ``hello`` is refused with the code EE-402 and ``retry_us``: a last will runs to its end first, so that the
+next client adopts lines that do not change. ``set`` is atomic, and leaves a last will (left out: the one before stays
+valid); an empty last will holds. After ``until_us`` (monotonic clock; left out: no limit) the whole ``set`` is
+refused, because its sender has stopped waiting for it. ``renew`` renews the lease and is answered with the latched
+``faults``; any ``set`` renews it, too. ``bye`` ends in order: the last will in it is executed at once, the one left
+before is void. A socket that is closed without it, or a lease that expires, is the death of the client: its last will
+is executed. The last step of a last will is due at most 10 s after the death, or as late as the description of the
+tool needs it.
 
-**Proving.** Who may ask for lines is not who may prove what the sensors show. A ``hello`` with the role ``sensors``
-takes that role for its connection, of which there is one at a time. Another connection is refused with EE-402 while
-the first one is heard, and a fault is latched: somebody else claims to read the sensors. It is the first one again
-if it says its token and has its user (SO_PEERCRED). Once the first was silent for 150 ms another process of the same
-user may take the role; one of another user only when the connection has ended, which the owner does after 10 s of
-silence. ``tell`` counts only from there: on change and at least every 50 ms, what was proven at ``at_us`` (monotonic
-clock, never ahead of now). It names predicates that a line needs, no others. It counts for 150 ms from then on. A
-line whose activation needs a predicate (IL-01, IL-02, IL-05, IL-13) is refused without it; nothing is ever
-deactivated for want of one. Without an ``id`` it gets no reply unless it is refused.
+**Predicates.** The clients that write lines cannot report what the sensors prove. A ``hello`` with the role
+``sensors`` takes that role for its connection; there is one at a time. Another connection is refused with EE-402 while
+the first one sends, and a fault is latched: another process claims to read the sensors. A connection with the token
+and the user (SO_PEERCRED) of the first one counts as the first one. Once the first was silent for 150 ms, another
+process of the same user may take the role; one of another user only when the connection has ended, which the arbiter
+does after 10 s of silence. ``tell`` counts only from the connection with this role. It is sent on change and at least
+every 50 ms, and says what was proven at ``at_us`` (monotonic clock, never ahead of now). It names only predicates
+that a line needs. It counts for 150 ms from then on. A line whose activation needs a predicate (IL-01, IL-02, IL-05,
+IL-13) is refused without it; nothing is ever deactivated because one is missing. Without an ``id`` it gets no reply
+unless it is refused.
 
-**Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the owner's policy lists, through a
-restart; it shows in ``status`` and refuses nothing. What the owner latches itself for an interlock (IL-03, IL-13)
-has no limit that a client could use up. ``reset`` clears all faults; it is refused with EE-403 for those that still
-are the case (an open e-stop).
+**Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through a
+restart; ``status`` shows it, and it refuses nothing. What the arbiter latches itself for an interlock (IL-03, IL-13)
+has no limit that a client could use up. ``reset`` clears all faults; it is refused with EE-403 for those whose cause
+persists (an open e-stop).
 
 ``levels``, ``status`` and ``reset`` need no hello: they change no line and no lease, and a reset clears only what is
 over. Such a connection is closed after 10 s without a message, and the oldest of them when there are more than 32:
-those that write lines or prove have their own room.
+connections that write lines or send predicates do not count among these.
 
 Replies: ``{"id", "ok", "error", "levels"}``, levels of all lines, active is true. ``error`` is a sentence,
 with ``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further
-keys: ``delay_us`` of ``set`` (until it is applied, IL-10), ``retry_us``, ``status``. A reply with the id null
-belongs to no request: the owner ends the connection and says why.
+keys: ``delay_us`` of ``set`` (until it is applied, IL-10), ``retry_us``, ``overtaken`` of ``hello`` (the client was
+declared dead before), ``status``. A reply with the id null belongs to no request: the arbiter ends the connection and
+says why.
 
 Every text has printable characters only, a name at most 64, a sentence at most 500; numbers are integers of at most
 18 digits; a message has at most 65,536 bytes.
@@ -92,7 +94,7 @@ class Request(NamedTuple):
 
 
 def read_id(message: Mapping[str, Any]) -> int | str | None:
-    """What the reply must repeat; None: there is none.
+    """The id that the reply repeats; None: there is none.
 
     Raises:
         UsageError: it is neither an integer nor a short text.
@@ -100,66 +102,66 @@ def read_id(message: Mapping[str, Any]) -> int | str | None:
     number = message.get("id")
     if number is None or type(number) is int or is_name(number):
         return number
-    raise UsageError("id is an integer or a text of at most 64 characters.")
+    raise UsageError("id must be an integer or a text of at most 64 characters.")
 
 
 def read_request(message: Mapping[str, Any]) -> Request:
-    """Checks every field.
+    """Check every field.
 
     Raises:
         UsageError: says which one is wrong.
     """
     op = message.get("op")
     if op not in OPS:
-        raise UsageError(f"op is one of {', '.join(OPS)}.")
-    reader = {"hello": _read_hello, "set": _read_set, "tell": _read_tell, "latch": _read_latch}.get(op)
-    return reader(message) if reader else Request(op, will=_read_will(message))
+        raise UsageError(f"op must be one of {', '.join(OPS)}.")
+    reader = {"hello": _read_hello, "set": _read_set, "tell": _read_predicates, "latch": _read_latch}.get(op)
+    return reader(message) if reader else Request(op, will=_read_last_will(message))
 
 
 def _read_hello(message: Mapping[str, Any]) -> Request:
     role, client, token = message.get("role", ""), message.get("client"), message.get("token")
     if role not in ("", SENSORS):
-        raise UsageError(f"role is left out, or {SENSORS}.")
+        raise UsageError(f"role must be left out, or {SENSORS}.")
     if not is_name(client):
-        raise UsageError("client is a name of at most 64 printable characters.")
+        raise UsageError("client must be a name of at most 64 printable characters.")
     if not is_token(token):
-        raise UsageError("token is 32 random digits from 0 to f, the same in each hello of a client.")
+        raise UsageError("token must be 32 random digits from 0 to f, the same in each hello of a client.")
     if role == SENSORS:
         return Request("hello", role, str(client), token)
     lines = message.get("lines")
     if not (isinstance(lines, list) and 0 < len(lines) <= MOST_NAMES and all(map(is_name, lines))):
-        raise UsageError(f"lines is a list of 1 to {MOST_NAMES} line names.")
-    return Request("hello", role, str(client), token, tuple(lines), will=_read_will(message))
+        raise UsageError(f"lines must be a list of 1 to {MOST_NAMES} line names.")
+    return Request("hello", role, str(client), token, tuple(lines), will=_read_last_will(message))
 
 
 def _read_set(message: Mapping[str, Any]) -> Request:
     levels, until_us = message.get("levels", {}), message.get("until_us")
     if not (_is_flags(levels) and (levels or "will" in message)):
-        raise UsageError(f"levels is an object of at most {MOST_NAMES} line names, each true or false.")
+        raise UsageError(f"levels must be an object of at most {MOST_NAMES} line names, each true or false.")
     if until_us is not None and type(until_us) is not int:
-        raise UsageError("until_us is a time in µs.")
-    return Request("set", levels=levels, will=_read_will(message), until_us=until_us)
+        raise UsageError("until_us must be a time in µs.")
+    return Request("set", levels=levels, will=_read_last_will(message), until_us=until_us)
 
 
-def _read_tell(message: Mapping[str, Any]) -> Request:
+def _read_predicates(message: Mapping[str, Any]) -> Request:
     predicates, at_us = message.get("predicates"), message.get("at_us")
     if not (predicates and _is_flags(predicates)):
-        raise UsageError(f"predicates is an object of 1 to {MOST_NAMES} names, each true or false.")
+        raise UsageError(f"predicates must be an object of 1 to {MOST_NAMES} names, each true or false.")
     if type(at_us) is not int:
-        raise UsageError("at_us is a time in µs.")
+        raise UsageError("at_us must be a time in µs.")
     return Request("tell", predicates=predicates, at_us=at_us)
 
 
 def _read_latch(message: Mapping[str, Any]) -> Request:
     fault, why = message.get("fault"), message.get("why")
     if not is_name(fault):
-        raise UsageError("fault is a name of at most 64 printable characters.")
+        raise UsageError("fault must be a name of at most 64 printable characters.")
     if not (isinstance(why, str) and why):
-        raise UsageError("why is a sentence.")
+        raise UsageError("why must be a sentence.")
     return Request("latch", fault=str(fault), why=why)
 
 
-def _read_will(message: Mapping[str, Any]) -> LastWill | None:
+def _read_last_will(message: Mapping[str, Any]) -> LastWill | None:
     return None if message.get("will") is None else read_last_will(message["will"])
 
 

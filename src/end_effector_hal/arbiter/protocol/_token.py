@@ -1,6 +1,6 @@
-"""The random token of a client: by it the owner knows the one that comes back from another of the same name.
+"""The random token of a client: it tells a client that connects again from another one of the same name.
 
-A pid does not say that: in PID namespaces of their own, as in containers, all clients have pid 0 for the owner.
+A pid cannot do that: the arbiter sees pid 0 for every client in a PID namespace of its own, as in a container.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ _TOKEN = re.compile("[0-9a-f]{32}")
 
 
 def make_token() -> str:
-    """One that nobody else has."""
+    """A new token."""
     return secrets.token_hex(16)
 
 

@@ -1,18 +1,17 @@
-"""The latched faults on disk, through a loss of power. Nobody waits for the disk.
+"""The latched faults on a disk, where they survive a loss of power. The arbiter never waits for the disk.
 
-A thread writes and syncs; what it has not written within a second, or could not write, is an alarm of the line owner,
-and is tried again at each change and every second. What the next owner needs of the clients is not in here: see
-`_session_record`.
+A thread writes and syncs; what it has not written within a second, or could not write, is an alarm of the arbiter,
+and is tried again at each change and every second. The sessions of the clients are not in here: see `_session_store`.
 """
 
 from __future__ import annotations
 
-import json
 import logging
 import threading
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from end_effector_hal.arbiter._json import read_json, write_json
 from end_effector_hal.arbiter.records._old_journal import read_old_journal
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import Storage
@@ -21,20 +20,20 @@ from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 PATIENCE_US = 1_000_000
-"""A disk that does not answer for so long is taken for one that hangs."""
+"""A disk that does not answer for so long is said to hang."""
 RETRY_S = 1.0
 READ_S = 2.0
-"""Longest wait for the disk, at the start and at the end of an owner."""
+"""Longest wait for the disk, at the start and at the end of an arbiter."""
 
 
 class JournalEntry(NamedTuple):
-    """What stands in the journal.
+    """The content of the journal.
 
     Attributes:
         faults: sentences by name, latched until a reset.
-        clean: the owner ended in order.
-        boot: start of the machine in which it was written.
-        doubt: why faults may be missing, a clause; empty: none is.
+        clean: the arbiter ended in order.
+        boot: the start of the machine in which it was written.
+        doubt: why faults may be missing, a clause; empty: none is missing.
     """
 
     faults: Mapping[str, str]
@@ -44,7 +43,7 @@ class JournalEntry(NamedTuple):
 
 
 class Journal:
-    """Keeps the faults of one owner. `write_next` is called by the thread that may wait for the disk, the rest is not.
+    """Keeps the faults of one arbiter. Only `read`, `write_next` and `close` wait for the disk.
 
     Args:
         storage: where; None: keep nothing.
@@ -64,7 +63,7 @@ class Journal:
         self._error = ""
 
     def read(self) -> JournalEntry:
-        """What an earlier owner has left; waits for the disk."""
+        """What an earlier arbiter has written; waits for the disk."""
         if self._file is None or self._storage is None:
             return JournalEntry({})
         try:
@@ -79,22 +78,20 @@ class Journal:
         if found.standing is Standing.DAMAGED:
             return JournalEntry({}, clean=False, doubt="its journal is damaged")
         try:
-            given = json.loads(found.payload)
-            entry = JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))
-        except (ValueError, KeyError, TypeError, UsageError, RecursionError):
+            entry = read_json(found.payload, _entry)
+        except UsageError:
             return JournalEntry({}, clean=False, doubt="its journal is of another version")
         if found.standing is Standing.OUTDATED:
             return entry._replace(clean=False, doubt="the last record of its journal is torn")
         return entry
 
     def keep(self, faults: Mapping[str, str], *, clean: bool = False) -> None:
-        """Have this written, if it is something else than before; returns at once."""
+        """Have this written, if it differs from the last request; returns at once."""
         wanted = dict(faults), clean
         if self._file is None or wanted == self._asked:
             return
         self._asked = wanted
-        given = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
-        payload = json.dumps(given, separators=(",", ":")).encode()
+        payload = write_json({"boot": self._boot, "clean": clean, "faults": dict(faults)})
         with self._lock:
             self._wanted = payload
             if self._since is None:
@@ -102,7 +99,7 @@ class Journal:
         self.changed.set()
 
     def write_next(self) -> bool:
-        """Write what is wanted, if it is not on the disk yet; whether it is now. Waits for the disk."""
+        """Write what `keep` asked for last; returns whether it is on the disk now. Waits for the disk."""
         with self._lock:
             payload = self._wanted
             if self._file is None or payload == self._written:
@@ -113,7 +110,7 @@ class Journal:
         except OSError as error:
             with self._lock:
                 if not self._error:
-                    _log.error("the line owner's journal cannot be written: %s", error.strerror)
+                    _log.error("the journal of the line arbiter cannot be written: %s", error.strerror)
                 self._error = error.strerror or str(error)
             return False
         with self._lock:
@@ -137,10 +134,10 @@ class Journal:
 
 
 class JournalThread:
-    """Waits for the disk, so that the owner need not.
+    """Waits for the disk in a thread, so that the arbiter need not.
 
     Args:
-        journal: nobody else uses it.
+        journal: used by this thread alone from now on.
     """
 
     def __init__(self, journal: Journal) -> None:
@@ -150,14 +147,14 @@ class JournalThread:
         self._thread.start()
 
     def read(self) -> JournalEntry:
-        """What an earlier owner has left; a disk that hangs is not waited for: see `late`."""
+        """What an earlier arbiter has written; after 2 s without an answer of the disk: see `late`."""
         self._was_read.wait(READ_S)
         return self.late() or JournalEntry(
             {}, clean=False, doubt="its journal cannot be read (the disk does not answer)"
         )
 
     def late(self) -> JournalEntry | None:
-        """What an earlier owner has left, once: nothing is written before it was taken."""
+        """What an earlier arbiter has written, once; nothing is written before it was fetched here."""
         if self._taken.is_set() or not self._was_read.is_set():
             return None
         self._taken.set()
@@ -173,14 +170,14 @@ class JournalThread:
         return self._journal.trouble
 
     def close(self, faults: Mapping[str, str]) -> None:
-        """The owner ends in order; a disk that hangs is not waited for."""
+        """The arbiter ends in order; waits at most 2 s for the disk."""
         self._journal.keep(faults, clean=True)
         self._ended = True
         self._taken.set()
         self._journal.changed.set()
         self._thread.join(READ_S)
         if self._thread.is_alive():
-            _log.error("the line owner ends, and the disk of its journal does not answer")
+            _log.error("the line arbiter ends, and the disk of its journal does not answer")
 
     def _run(self) -> None:
         self._entry = self._journal.read()
@@ -190,7 +187,11 @@ class JournalThread:
         while True:
             self._journal.changed.wait(None if done else RETRY_S)
             self._journal.changed.clear()
-            ended = self._ended  # asked before: what is wanted by then is written
+            ended = self._ended  # read first: what `keep` asked for until then is still written
             done = self._journal.write_next()
             if ended:
                 return self._journal.close()
+
+
+def _entry(given: Any) -> JournalEntry:
+    return JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))

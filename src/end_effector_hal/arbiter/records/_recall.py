@@ -1,4 +1,4 @@
-"""What a new line owner believes of what the one before it has left."""
+"""How far a new arbiter believes the records of the one before it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 
 
 def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
-    """The sessions from their record of this boot, the latched faults from there, too, else from the journal.
+    """The state to begin with: from the session record of this boot; without one, the faults of the journal.
 
     In doubt more faults are latched rather than fewer, and no last will is executed.
     """
@@ -25,7 +25,5 @@ def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
         faults["journal"] = f"Faults that were latched before the start may be missing: {journal.doubt}."
     if record is not None:
         return replace(record, faults={**faults, **record.faults})
-    known = journal.clean and journal.boot  # an owner that ended in order has left nothing to be done
-    return ArbiterState(
-        faults, clean=journal.clean, doubt="" if known else "no record of the sessions was found"
-    )
+    known = journal.clean and journal.boot  # an arbiter that ended in order has left nothing to be done
+    return ArbiterState(faults, clean=journal.clean, doubt="" if known else "no session record was found")

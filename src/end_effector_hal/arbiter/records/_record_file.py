@@ -1,4 +1,4 @@
-"""Records in a file of fixed size: the last whole one counts, and it is seen when a later one was begun.
+"""Records in a file of fixed size: the last whole one counts, and the file shows when a later one was begun.
 
 Two slots are written in turn. Each record has a generation number and a checksum. A record that was begun and not
 finished (the process died, the write was torn) makes the one before it *outdated*: it is whole, but something has
@@ -23,8 +23,6 @@ SLOT = 1 << 18
 """Bytes of a slot; a longer record is refused."""
 _UNFINISHED = 0xFFFFFFFF
 """The length of a record that was only begun."""
-
-
 _NEVER_WRITTEN = _HEADER.pack(MAGIC, 0, _UNFINISHED, 0)
 
 
@@ -39,11 +37,11 @@ class Standing(Enum):
     """Something stands there, but no whole record."""
 
 
-class Found(NamedTuple):
+class FoundRecord(NamedTuple):
     """The last whole record of a file.
 
     Attributes:
-        standing: how far it can be believed.
+        standing: how far it can be trusted.
         payload: empty if there is none.
         generation: of the payload; 0 if there is none.
     """
@@ -65,8 +63,8 @@ class RecordFile:
         self._generation = 0
         self._made = self._begun = self._foul = False
 
-    def read(self) -> Found:
-        """What an earlier process has left."""
+    def read(self) -> FoundRecord:
+        """The last record of an earlier process."""
         content = self._storage.read()
         self._made = len(content) == 2 * SLOT
         found = _read(content)
@@ -107,7 +105,7 @@ class RecordFile:
         self._begun = self._foul = False
 
     def remove(self) -> None:
-        """Have no record; the next one makes a new file."""
+        """Delete the file; the next record makes a new one."""
         self._storage.remove()
         self._made = False
 
@@ -136,12 +134,12 @@ def _checksum(generation: int, payload: bytes) -> int:
     return crc32(payload, crc32(struct.pack("<QI", generation, len(payload))))
 
 
-def _read(content: bytes) -> Found:
+def _read(content: bytes) -> FoundRecord:
     slots = [_read_slot(content[at : at + SLOT]) for at in (0, SLOT)]
     whole = max((slot for slot in slots if slot.standing is Standing.WHOLE), key=_generation, default=None)
     if whole is None:
         empty = all(slot.standing is Standing.ABSENT for slot in slots)
-        return Found(Standing.ABSENT if empty else Standing.DAMAGED)
+        return FoundRecord(Standing.ABSENT if empty else Standing.DAMAGED)
     for slot in slots:
         # both slots are written when the file is made: one that is empty was lost
         lost = slot.standing is Standing.ABSENT
@@ -150,19 +148,19 @@ def _read(content: bytes) -> Found:
     return whole
 
 
-def _read_slot(slot: bytes) -> Found:
+def _read_slot(slot: bytes) -> FoundRecord:
     if slot == bytes(len(slot)):
-        return Found(Standing.ABSENT)
+        return FoundRecord(Standing.ABSENT)
     if len(slot) < _HEADER.size or not slot.startswith(MAGIC):
-        return Found(Standing.DAMAGED, b"", _UNKNOWN)
+        return FoundRecord(Standing.DAMAGED, b"", _UNKNOWN)
     _, generation, length, checksum = _HEADER.unpack_from(slot)
     payload = slot[_HEADER.size : _HEADER.size + length]
     if len(payload) < length or checksum != _checksum(generation, payload):
-        return Found(Standing.DAMAGED, b"", generation)
-    return Found(Standing.WHOLE, payload, generation)
+        return FoundRecord(Standing.DAMAGED, b"", generation)
+    return FoundRecord(Standing.WHOLE, payload, generation)
 
 
-def _generation(slot: Found) -> int:
+def _generation(slot: FoundRecord) -> int:
     return slot.generation
 
 

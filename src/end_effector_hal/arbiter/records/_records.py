@@ -1,4 +1,4 @@
-"""What the next line owner must know: the record of the sessions in memory, the journal of the faults on a disk."""
+"""Both records of one arbiter: the session record in memory, the journal of its faults on a disk."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from end_effector_hal.arbiter.records._recall import recall
 from end_effector_hal.arbiter.records._session_store import SessionStore
 from end_effector_hal.arbiter.rules import ArbiterState, LineArbiter
 
-NO_RECORD = (
-    "The record of the sessions cannot be kept ({}): if the line owner dies, no last will is executed."
-)
+NO_RECORD = "The session record cannot be kept ({}): if the line arbiter dies, no last will is executed."
 NO_JOURNAL = (
-    "The journal of the line owner cannot be written ({}): a loss of power would clear latched faults."
+    "The journal of the line arbiter cannot be written ({}): a loss of power would clear latched faults."
 )
 
 
 class FaultJournal(Protocol):
-    """A journal for which nobody waits; see `JournalThread`."""
+    """A journal that never makes its user wait; see `JournalThread`."""
 
     @property
     def trouble(self) -> str:
@@ -27,47 +25,47 @@ class FaultJournal(Protocol):
         ...
 
     def read(self) -> JournalEntry:
-        """What an earlier owner has left."""
+        """What an earlier arbiter has written."""
         ...
 
     def late(self) -> JournalEntry | None:
-        """The same, when the disk did not answer in time; once."""
+        """The same, once, when the disk answered only after `read`; else None."""
         ...
 
     def keep(self, faults: dict[str, str]) -> None:
-        """Have this written."""
+        """Have these faults written."""
         ...
 
     def close(self, faults: dict[str, str]) -> None:
-        """The owner ends in order."""
+        """The arbiter ends in order."""
         ...
 
 
 class Records:
-    """Both of them, for one owner. Trouble with them is a latched fault and ends nothing."""
+    """Reads and keeps them. Trouble with either is a latched fault and ends nothing."""
 
     def __init__(self, sessions: SessionStore, journal: FaultJournal) -> None:
         self._sessions, self._journal = sessions, journal
         self.before = recall(sessions.read(), journal.read())
-        """What the owner before this one has left."""
+        """The state of the arbiter before this one."""
 
     def before_change(self) -> None:
         """Lines are about to be written: what is recorded is outdated until `keep`."""
         self._sessions.begin()
 
-    def keep(self, keeper: LineArbiter) -> None:
-        """Before anybody is told what has changed."""
+    def keep(self, arbiter: LineArbiter) -> None:
+        """Keep its state; call it before any client learns what has changed."""
         if late := self._journal.late():
             for name, why in late.faults.items():
-                keeper.sensed.latch(name, why)
+                arbiter.predicates.latch(name, why)
         for name, why in self.troubles().items():
-            keeper.sensed.latch(name, why)
-        memory = keeper.memory
-        self._sessions.keep(memory)
-        self._journal.keep(dict(memory.faults))
+            arbiter.predicates.latch(name, why)
+        state = arbiter.state
+        self._sessions.keep(state)
+        self._journal.keep(dict(state.faults))
 
     def troubles(self) -> dict[str, str]:
-        """What cannot be kept just now, as faults: sentences by name."""
+        """Records that cannot be kept now, as faults: sentences by name."""
         return {
             name: sentence.format(why)
             for name, sentence, why in (
@@ -77,8 +75,8 @@ class Records:
             if why
         }
 
-    def close(self, memory: ArbiterState) -> None:
-        """The owner ends in order."""
-        self._sessions.keep(replace(memory, clean=True))
+    def close(self, state: ArbiterState) -> None:
+        """The arbiter ends in order."""
+        self._sessions.keep(replace(state, clean=True))
         self._sessions.close()
-        self._journal.close(dict(memory.faults))
+        self._journal.close(dict(state.faults))

@@ -1,22 +1,22 @@
-"""What the next line owner needs of this one's clients, kept in memory: their last wills, and the lines' levels.
+"""The session record: last wills and levels of the lines, for the next arbiter, in memory that outlives the process.
 
-It stands in a file of the run directory, which is memory (tmpfs): it outlives the process and not the machine, as the
-lines do. Its room is taken at the start, so that a full disk does not concern it. Before a line changes, the record
-is marked as outdated; it is whole again once the wills that go with the new levels are in it. Whatever is outdated,
-damaged, not the latest by its number, of another boot, or does not fit the levels that are found means *hold*: no last
-will is executed.
+It stands in a file of the run directory, which is memory (tmpfs): like the levels of the lines, it outlives the
+process and not the machine. Its room is taken at the start, so that a full disk does not matter later. Before a line
+changes, the record is marked as outdated; it is whole again once the last wills that go with the new levels are in
+it. A record that is outdated, damaged, of another boot, not the latest by its number, or that does not fit the levels
+that are found means *hold*: no last will is executed.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import logging
 import struct
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from end_effector_hal.arbiter._json import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import Storage
 from end_effector_hal.arbiter.rules import ArbiterState, read_arbiter_state
@@ -28,12 +28,12 @@ _MARK = struct.Struct("<Q")
 
 
 class SessionStore:
-    """One file; trouble with it is an alarm and ends nothing.
+    """Keeps the session record in one file; trouble with it is an alarm and ends nothing.
 
     Args:
         storage: where.
-        mark: where the number of the latest record stands, apart from the record: an older one that is whole, such as
-            a copy, does not match it.
+        mark: where the number of the latest record stands, apart from the record: an older record that is whole, such
+            as a copy, does not match it.
         boot: names this start of the machine.
         clock: monotonic, µs.
     """
@@ -46,34 +46,34 @@ class SessionStore:
         self._tried: ArbiterState | None = None
         self._begun = False
         self.trouble = ""
-        """Why the record cannot be kept just now, a clause; empty: it is."""
+        """Why the record cannot be kept now, a clause; empty: it is kept."""
 
     def read(self) -> ArbiterState | None:
-        """What the owner before this one has left in this boot, with its doubt; None: nothing."""
+        """The state of the arbiter before this one in this boot, with its doubt; None: there is none."""
         try:
             found, mark = self._file.read(), self._mark.read()
         except OSError as error:
-            return ArbiterState(
-                clean=False, doubt=f"the record of the sessions cannot be read ({error.strerror})"
-            )
+            return ArbiterState(clean=False, doubt=f"the session record cannot be read ({error.strerror})")
         self._marked = len(mark) == _MARK.size
         if found.standing is Standing.ABSENT:
             return None
         if found.standing is Standing.DAMAGED:
-            return ArbiterState(clean=False, doubt="the record of the sessions is damaged")
+            return ArbiterState(clean=False, doubt="the session record is damaged")
         try:
-            given = json.loads(found.payload)
-            if not self._boot or given["boot"] != self._boot:
+            boot, given = read_json(found.payload, lambda given: (given["boot"], given["memory"]))
+            if not self._boot or boot != self._boot:
                 return None
-            memory = read_arbiter_state(given["memory"])
-        except (ValueError, KeyError, TypeError, UsageError, RecursionError):
-            return ArbiterState(clean=False, doubt="the record of the sessions is of another version")
+            state = read_arbiter_state(given)
+        except UsageError:
+            return ArbiterState(clean=False, doubt="the session record is of another version")
         doubt = ""
         if found.standing is Standing.OUTDATED:
-            doubt = "the owner before this one died while it changed a line, or a part of its record has gone"
+            doubt = (
+                "the arbiter before this one died while it changed a line, or a part of its record is missing"
+            )
         elif mark != _MARK.pack(found.generation):
-            doubt = "the record of the sessions is not the latest one"
-        return replace(memory, clean=False, doubt=doubt) if doubt else memory
+            doubt = "the session record is not the latest one"
+        return replace(state, clean=False, doubt=doubt) if doubt else state
 
     def begin(self) -> None:
         """A line is about to change: the record is outdated until the next `keep`."""
@@ -84,14 +84,13 @@ class SessionStore:
             except OSError as error:
                 self._fail(error)
 
-    def keep(self, memory: ArbiterState) -> None:
-        """Keep it, if it is something else than before, or is outdated, or could not be kept for a while."""
+    def keep(self, state: ArbiterState) -> None:
+        """Write it, if it differs from the last one, or that is outdated, or could not be written for a while."""
         due = bool(self.trouble) and self._clock() >= self._retry_at
-        if memory == self._tried and not self._begun and not due:
+        if state == self._tried and not self._begun and not due:
             return
-        self._tried, self._begun = memory, False
-        given = {"boot": self._boot, "memory": memory.as_json()}
-        payload = json.dumps(given, separators=(",", ":")).encode()
+        self._tried, self._begun = state, False
+        payload = write_json({"boot": self._boot, "memory": state.as_json()})
         try:
             self._write_mark(_MARK.pack(self._file.next_generation))
             self._file.keep(payload)
@@ -115,9 +114,9 @@ class SessionStore:
 
     def _fail(self, error: OSError) -> None:
         if not self.trouble:
-            _log.error("the record of the sessions cannot be kept: %s", error.strerror)
+            _log.error("the session record cannot be kept: %s", error.strerror)
         self.trouble, self._retry_at = error.strerror or str(error), self._clock() + RETRY_US
-        # What stands there would be believed: without a record the next owner holds.
+        # The next arbiter would believe what stands there; without a record it holds.
         self._marked = False
         for remove in (self._file.remove, self._mark.remove):
             with contextlib.suppress(OSError):

@@ -3,13 +3,12 @@
 from ._arbiter import LineArbiter
 from ._policy import Exclusion, Need, Policy
 from ._sender_role import SecondSenderError, SenderRole
-from ._session import LastWillRunsError, Session, process_words
+from ._session import Session, process_words
 from ._state import ArbiterState, SessionRecord, read_arbiter_state, read_faults
 
 __all__ = [
     "ArbiterState",
     "Exclusion",
-    "LastWillRunsError",
     "LineArbiter",
     "Need",
     "Policy",

@@ -1,4 +1,4 @@
-"""What the line owner enforces: plain data, given by whoever knows the tool."""
+"""What the line arbiter enforces: plain data, made from the description of the tool."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class Partner(NamedTuple):
 
 
 class Need(NamedTuple):
-    """What must have been told freshly of the sensors for a line to be activated.
+    """What the sensors must freshly prove for a line to be activated.
 
     Attributes:
         predicate: its name in a message.
         interlock: that refuses without it.
-        means: what it says, for a sentence: "the tool is locked".
+        means: for a sentence: "the tool is locked".
         otherwise: what is the case when it does not hold: "the tool is not proven to be locked".
         latched: once it did not hold, nothing is activated until a reset (IL-13), and this says why:
             "the emergency stop was opened"; empty: it does not latch.
@@ -50,7 +50,7 @@ class Need(NamedTuple):
 
 @dataclass(frozen=True)
 class Policy:
-    """The lines of an owner and the interlocks on them (section 6 of the contract).
+    """The lines of an arbiter and the interlocks on them (section 6 of the contract).
 
     Attributes:
         lines: all output lines, claimed at once.
@@ -58,10 +58,10 @@ class Policy:
         max_active_us: a line that is active for so long is made inactive (IL-03).
         min_switch_us: a line stays as it is for at least so long; a write waits (IL-10).
         needs: by line, what the sensors must say for it to be activated (IL-01, IL-05, IL-13).
-        fresh_us: what was told of the sensors counts for so long.
-        lease_us: a client that is not heard of for so long is dead.
-        longest_will_us: no step of a will is later than that after the death.
-        faults: names of the faults that clients may have kept (``latch``).
+        fresh_us: how long a proof of the sensors counts.
+        lease_us: a client that does not renew its lease for so long is dead.
+        longest_last_will_us: no step of a last will is later than that after the death.
+        faults: names of the faults that clients may latch.
         labels: what the lines drive, for the sentences.
     """
 
@@ -72,7 +72,7 @@ class Policy:
     needs: Mapping[str, Sequence[Need]] = field(default_factory=dict)
     fresh_us: int = 150_000
     lease_us: int = LEASE_US
-    longest_will_us: int = 10_000_000
+    longest_last_will_us: int = 10_000_000
     faults: Sequence[str] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
 
@@ -84,17 +84,17 @@ class Policy:
         unknown = sorted(set(used) - set(self.lines))
         if unknown or len(set(self.lines)) < len(self.lines):
             raise UsageError(
-                f"the policy of the line owner is wrong: lines {list(self.lines)}, unknown: {unknown}.",
+                f"the policy of the line arbiter is wrong: lines {list(self.lines)}, unknown: {unknown}.",
                 todo="Name each line once, and in the interlocks only lines that it has.",
             )
 
-    def check_will(self, will: LastWill) -> None:
-        """Raises UsageError for a will that takes so long that it would lock its lines."""
-        late = [step for step in will if step.after_us > self.longest_will_us]
+    def check_last_will(self, will: LastWill) -> None:
+        """Raises UsageError for a last will that takes so long that it would lock its lines."""
+        late = [step for step in will if step.after_us > self.longest_last_will_us]
         if late:
             raise UsageError(
-                f"the will deactivates {late[0].line} {late[0].after_us} µs after the death; the longest will of this "
-                f"tool takes {self.longest_will_us} µs."
+                f"the last will deactivates {late[0].line} {late[0].after_us} µs after the death; "
+                f"the longest last will of this tool takes {self.longest_last_will_us} µs."
             )
 
     def partners(self, line: str) -> list[Partner]:

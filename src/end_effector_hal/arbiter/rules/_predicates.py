@@ -1,17 +1,17 @@
-"""What the owner was told of the sensors, for as long as it is fresh, and the faults that stay until a reset."""
+"""What the sensors were last said to prove, for as long as it is fresh, and the faults that stay until a reset."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 from typing import NamedTuple
 
 from end_effector_hal.arbiter.rules._policy import Need
 from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import hint
 
 
-class Claim(NamedTuple):
-    """Who reads the sensors said at ``at`` µs whether a predicate holds."""
+class ProvenPredicate(NamedTuple):
+    """Whether a predicate held at ``at`` µs, according to the process that reads the sensors."""
 
     holds: bool
     at: int
@@ -21,71 +21,79 @@ class SensorPredicates:
     """Predicates that expire, and latched faults. Pure: time is an argument, in µs.
 
     A predicate refuses activations; nothing in here ever makes a line inactive. All names are known beforehand: no
-    message makes a table grow, and no fault of a client takes the room of one that the owner latches.
+    message makes a table grow, and no fault of a client takes the room of one that the arbiter latches.
 
     Args:
         needs: of all lines; those that latch leave faults.
-        valid_us: a predicate is fresh for so long.
+        valid_us: how long a predicate stays fresh.
         faults: known from before a restart, sentence by name.
-        kept: names of the faults that clients may have kept.
+        client_faults: names of the faults that clients may latch.
     """
 
     def __init__(
-        self, needs: Iterable[Need], valid_us: int, faults: Mapping[str, str], kept: Iterable[str] = ()
+        self,
+        needs: Iterable[Need],
+        valid_us: int,
+        faults: Mapping[str, str],
+        client_faults: Iterable[str] = (),
     ) -> None:
         needs = list(needs)
-        self.claims: dict[str, Claim] = {}
+        self.proofs: dict[str, ProvenPredicate] = {}
         self.faults = dict(faults)
         self._valid_us = valid_us
-        self._names, self._kept = frozenset(need.predicate for need in needs), frozenset(kept)
+        self._names, self._client_faults = (
+            frozenset(need.predicate for need in needs),
+            frozenset(client_faults),
+        )
         self._latching = {need.predicate: need for need in needs if need.latched}
 
-    def tell(self, predicates: Mapping[str, bool], said_at: int, at: int) -> None:
-        """Take what was said at ``said_at``; what is older than what is known counts for nothing.
+    def update(self, predicates: Mapping[str, bool], proven_at: int, at: int) -> None:
+        """Note what was proven at ``proven_at``; what is older than what is known already is ignored.
 
         Raises:
-            UsageError: no line needs one of them, or it is said of a time ahead of now; nothing of it counts.
+            UsageError: no line needs one of them, or the time is ahead of now; none of them is noted.
         """
         for name in predicates:
             _check_known(name, self._names, "predicate")
-        if said_at > at:
-            raise UsageError(f"at_us is {said_at - at} µs ahead of now.")
+        if proven_at > at:
+            raise UsageError(f"at_us is {proven_at - at} µs ahead of now.")
         for name, holds in predicates.items():
-            known = self.claims.get(name)
-            if known and known.at > said_at:
+            known = self.proofs.get(name)
+            if known and known.at > proven_at:
                 continue
-            self.claims[name] = Claim(holds, said_at)
+            self.proofs[name] = ProvenPredicate(holds, proven_at)
             need = self._latching.get(name)
             if need and not holds:
                 self.latch(name, f"{need.interlock}: {need.latched}.")
 
     def latch(self, name: str, why: str) -> None:
-        """Keep a fault that the owner has seen itself until a reset; the first reason counts."""
+        """Keep a fault that the arbiter has found itself until a reset; the first reason stays."""
         self.faults.setdefault(name, why)
 
-    def keep(self, name: str, why: str) -> None:
-        """Keep a fault for a client.
+    def latch_for_client(self, name: str, why: str) -> None:
+        """Keep a fault that a client has found.
 
         Raises:
             UsageError: the policy lists no such fault.
         """
-        _check_known(name, self._kept, "fault")
+        _check_known(name, self._client_faults, "fault")
         self.latch(name, why)
 
     def objection(self, need: Need, at: int) -> str:
-        """Why an activation that needs this is refused, as a sentence without its subject; empty: it is not."""
-        claim = self.claims.get(need.predicate)
-        if claim is None:
-            return f"nobody who reads the sensors has said yet whether {need.means}"
-        if at - claim.at >= self._valid_us:
-            return f"for {(at - claim.at) / 1e6:.3g} s nobody who reads the sensors has said whether {need.means}"
-        if not claim.holds:
+        """Why an activation that needs this is refused, a clause; empty: it is not refused."""
+        proof = self.proofs.get(need.predicate)
+        if proof is None:
+            return f"no process that reads the sensors has reported yet whether {need.means}"
+        if at - proof.at >= self._valid_us:
+            age_s = (at - proof.at) / 1e6
+            return f"for {age_s:.3g} s no process that reads the sensors has reported whether {need.means}"
+        if not proof.holds:
             return need.otherwise
         latched = need.latched and need.predicate in self.faults
         return f"{need.latched}; reset the faults first" if latched else ""
 
     def reset(self, at: int) -> list[str]:
-        """Clear the faults; those whose predicate does not hold now, freshly, stay, and are returned in words."""
+        """Clear the faults; those whose predicate is not freshly proven now stay, and are returned in words."""
         faults, self.faults = self.faults, {}
         stay = {
             name: why
@@ -98,7 +106,5 @@ class SensorPredicates:
 
 def _check_known(name: str, known: frozenset[str], what: str) -> None:
     if name not in known:
-        close = get_close_matches(name, known, n=1)
-        hint = f" (did you mean {close[0]}?)" if close else ""
         has = ", ".join(sorted(known)) or f"no {what} at all"
-        raise UsageError(f"this owner knows no {what} {name}{hint}; it knows {has}.")
+        raise UsageError(f"this arbiter has no {what} {name}{hint(name, known)}; it has {has}.")

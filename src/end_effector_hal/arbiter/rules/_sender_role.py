@@ -1,4 +1,4 @@
-"""Who may say what the sensors show: one connection at a time. Pure: time is an argument, in µs."""
+"""The role of the predicate sender: one connection at a time. Pure: time is an argument, in µs."""
 
 from __future__ import annotations
 
@@ -10,56 +10,64 @@ T = TypeVar("T")
 
 
 class SecondSenderError(LineBusyError):
-    """Somebody claims to read the sensors while another one does; ``heard`` says whether that one is heard."""
+    """Another process claims to read the sensors while the first one has the role.
 
-    heard = False
+    Args:
+        what: one sentence.
+        todo: what the reader can do about it.
+        active: whether the first one still sends.
+    """
+
+    def __init__(self, what: str, *, todo: str, active: bool) -> None:
+        super().__init__(what, todo=todo)
+        self.active = active
 
 
 class SenderRole(Generic[T]):
-    """The role, and the connection that has it.
+    """The connection that may say what the sensors prove.
 
     Args:
-        silent_us: a connection that was not heard of for so long can lose the role to its own user.
+        silent_us: a connection that was silent for so long can lose the role to another process of its user.
     """
 
     def __init__(self, silent_us: int) -> None:
         self._silent_us = silent_us
         self._holder: T | None = None
-        self._uid, self._token, self._process, self._heard = -1, "", "", 0
+        self._uid, self._token, self._process, self._last_sent = -1, "", "", 0
 
-    def take(self, connection: T, uid: int, token: str, process: str, at: int) -> T | None:
-        """A connection asks for the role, and has it; returns the one that had it, which has ended by that.
+    def assign(self, connection: T, uid: int, token: str, process: str, at: int) -> T | None:
+        """Give the role to a connection; returns the connection that had it, which has to be closed.
 
         Args:
-            connection: that asks.
+            connection: that asks for the role.
             uid: of its process.
-            token: what it says to be known again.
+            token: identifies its process when it connects again.
             process: in words, for the sentences.
             at: now.
 
         Raises:
-            SecondSenderError: another one has it; says who.
+            SecondSenderError: another one has it; says which.
         """
         before = self._holder
         if before is not None and (uid, token) != (self._uid, self._token):
-            heard = at - self._heard < self._silent_us
-            if heard or uid != self._uid:
-                error = SecondSenderError(
-                    f"a second process ({process}) wants to say what the sensors show; it counts for nothing, "
-                    f"for the first one ({self._process}) {'does' if heard else 'is of another user'}.",
-                    todo="Stop one of them: one process reads the sensors.",
+            active = at - self._last_sent < self._silent_us
+            if active or uid != self._uid:
+                reason = "still reports" if active else "belongs to another user"
+                raise SecondSenderError(
+                    f"a second process ({process}) wants to report what the sensors show; the arbiter ignores it, "
+                    f"because the first one ({self._process}) {reason}.",
+                    todo="Stop one of them: only one process reads the sensors.",
+                    active=active,
                 )
-                error.heard = heard
-                raise error
         self._holder, self._uid, self._token, self._process = connection, uid, token, process
-        self._heard = at
+        self._last_sent = at
         return before
 
-    def says(self, connection: T, at: int) -> bool:
-        """Whether what this connection says counts; it was heard of now."""
+    def accepts(self, connection: T, at: int) -> bool:
+        """Whether this connection, which sends something now, has the role."""
         if connection is not self._holder:
             return False
-        self._heard = at
+        self._last_sent = at
         return True
 
     def leave(self, connection: T) -> None:

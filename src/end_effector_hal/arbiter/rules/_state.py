@@ -1,4 +1,4 @@
-"""What the owner must know after a restart: plain data."""
+"""What the next arbiter must know of this one: plain data, and its JSON."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from end_effector_hal.vocabulary import LastWill, printable, read_last_will
 
 
 class SessionRecord(NamedTuple):
-    """What one client has left.
+    """What is kept of the session of one client.
 
     Attributes:
-        client, token, lines: who, and what it writes; a token that is empty is nobody's.
-        will: the one that is valid.
-        ended: the client has gone, the will is being executed.
-        pid: for people only; another process may have it meanwhile.
+        client, token, lines: who it is, and what it writes; an empty token identifies nobody.
+        will: the last will that is valid.
+        ended: the client has gone, and its last will is being executed.
+        pid: for people only; another process may have it by now.
     """
 
     client: str
@@ -31,15 +31,15 @@ class SessionRecord(NamedTuple):
 
 @dataclass(frozen=True)
 class ArbiterState:
-    """Of an owner at one moment.
+    """An arbiter at one moment.
 
     Attributes:
         faults: sentences by name, latched until a reset.
-        clients: those that write lines, and those whose will runs.
-        clean: the owner ended in order.
-        levels: of the lines; a line that is not in here is not compared with what is found.
-        dead: names and tokens of clients that were declared dead and have not come back.
-        doubt: why the wills of these clients must not be executed, a clause; empty: they may.
+        clients: those that write lines, and those whose last will is being executed.
+        clean: the arbiter ended in order.
+        levels: of the lines; a line that is missing here is not compared with the level that is found.
+        dead: names and tokens of clients that were declared dead and have not connected since.
+        doubt: why the last wills of these clients must not be executed, a clause; empty: they may be.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -50,7 +50,7 @@ class ArbiterState:
     doubt: str = ""
 
     def as_json(self) -> dict[str, object]:
-        """As it stands in the record of the sessions, without the doubt: that is found in reading."""
+        """For the session record. The doubt is not in it: it arises when the record is read."""
         return {
             "faults": dict(self.faults),
             "clients": [
@@ -64,36 +64,39 @@ class ArbiterState:
 
 
 def read_arbiter_state(given: Any) -> ArbiterState:
-    """The other way round.
+    """The state that `ArbiterState.as_json` gave.
 
     Raises:
-        UsageError: it is none; perhaps of another version.
+        UsageError: this is not such a state, or one of another version.
     """
     try:
-        clients = tuple(_read_client(*client) for client in given["clients"])
+        clients = tuple(_read_record(*client) for client in given["clients"])
         levels = {str(line): level is True for line, level in given["levels"].items()}
         dead = tuple((str(client), str(token)) for client, token in given["dead"])
         return ArbiterState(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise UsageError(f"this is no memory of a line owner: {error}.") from error
+        raise UsageError(f"this is not the state of a line arbiter: {error}.") from error
 
 
 def read_faults(given: Any) -> dict[str, str]:
     """Sentences by name, from JSON.
 
     Raises:
-        UsageError: it is no such object.
+        UsageError: this is not such an object.
     """
     if not isinstance(given, dict):
-        raise UsageError("faults is an object of sentences by name.")
+        raise UsageError("faults must be an object of sentences by name.")
     return {printable(str(name)): printable(str(why)) for name, why in given.items()}
 
 
-def _read_client(
+def _read_record(
     client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object
 ) -> SessionRecord:
-    known = token if is_token(token) else ""
-    number = pid if type(pid) is int else 0
     return SessionRecord(
-        printable(str(client)), known, tuple(map(str, lines)), read_last_will(will), bool(ended), number
+        printable(str(client)),
+        token if is_token(token) else "",
+        tuple(map(str, lines)),
+        read_last_will(will),
+        bool(ended),
+        pid if type(pid) is int else 0,
     )

@@ -1,4 +1,4 @@
-"""The owner's end of one connection: who is at the other end, and what came and was not answered yet."""
+"""The arbiter's end of one connection: the process at the other end, and its messages that are not answered yet."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from end_effector_hal.wires import program_name
 
 
 class Connection:
-    """Reads without waiting, one message after the other, and no further than it is asked to.
+    """Reads without waiting, one message after the other, and no further than `receive` is called.
 
     Args:
         sock: accepted; it is closed by `close`.
@@ -27,34 +27,34 @@ class Connection:
         )
         self.program = program_name(self.pid) if self.pid else ""
         self.session: Session | None = None
-        self.proves = False
+        self.sends_predicates = False
         self.heard_at = at
         self.ended = False
-        """The other end is closed; what it sent before that is still to be answered."""
+        """The other end is closed; what it sent before is still to be answered."""
         self._rest = b""
 
     @property
     def process(self) -> str:
-        """Which process it is, for people."""
+        """The process at the other end, for people."""
         return process_words(self.pid, self.program)
 
     @property
     def rank(self) -> int:
-        """Who comes first: what the sensors say was sent before any write that follows from it."""
-        return 0 if self.proves else 1 if self.session else 2
+        """The order of answers: what the sensors prove was sent before any write that follows from it."""
+        return 0 if self.sends_predicates else 1 if self.session else 2
 
     @property
     def waits(self) -> bool:
-        """Whether a whole message was received and not taken yet."""
+        """Whether a whole message was received and is not fetched yet."""
         return b"\n" in self._rest
 
     @property
     def overlong(self) -> bool:
-        """Whether what came is longer than any message."""
+        """Whether more came than any message is long."""
         return not self.waits and len(self._rest) > LONGEST
 
     def receive(self) -> None:
-        """What is there; nothing while messages wait, so that a flood stays with its sender."""
+        """Read what is there; nothing while messages wait, so that a flood fills the buffers of its sender."""
         if self.waits or self.ended:
             return
         try:
@@ -65,15 +65,15 @@ class Connection:
             data = b""
         self.ended, self._rest = not data, self._rest + data
 
-    def take(self) -> bytes | None:
-        """The next message; None: there is no whole one."""
+    def next_message(self) -> bytes | None:
+        """Fetch the next message; None: there is no whole one."""
         if not self.waits:
             return None
         line, self._rest = self._rest.split(b"\n", 1)
         return line
 
     def send(self, message: Mapping[str, object]) -> bool:
-        """Whether it went out whole; a client that lets its replies pile up does not live."""
+        """Returns whether the whole message went out; a client that does not read its replies is treated as dead."""
         data = write_message(message)
         try:
             return self.sock.send(data) == len(data)

@@ -1,4 +1,4 @@
-"""All connections of the owner: how many there may be, and how long they may say nothing."""
+"""All connections of the arbiter: how many there may be, and how long they may be silent."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 MOST_STRANGERS = 32
-"""Connections that neither write lines nor prove; those that do are as many as there are lines, and one."""
+"""Connections that neither write lines nor send predicates; there is one sender, and at most one writer per line."""
 IDLE_US = 10_000_000
 ACCEPTED = 8
 MESSAGES = 8
-"""In one round, of one connection; of one that neither writes nor proves a quarter of that."""
+"""In one round, from one connection; a quarter of that from one that neither writes nor sends predicates."""
 
 
 class Connections:
-    """Registered with a selector, which tells which ones have something to read.
+    """Registered with a selector, which reports those that have something to read.
 
     Args:
-        listener: the owner's socket, which does not block.
+        listener: the arbiter's socket, which does not block.
         selector: gets every connection, with itself as its data.
     """
 
@@ -37,7 +37,7 @@ class Connections:
         return iter(list(self._open))
 
     def accept(self) -> list[Connection]:
-        """Take who waits; returns those that must go for it, each the oldest of the user that has most."""
+        """Accept those that wait; returns connections to be closed for them: the oldest of the user that has most."""
         for _ in range(ACCEPTED):
             try:
                 sock, _ = self._listener.accept()
@@ -57,21 +57,21 @@ class Connections:
         return surplus
 
     def idle(self, at: int) -> list[Connection]:
-        """Those that said nothing for too long; who writes lines has a lease instead."""
+        """Those that were silent for too long; connections that write lines have a lease instead."""
         return [each for each in self._open if not each.session and at - each.heard_at >= IDLE_US]
 
     def due(self) -> int | None:
-        """When the next one will have said nothing for too long."""
+        """When the next one will have been silent for too long."""
         return min((each.heard_at + IDLE_US for each in self._open if not each.session), default=None)
 
     def round(self, ready: set[Connection]) -> list[Connection]:
-        """Those that have something to say, in the order in which they are heard."""
+        """Those that have messages, in the order in which they are answered."""
         waiting = [each for each in self._open if each in ready or each.waits]
         return sorted(waiting, key=lambda each: each.rank)
 
     @property
     def wait(self) -> bool:
-        """Whether messages were received and not taken yet."""
+        """Whether messages were received that are not fetched yet."""
         return any(each.waits for each in self._open)
 
     def drop(self, connection: Connection) -> None:

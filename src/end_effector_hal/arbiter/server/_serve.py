@@ -1,4 +1,4 @@
-"""The line owner as a process."""
+"""The line arbiter as a process."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ def serve(
     group: str | None = None,
     on_ready: Callable[[ArbiterServer], None] | None = None,
 ) -> None:
-    """Be the line owner until SIGTERM, SIGINT or `ArbiterServer.stop`; the lines stay as they are.
+    """Run the line arbiter until SIGTERM, SIGINT or `ArbiterServer.stop`; the lines stay as they are.
 
     Args:
         backend, socket_path, policy, journal, group: see `ArbiterServer`, also for the errors.
         on_ready: called once, when clients can come.
     """
-    with ArbiterServer(backend, socket_path, policy, journal, group=group) as owner:
+    with ArbiterServer(backend, socket_path, policy, journal, group=group) as server:
         before = {}
         if threading.current_thread() is threading.main_thread():
-            before = {s: signal.signal(s, lambda *_: owner.stop()) for s in (signal.SIGTERM, signal.SIGINT)}
+            before = {s: signal.signal(s, lambda *_: server.stop()) for s in (signal.SIGTERM, signal.SIGINT)}
         try:
             if on_ready:
-                on_ready(owner)
-            owner.run()
+                on_ready(server)
+            server.run()
         finally:
             for number, handler in before.items():
                 signal.signal(number, handler)

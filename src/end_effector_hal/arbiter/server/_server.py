@@ -1,4 +1,4 @@
-"""The line owner's process: one thread, one socket, one timer."""
+"""The process of the line arbiter: one thread, one socket, one timer."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from end_effector_hal.arbiter.records import (
     this_boot,
 )
 from end_effector_hal.arbiter.rules import LineArbiter, Policy
-from end_effector_hal.arbiter.server._answers import Answers, refusal
 from end_effector_hal.arbiter.server._connection import Connection
 from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connections
+from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
 from end_effector_hal.arbiter.server._socket import listen, no_socket
 from end_effector_hal.errors import ArbiterError, UsageError, WireError
 from end_effector_hal.wires import Claim, now_us
@@ -29,18 +29,18 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 
 
 class ArbiterServer:
-    """Owns the lines of a back-end and serves them; see `_protocol` for the messages.
+    """Owns the lines of a back-end and serves them; `protocol` describes the messages.
 
     Args:
         backend: not requested yet.
-        socket_path: Unix socket (mode 0660); its directory is made, that of a dead owner replaced.
+        socket_path: Unix socket (mode 0660); its directory is made, the socket of a dead arbiter replaced.
         policy: lines and interlocks.
-        journal: file that keeps latched faults through a loss of power; None: none does. What the next owner must
-            know of the clients stands beside the socket.
+        journal: file that keeps latched faults through a loss of power; None: there is none. The session record stands
+            beside the socket.
         group: whose members may open the socket; default: that of the process.
 
     Raises:
-        LineBusyError: another owner lives at this path, or somebody else has the lines; says who.
+        LineBusyError: another arbiter serves this path, or another process has the lines; says which.
         LineNotFoundError, WireError: see `LineBackend.request`.
     """
 
@@ -60,7 +60,7 @@ class ArbiterServer:
         self._selector.register(self._wake_read, selectors.EVENT_READ)
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            self._claim = Claim(f"{self._path}.lock", "the line owner's socket")
+            self._claim = Claim(f"{self._path}.lock", "the socket of the line arbiter")
         except OSError as error:
             self._close_ends()
             if isinstance(error, WireError):
@@ -70,9 +70,9 @@ class ArbiterServer:
             self._records = _records(self._path, journal)
             before = self._records.before
             if not before.clean:
-                _log.warning("the line owner before this one did not end in order")
-            self._keeper = LineArbiter(backend, policy, now_us(), before, self._records.before_change)
-            self._records.keep(self._keeper)
+                _log.warning("the line arbiter before this one did not end in order")
+            self._arbiter = LineArbiter(backend, policy, now_us(), before, self._records.before_change)
+            self._records.keep(self._arbiter)
             listener = listen(self._path, group)
         except BaseException:
             backend.close()
@@ -80,8 +80,8 @@ class ArbiterServer:
             self._close_ends()
             raise
         self._connections = Connections(listener, self._selector)
-        self._answers = Answers(
-            self._keeper,
+        self._requests = RequestHandler(
+            self._arbiter,
             backend.levels,
             unclean=not before.clean,
             records=self._records,
@@ -89,28 +89,28 @@ class ArbiterServer:
         )
 
     def levels(self) -> dict[str, bool]:
-        """Of all lines, as written last."""
-        return dict(self._keeper.levels)
+        """All lines, as written last."""
+        return dict(self._arbiter.levels)
 
     def run(self) -> None:
-        """Serve until `stop`; a will that runs is executed to its end, then the lines stay as they are."""
+        """Serve until `stop`; a last will that runs is executed to its end, then the lines stay as they are."""
         while not self._is_over():
-            self.step(self._patience())
+            self.step(self._wait_s())
 
     def step(self, wait_s: float | None) -> None:
-        """One round: what came within ``wait_s`` (None: until something comes), and what is due."""
+        """One round: answer what comes within ``wait_s`` (None: wait for a message), and execute what is due."""
         self._serve(wait_s)
         at = now_us()
-        if any(session.lease_until <= at and not session.ended for session in self._keeper.sessions):
-            # An owner that was stopped for a while reads what came meanwhile first: it kills nobody.
+        if any(session.lease_until <= at and not session.ended for session in self._arbiter.sessions):
+            # An arbiter that was stopped for a while first reads the renewals that came meanwhile.
             self._serve(0)
             self._end_leases(at)
-        self._end(self._connections.idle(at), f"it said nothing for {IDLE_US // 1_000_000} s")
-        self._keeper.advance(now_us())
-        self._records.keep(self._keeper)
+        self._end(self._connections.idle(at), f"it was silent for {IDLE_US // 1_000_000} s")
+        self._arbiter.advance(now_us())
+        self._records.keep(self._arbiter)
 
     def _serve(self, wait_s: float | None) -> None:
-        """One round; what one connection can have done in it is bounded, so that the others keep their leases."""
+        """One round; the messages of one connection are limited in it, so that the others keep their leases."""
         ready = set[Connection]()
         for key, _ in self._selector.select(wait_s):
             if key.fd == self._wake_read:
@@ -121,21 +121,21 @@ class ArbiterServer:
             else:
                 self._end(self._connections.accept(), "there are too many connections")
         for connection in self._connections.round(ready):
-            self._hear(connection)
+            self._answer(connection)
 
     def _is_over(self) -> bool:
         if not self._stops:
             return False
-        # who ends the owner often ends its clients, too, a moment later: what they leave is still done
+        # a shutdown ends the clients a moment later: their last wills are still executed
         dying = now_us() < self._stopped_at + self._grace_us
-        waits = any(session.ended or (dying and session.will) for session in self._keeper.sessions)
+        waits = any(session.ended or (dying and session.will) for session in self._arbiter.sessions)
         return self._stops > 1 or not waits
 
-    def _patience(self) -> float | None:
+    def _wait_s(self) -> float | None:
         if self._connections.wait:
             return 0
         at = now_us()
-        due = min(filter(None, (self._keeper.deadline, self._connections.due())), default=None)
+        due = min(filter(None, (self._arbiter.deadline, self._connections.due())), default=None)
         if self._stops and at < (end := self._stopped_at + self._grace_us):
             due = end if due is None else min(due, end)
         return None if due is None else max(0, due - at) / 1e6
@@ -148,9 +148,9 @@ class ArbiterServer:
         """Give everything back, after `run`."""
         self._connections.close()
         self._path.unlink(missing_ok=True)
-        memory = self._keeper.memory
+        state = self._arbiter.state
         self._backend.close()
-        self._records.close(memory)
+        self._records.close(state)
         self._claim.release()
         self._close_ends()
 
@@ -165,15 +165,15 @@ class ArbiterServer:
         os.close(self._wake_read)
         os.close(self._wake)
 
-    def _hear(self, connection: Connection) -> None:
+    def _answer(self, connection: Connection) -> None:
         if connection.closed:  # it was dropped in this round
             return
         connection.receive()
         for _ in range(MESSAGES if connection.rank < 2 else MESSAGES // 4):
-            line = connection.take()
+            line = connection.next_message()
             if line is None:
                 break
-            reply = self._answers.answer(connection, line)
+            reply = self._requests.handle(connection, line)
             if connection.closed:
                 return
             if reply is not None and not connection.send(reply):
@@ -189,24 +189,26 @@ class ArbiterServer:
         if connection.closed:
             return
         self._connections.drop(connection)
-        self._answers.left(connection)
+        self._requests.left(connection)
         session, connection.session = connection.session, None
         if session and not session.ended:
-            self._keeper.dead(session, why, now_us())
+            self._arbiter.declare_dead(session, why, now_us())
 
     def _end(self, connections: Iterable[Connection], why: str) -> None:
         """Close them, and say why."""
         for connection in connections:
-            connection.send(refusal(None, ArbiterError(f"the line owner ends this connection: {why}.")))
+            connection.send(refusal(None, ArbiterError(f"the line arbiter ends this connection: {why}.")))
             self._drop(connection, why)
 
     def _end_leases(self, at: int) -> None:
-        over = self._keeper.expire(at)
+        over = self._arbiter.expire(at)
         for connection in self._connections if over else ():
             if connection.session in over:
-                error = ArbiterError("the lease ended: this client was not heard of, its will is executed.")
+                error = ArbiterError(
+                    "the lease expired: this client did not renew it, its last will is executed."
+                )
                 connection.send(refusal(None, error))
-                self._drop(connection, "its lease ended")
+                self._drop(connection, "its lease expired")
 
 
 def _records(socket_path: Path, journal: str | Path | None) -> Records:

@@ -1,4 +1,4 @@
-"""The owner's Unix socket."""
+"""The arbiter's Unix socket."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from end_effector_hal.errors import UsageError, WireError
 
 
 def listen(path: Path, group: str | None = None) -> socket.socket:
-    """For the owner's user and one group only (mode 0660), before anybody can find it.
+    """Make the socket for the arbiter's user and one group only (mode 0660).
 
-    Bound under another name first, so that whoever finds the socket can connect.
+    It is bound under another name first, so that a client that finds it can connect.
 
     Args:
         path: where.
@@ -27,7 +27,7 @@ def listen(path: Path, group: str | None = None) -> socket.socket:
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         fresh.unlink(missing_ok=True)
-        os.fchmod(listener.fileno(), 0o600)  # nobody is quicker than the next lines
+        os.fchmod(listener.fileno(), 0o600)  # until it belongs to the group
         listener.bind(str(fresh))
         _give(fresh, number, group)
         fresh.chmod(0o660)
@@ -45,8 +45,9 @@ def listen(path: Path, group: str | None = None) -> socket.socket:
 
 
 def no_socket(path: Path, error: OSError) -> WireError:
+    """The error for a socket that cannot be made."""
     return WireError(
-        f"the line owner's socket cannot be made: {error.strerror or error}.",
+        f"the socket of the line arbiter cannot be made: {error.strerror or error}.",
         where=str(path),
         todo="Give a path of less than 90 letters in a directory that can be written.",
     )
@@ -68,7 +69,7 @@ def _give(path: Path, number: int, group: str | None) -> None:
         os.chown(path, -1, number)
     except PermissionError as error:
         raise WireError(
-            f"the line owner's socket cannot be given to the group {group}: {error.strerror}.",
+            f"the socket of the line arbiter cannot be given to the group {group}: {error.strerror}.",
             where=str(path.parent),
-            todo="Run the owner as a member of that group.",
+            todo="Run the arbiter as a member of that group.",
         ) from error

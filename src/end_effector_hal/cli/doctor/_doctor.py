@@ -12,9 +12,9 @@ import click
 from end_effector_hal.cli._path_name import PathName
 from end_effector_hal.description import Description, examine, profile_path
 
-from ._finding import Finding, Findings, Level, Part
+from ._check_result import CheckedPart, CheckResult, CheckResults, Level
 
-PARTS = ("python", "description", "ros", "lines", "owner", "link", "machine")
+PARTS = ("python", "description", "ros", "lines", "arbiter", "link", "machine")
 _STYLE = {Level.OK: "green", Level.WARNING: "yellow", Level.MISSING: "red"}
 BAD_DESCRIPTION, UNREACHABLE = 2, 3
 
@@ -39,7 +39,7 @@ def command(file: Path | None, only: tuple[str, ...], passive: bool, as_json: bo
 
     Exit codes: 0 nothing is missing, 2 the description is bad, 3 something is missing or not reachable.
     """
-    findings: list[Finding] = []
+    findings: list[CheckResult] = []
     for finding in _examined(file or profile_path(), only, listen=not passive):
         findings.append(finding)
         if not as_json:
@@ -54,7 +54,7 @@ def command(file: Path | None, only: tuple[str, ...], passive: bool, as_json: bo
     sys.exit(code)
 
 
-def _examined(path: Path, only: tuple[str, ...], *, listen: bool) -> Iterator[Finding]:
+def _examined(path: Path, only: tuple[str, ...], *, listen: bool) -> Iterator[CheckResult]:
     description, faults = _described(path, wholly="description" in only)
     for part, look in _looks(description, listen=listen).items():
         if part == "description" and (part in only or description is None):
@@ -63,13 +63,13 @@ def _examined(path: Path, only: tuple[str, ...], *, listen: bool) -> Iterator[Fi
             yield from _guarded(part, look)
 
 
-def _looks(description: Description | None, *, listen: bool) -> dict[str, Callable[[], Findings]]:
+def _looks(description: Description | None, *, listen: bool) -> dict[str, Callable[[], CheckResults]]:
     """What to look at, in this order; without a description only what needs none."""
     from ._machine import look_at_machine
     from ._python import look_at_python
     from ._ros import look_at_ros
 
-    looks: dict[str, Callable[[], Findings]] = {
+    looks: dict[str, Callable[[], CheckResults]] = {
         "python": look_at_python,
         "description": lambda: iter(()),
         "ros": look_at_ros,
@@ -77,24 +77,24 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
     if description is not None:
         from end_effector_hal.runtime import output_lines
 
+        from ._arbiter import look_at_arbiter
         from ._lines import look_at_lines
         from ._link import look_at_link
-        from ._owner import look_at_owner
 
         lines = output_lines(description)
         looks["lines"] = lambda: look_at_lines(description, lines)
-        looks["owner"] = lambda: look_at_owner(description, lines)
+        looks["arbiter"] = lambda: look_at_arbiter(description, lines)
         looks["link"] = lambda: look_at_link(description, listen=listen)
     reaction = description.bounds.reaction_ms * 1000 if description else None
     looks["machine"] = lambda: look_at_machine(reaction)
     return looks
 
 
-def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[Finding]]:
+def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[CheckResult]]:
     """The description if nothing is wrong with it, and what is; ``wholly``: with its codec and its automata."""
     from end_effector_hal.cli._check import check
 
-    say = Part("description")
+    say = CheckedPart("description")
     examination = examine(path)
     lines, description = examination.lines(), examination.description
     if description is not None and wholly:
@@ -107,25 +107,25 @@ def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[Fi
     return description, [say.ok(f"{path}: {description.name} ({description.fingerprint()})")]
 
 
-def _guarded(part: str, look: Callable[[], Findings]) -> Iterator[Finding]:
+def _guarded(part: str, look: Callable[[], CheckResults]) -> Iterator[CheckResult]:
     """What goes wrong while looking is a finding, too."""
     try:
         yield from look()
     except Exception as error:  # noqa: BLE001 never a traceback: the machine is not as anybody thought
         text = str(error) or "no reason given"
-        yield Part(part).missing(
+        yield CheckedPart(part).missing(
             f"it could not be looked at: {type(error).__name__}: {text}", "Please report this."
         )
 
 
-def _exit_code(findings: list[Finding]) -> int:
+def _exit_code(findings: list[CheckResult]) -> int:
     missing = {finding.part for finding in findings if finding.level is Level.MISSING}
     if "description" in missing:
         return BAD_DESCRIPTION
     return UNREACHABLE if missing else 0
 
 
-def _print(finding: Finding) -> None:
+def _print(finding: CheckResult) -> None:
     level = click.style(f"{finding.level.value:8}", fg=_STYLE[finding.level])
     click.echo(f"{level} {finding.part:12} {finding.what}")
     if finding.todo:

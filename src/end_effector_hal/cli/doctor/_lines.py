@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import WireError
 
-from ._finding import Finding, Findings, Part
+from ._check_result import CheckedPart, CheckResult, CheckResults
 from ._holders import holders_of
 
 CHIPS = "/dev/gpiochip*"
 CONSUMER = "end-effector-hal"
 GPIO_GROUP = "Add the user to the group gpio (gid 49 on Torizon) and log in again; container: --group-add 49."
-_say = Part("lines")
+_say = CheckedPart("lines")
 
 
 class _Place(NamedTuple):
@@ -25,7 +25,7 @@ class _Place(NamedTuple):
     info: Any
 
 
-def look_at_lines(description: Description, lines: tuple[str, ...], chips: str = CHIPS) -> Findings:
+def look_at_lines(description: Description, lines: tuple[str, ...], chips: str = CHIPS) -> CheckResults:
     """Args: ``lines``: all output lines of the tool; ``chips``: where the character devices are."""
     if description.lines.backend == "virtual":
         yield _virtual(description, lines)
@@ -33,7 +33,7 @@ def look_at_lines(description: Description, lines: tuple[str, ...], chips: str =
         yield from _gpiod(lines, chips)
 
 
-def _virtual(description: Description, lines: tuple[str, ...]) -> Finding:
+def _virtual(description: Description, lines: tuple[str, ...]) -> CheckResult:
     from end_effector_hal.wires.lines import read_chip
 
     path = description.lines.path
@@ -54,7 +54,7 @@ def _virtual(description: Description, lines: tuple[str, ...]) -> Finding:
     return _say.ok(text)
 
 
-def _gpiod(lines: tuple[str, ...], pattern: str) -> Findings:
+def _gpiod(lines: tuple[str, ...], pattern: str) -> CheckResults:
     try:
         gpiod: Any = importlib.import_module("gpiod")
     except ImportError as error:
@@ -79,7 +79,7 @@ def _gpiod(lines: tuple[str, ...], pattern: str) -> Findings:
     yield from _judged(lines, places, chips)
 
 
-def _read(gpiod: Any, path: str, places: dict[str, list[_Place]]) -> Finding | None:
+def _read(gpiod: Any, path: str, places: dict[str, list[_Place]]) -> CheckResult | None:
     """Adds the lines of a chip; reading their information claims nothing."""
     try:
         with gpiod.Chip(path) as chip:
@@ -93,7 +93,7 @@ def _read(gpiod: Any, path: str, places: dict[str, list[_Place]]) -> Finding | N
     return None
 
 
-def _judged(lines: tuple[str, ...], places: dict[str, list[_Place]], chips: list[str]) -> Findings:
+def _judged(lines: tuple[str, ...], places: dict[str, list[_Place]], chips: list[str]) -> CheckResults:
     absent = [name for name in lines if name not in places]
     if absent:
         yield _say.missing(
@@ -111,12 +111,12 @@ def _judged(lines: tuple[str, ...], places: dict[str, list[_Place]], chips: list
             yield _line(name, where[0], places[name][0].info)
 
 
-def _line(name: str, where: str, info: Any) -> Finding:
+def _line(name: str, where: str, info: Any) -> CheckResult:
     direction = str(info.direction).rpartition(".")[2].lower()
     if not info.used:
         return _say.ok(f"{name} = {where}, {direction}, free")
     if info.consumer == CONSUMER:
-        return _say.ok(f"{name} = {where}, {direction}, held by the line owner")
+        return _say.ok(f"{name} = {where}, {direction}, held by the line arbiter")
     return _say.missing(
         f"{name} = {where} is held by {info.consumer or 'the kernel'}", "Stop the program that holds it."
     )

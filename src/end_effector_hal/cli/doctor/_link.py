@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.errors import LinkError, ReportedError
 
-from ._finding import Finding, Findings, Part
+from ._check_result import CheckedPart, CheckResult, CheckResults
 from ._holders import Holder, holders_of
 
 if TYPE_CHECKING:
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 LISTEN_US, ENOUGH = 2_000_000, 50
 OURS = ("eehal", "end_effector_hal", "pressure")
-_say = Part("link")
+_say = CheckedPart("link")
 
 
-def look_at_link(description: Description, *, listen: bool = True) -> Findings:
+def look_at_link(description: Description, *, listen: bool = True) -> CheckResults:
     """Args: ``listen``: open the port for up to 2 s if nobody has it."""
     link = description.link
     port = Path(link.port)
@@ -44,7 +44,7 @@ def look_at_link(description: Description, *, listen: bool = True) -> Findings:
         yield _listen(description)
 
 
-def _no_port(port: str) -> Finding:
+def _no_port(port: str) -> CheckResult:
     if os.path.islink(port):
         return _say.missing(
             f"{port} leads to {os.readlink(port)}, which is not there", "Is the device plugged in?"
@@ -55,7 +55,7 @@ def _no_port(port: str) -> Finding:
     )
 
 
-def _held(port: str, holders: list[Holder]) -> Finding:
+def _held(port: str, holders: list[Holder]) -> CheckResult:
     who = " and ".join(map(str, holders))
     text = f"{port} is read by {who}; not listened to, its bytes are theirs"
     if len(holders) > 1:
@@ -86,7 +86,7 @@ class Heard(NamedTuple):
     seconds: float = 0.0
 
 
-def _listen(description: Description) -> Finding:
+def _listen(description: Description) -> CheckResult:
     from end_effector_hal.codecs import get_codec, parity_of
     from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
 
@@ -146,7 +146,7 @@ def _hear(fd: int, decoder: GuardedDecoder, listen_us: int) -> Heard:
     )
 
 
-def judged(port: str, heard: Heard, codec: str) -> Finding:
+def judged(port: str, heard: Heard, codec: str) -> CheckResult:
     """Args: ``port``: how it is called; ``codec``: the one that was expected."""
     if not heard.data:
         return _say.missing(

@@ -8,20 +8,20 @@ from pathlib import Path
 
 from end_effector_hal.wires import now_us
 
-from ._finding import Finding, Findings, Part
+from ._check_result import CheckedPart, CheckResult, CheckResults
 
 WAKE_UPS, EACH_US = 50, 1_000
-_say = Part("machine")
+_say = CheckedPart("machine")
 
 
-def look_at_machine(reaction_us: int | None) -> Findings:
+def look_at_machine(reaction_us: int | None) -> CheckResults:
     """Args: ``reaction_us``: D, the reaction bound of the description; None: there is none to compare."""
     yield kernel(os.uname().version, Path("/sys/kernel/realtime").exists())
     yield load(os.getloadavg()[0], len(os.sched_getaffinity(0)))
     yield lateness(worst_wake_up_us(), reaction_us)
 
 
-def kernel(version: str, realtime: bool) -> Finding:
+def kernel(version: str, realtime: bool) -> CheckResult:
     """From the text of ``uname -v``."""
     words = version.split()
     if realtime or "PREEMPT_RT" in words:
@@ -34,7 +34,7 @@ def kernel(version: str, realtime: bool) -> Finding:
     )
 
 
-def load(average: float, processors: int) -> Finding:
+def load(average: float, processors: int) -> CheckResult:
     """Over the last minute."""
     text = f"load {average:.1f} on {processors} processor{'s' if processors > 1 else ''}"
     if average <= processors:
@@ -42,7 +42,7 @@ def load(average: float, processors: int) -> Finding:
     return _say.warning(text, "See with top what takes the time; deadlines are kept later under load.")
 
 
-def lateness(worst_us: int, reaction_us: int | None) -> Finding:
+def lateness(worst_us: int, reaction_us: int | None) -> CheckResult:
     """Judged against D, of which the tool needs a part for itself."""
     text = f"worst of {WAKE_UPS} wake-ups {worst_us / 1000:.1f} ms late"
     if reaction_us is None:

@@ -9,14 +9,14 @@ from importlib import metadata
 
 from end_effector_hal._extras import DISTRIBUTION, command_for, extras
 
-from ._finding import Findings, Part
+from ._check_result import CheckedPart, CheckResults
 
 _NEEDED_BY = {"lab": "figures", "modbus": "the codecs modbus-rtu-*"}
 _DEBIAN = "/usr/lib/python3/dist-packages"
-_say = Part("python")
+_say = CheckedPart("python")
 
 
-def look_at_python() -> Findings:
+def look_at_python() -> CheckResults:
     """Version, packages, and a variable that breaks them."""
     version = ".".join(map(str, sys.version_info[:3]))
     yield _say.ok(f"Python {version} at {sys.executable}")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from end_effector_hal.errors import RosError
 
-from ._finding import Finding, Findings, Part
+from ._check_result import CheckedPart, CheckResult, CheckResults
 
 PACKAGES = (
     "rospy",
@@ -25,10 +25,10 @@ PACKAGES = (
 PROGRAMS = ("roscore", "roslaunch")
 OURS = "end_effector_hal"
 _BUILD = "ros/build.sh, then . build/catkin/devel/setup.sh"
-_say = Part("ros")
+_say = CheckedPart("ros")
 
 
-def look_at_ros() -> Findings:
+def look_at_ros() -> CheckResults:
     """ROS is one face of several: what is absent is missing only where ROS_MASTER_URI says that it is wanted."""
     wanted = "ROS_MASTER_URI" in os.environ
     absent = [name for name in PACKAGES if not _there(name)]
@@ -40,7 +40,7 @@ def look_at_ros() -> Findings:
     if _there("end_effector_msgs.msg"):
         yield _messages(wanted)
     elif not absent:
-        yield _finding(wanted, "the messages end_effector_msgs are not built, or not sourced", _BUILD)
+        yield _check_result(wanted, "the messages end_effector_msgs are not built, or not sourced", _BUILD)
     if wanted:
         yield from _look_at_master()
     else:
@@ -50,20 +50,22 @@ def look_at_ros() -> Findings:
         )
 
 
-def _absent(names: list[str], wanted: bool) -> Finding:
+def _absent(names: list[str], wanted: bool) -> CheckResult:
     text = f"not there: {', '.join(names)}"
     if Path("/usr/lib/python3/dist-packages/rospy").is_dir() and "rospy" in names:
-        return _finding(
+        return _check_result(
             wanted,
             f"{text}; Debian's ROS is installed, and this environment does not see it",
             "Make it with /usr/bin/python3 -m venv --system-site-packages.",
         )
-    return _finding(
-        wanted, text, "deploy/debian.sh installs ROS on Debian 12; without ROS: eehal owner, EndEffector.open"
+    return _check_result(
+        wanted,
+        text,
+        "deploy/debian.sh installs ROS on Debian 12; without ROS: eehal arbiter, EndEffector.open",
     )
 
 
-def _finding(wanted: bool, what: str, todo: str) -> Finding:
+def _check_result(wanted: bool, what: str, todo: str) -> CheckResult:
     return _say.missing(what, todo) if wanted else _say.warning(what, todo)
 
 
@@ -74,7 +76,7 @@ def _there(name: str) -> bool:
         return False
 
 
-def _messages(wanted: bool) -> Finding:
+def _messages(wanted: bool) -> CheckResult:
     """A workspace that is not sourced as a whole gives Python its messages, and roslaunch no package."""
     built = "end_effector_msgs are built"
     try:
@@ -84,14 +86,14 @@ def _messages(wanted: bool) -> Finding:
     try:
         return _say.ok(f"{built}; roslaunch finds {rospkg.RosPack().get_path(OURS)}")
     except rospkg.ResourceNotFound:
-        return _finding(
+        return _check_result(
             wanted,
             f"{built}; roslaunch does not find {OURS}",
             "Source the whole workspace; Debian's package ros-environment sets ROS_PACKAGE_PATH.",
         )
 
 
-def _look_at_master() -> Findings:
+def _look_at_master() -> CheckResults:
     from end_effector_hal.ros1.master import ask_pid, master_uri
 
     try:
@@ -103,7 +105,7 @@ def _look_at_master() -> Findings:
     yield _nodes()
 
 
-def _nodes() -> Finding:
+def _nodes() -> CheckResult:
     from end_effector_hal.nodes.interface import HAL_NODES
 
     try:

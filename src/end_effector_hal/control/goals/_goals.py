@@ -47,6 +47,11 @@ class Goals(Generic[GoalT]):
         self._newest: dict[str, tuple[Status, int, int]] = {}
         self._we_end = ""
 
+    @property
+    def open(self) -> tuple[GoalT, ...]:
+        """The goals that have no ending yet."""
+        return (*self._undecided, *((self._running,) if self._running else ()))
+
     def begin(self, goal: GoalT, at: int) -> list[Effect[GoalT]]:
         """A goal came."""
         goal.came_us = at

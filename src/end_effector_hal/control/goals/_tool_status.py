@@ -18,7 +18,7 @@ def tool_status(
     """The status of the whole tool at ``at`` µs.
 
     A program that has gone says nothing any more: the state is OFF, its evidence UNKNOWN, nothing may be lifted. Its
-    outputs and ``held`` stay as they were last known: the line owner holds what was held.
+    outputs and ``held`` stay as they were last known: the line arbiter holds what was held.
 
     Args:
         grip, change: the newest statuses of both programs.

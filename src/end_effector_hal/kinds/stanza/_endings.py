@@ -20,7 +20,7 @@ _TIMEOUT = "between two attempts; hold: stays active"
 _ABORT = "a grip is given up; hold: stays active, latched GRIP_ERROR"
 _LOST = "one actuator's feedback is lost; hold: latched GRIP_ERROR, this one stays active"
 _SIGTERM = "the program is told to end"
-_DEATH = "the program dies; the line owner does this"
+_DEATH = "the program dies; the line arbiter does this"
 _POWER_UP = "found active at the start; hold: stays and is judged; release: deactivated"
 
 

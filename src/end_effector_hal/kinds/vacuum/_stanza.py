@@ -10,7 +10,7 @@ from end_effector_hal.kinds.stanza import Actuator, BelowAmbient, LineName, Part
 
 
 class BlowOff(Part):
-    """A blow-off valve on a vacuum circuit (IL-08). The line owner guards it; no automaton drives it."""
+    """A blow-off valve on a vacuum circuit (IL-08). The line arbiter guards it; no automaton drives it."""
 
     line: LineName = Field(description="name of the GPIO line; active means blowing")
     gap_s: Seconds = Field(

@@ -22,7 +22,7 @@ from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_healt
 from end_effector_hal.nodes.transport import (
     ChangerPlace,
     CylinderPlace,
-    Header,
+    MessageHeader,
     NodeTransport,
     PositionMessage,
     PressureMessage,
@@ -107,7 +107,7 @@ class HalMainNode:
             self._at_us = now
         notices = (*self._unknown_senders.alarms(), *self._stamps.notices(now))
         state = self._aggregate.message(self._at_us, now, self._silence, notices)
-        state.header = Header(stamp_us)
+        state.header = MessageHeader(stamp_us)
         earlier, self._state = self._state, state
         self._publish(state)
         if state.state != earlier.state:
@@ -142,7 +142,7 @@ class HalMainNode:
                 lift_allowed=False,
                 secure=False,
                 at_us=now_us(),
-                header=Header(),
+                header=MessageHeader(),
             )
             self._publish(self._state)
 

@@ -38,14 +38,11 @@ class GripNode:
         node.serve(RESET_FAULTS, self._reset)
 
     def _reset(self, _request: Any) -> Answer:
-        changer = self._changer.ask(RESET) if self._changer else None  # first: see EndEffector.reset
-        answer = reset(self._description, self._unit)
-        stays = [] if answer.accepted else [answer.reason]
-        stays += [] if changer is None or changer.accepted else [changer.reason]
-        if not stays:
-            return answer
-        self._node.log_refusal("reset", " ".join(stays))
-        return Answer(False, " ".join(stays))
+        changer = [self._changer.ask(RESET)] if self._changer else []  # first: see EndEffector.reset
+        answer = reset(self._description, self._unit, *changer)
+        if not answer.accepted:
+            self._node.log_refusal("reset", answer.reason)
+        return answer
 
     def _on_tool_change(self, message: StatusMessage) -> None:
         accepted = self._stamps.accepts(message.since_us, message.at_us)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes._recording_limits import recording_limits
@@ -22,9 +24,8 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, StatusLines, publish_health
 from end_effector_hal.nodes.transport import (
-    CommandReply,
     FrameMessage,
-    Header,
+    MessageHeader,
     NodeTransport,
     StatusMessage,
     frame_from_message,
@@ -35,17 +36,6 @@ from end_effector_hal.wires import now_us
 
 from ._status_message import status_to_message
 
-_WORDS = {
-    Command.LOCK: "lock",
-    Command.UNLOCK: "unlock",
-    Command.GRIP: "grip",
-    Command.RELEASE: "drop",
-    Command.CANCEL: "cancel",
-}
-COMMANDS = {
-    "grip": (Command.GRIP, Command.RELEASE, Command.CANCEL),
-    "tool_change": (Command.LOCK, Command.UNLOCK),
-}
 _ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
@@ -105,21 +95,21 @@ class ProgramNode:
             return
         with self._lock:
             if self._last is not None:
-                self._last.header = Header()
+                self._last.header = MessageHeader()
                 alarms = (*self._alarms, *self._node.unknown_senders.alarms())
                 if alarms != tuple(self._last.alarms):
                     self._count += 1
                     self._last.alarms, self._last.count = alarms, self._count
                 self._publish(self._last)
 
-    def _on_command(self, request: Any) -> CommandReply:
+    def _on_command(self, request: Any) -> Answer:
         answer = self._decide(request)
         if not answer.accepted:
-            known = request.command in COMMANDS[self._program]
-            word = _WORDS[Command(request.command)] if known else f"command {request.command}"
+            known = request.command in PROGRAM_COMMANDS[self._program]
+            word = CHANNELS[Command(request.command)] if known else f"command {request.command}"
             self.log_refusal("reset" if request.command == RESET else word, answer.reason)
         with self._lock:
-            return CommandReply(answer.accepted, answer.reason, answer.decided, self._count)
+            return replace(answer, count=self._count)
 
     def log_refusal(self, what: str, why: str) -> None:
         """Write one line for what was not done."""
@@ -131,15 +121,17 @@ class ProgramNode:
         if request.command == RESET:
             latched = bool(self.unit.status.changer_fault)
             return self.unit.command("reset") if latched else Answer(True)
-        if request.command not in COMMANDS[self._program]:
-            known = ", ".join(f"{command.name} ({command.value})" for command in COMMANDS[self._program])
+        if request.command not in PROGRAM_COMMANDS[self._program]:
+            known = ", ".join(
+                f"{command.name} ({command.value})" for command in PROGRAM_COMMANDS[self._program]
+            )
             return Answer(False, f"{request.command} is no command here; there are {known}.")
         if request.until_us and now_us() > request.until_us:
             return Answer(False, "The command came too late and was not executed.")
         if request.until_us > now_us() + round(COMMAND_VALID_S * 1e6):
             why = f"The command may wait for more than {COMMAND_VALID_S:g} s and was not executed: its time is wrong."
             return Answer(False, why)
-        return self.unit.command(_WORDS[Command(request.command)])
+        return self.unit.command(CHANNELS[Command(request.command)])
 
     def _close(self) -> None:
         self.unit.close("sigterm")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from end_effector_hal.control import Status
-from end_effector_hal.nodes.transport import Header, StatusMessage, StepMessage
+from end_effector_hal.nodes.transport import MessageHeader, StatusMessage, StepMessage
 
 
 def status_to_message(status: Status, since_us: int, count: int) -> StatusMessage:
     """The message of a status; ``since_us`` is the start of the program, ``count`` the number of this status."""
     return StatusMessage(
-        header=Header(status.at),
+        header=MessageHeader(status.at),
         since_us=since_us,
         count=count,
         at_us=status.at,

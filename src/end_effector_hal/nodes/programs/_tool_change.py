@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from end_effector_hal.control import Answer
+from end_effector_hal.control.goals import CHANNELS, Outcome, is_over, judge
 from end_effector_hal.nodes.interface import (
     ARM_TOOL_CHANGER,
     GRIP_STATE,
@@ -52,17 +53,14 @@ class ToolChangeNode:
         wanted = ChangerState.UNLOCKED if request.data else ChangerState.LOCKED
         if self._unit.status.changer == wanted:
             return Answer(True, f"The tool changer is {wanted.name} already, proven by its sensors.")
-        word = "unlock" if request.data else "lock"
-        answer = self._unit.command(word)
-        if not answer.accepted:
-            self._node.log_refusal(word, answer.reason)
-            return answer
-        limit_s = (self._changer.prove_s if self._changer else 0.0) + MARGIN_S
-        self._unit.wait(lambda status: status.command == Command.NONE, limit_s)
-        reached = ChangerState(self._unit.status.changer)
-        if reached is wanted:
-            return Answer(True, f"The tool changer is {wanted.name}, proven by its sensors.")
-        why = f"The tool changer is {reached.name}: its sensors do not prove {wanted.name}."
-        why = f"{why} {self._unit.status.reason}".rstrip()
-        self._node.log_refusal(word, why)
-        return Answer(False, why)
+        command = Command.UNLOCK if request.data else Command.LOCK
+        answer = self._unit.command(CHANNELS[command])
+        if answer.accepted:
+            limit_s = (self._changer.prove_s if self._changer else 0.0) + MARGIN_S
+            self._unit.wait(is_over, limit_s)
+            outcome, why = judge(command, self._unit.status)
+            if outcome is Outcome.SUCCEEDED:
+                return Answer(True, f"The tool changer is {wanted.name}, proven by its sensors.")
+            answer = Answer(False, why)
+        self._node.log_refusal(CHANNELS[command], answer.reason)
+        return answer

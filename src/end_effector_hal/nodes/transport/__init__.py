@@ -6,8 +6,8 @@ from ._messages import (
     DiagnosticMessage,
     DiagnosticsMessage,
     FrameMessage,
-    Header,
     KeyValueMessage,
+    MessageHeader,
     PositionMessage,
     PressureMessage,
     StateMessage,
@@ -16,7 +16,7 @@ from ._messages import (
 )
 from ._places import ChangerPlace, CylinderPlace
 from ._stamp_check import StampCheck
-from ._transport import CommandClient, CommandReply, GoalClient, GoalService, NodeTransport
+from ._transport import CommandClient, GoalClient, GoalService, NodeTransport
 from ._unknown_senders import UnknownSenders
 
 __all__ = [
@@ -24,15 +24,14 @@ __all__ = [
     "ChangerPlace",
     "CommandClient",
     "CommandMessage",
-    "CommandReply",
     "CylinderPlace",
     "DiagnosticMessage",
     "DiagnosticsMessage",
     "FrameMessage",
     "GoalClient",
     "GoalService",
-    "Header",
     "KeyValueMessage",
+    "MessageHeader",
     "NodeTransport",
     "PositionMessage",
     "PressureMessage",

@@ -13,7 +13,7 @@ from end_effector_hal.vocabulary import Command
 
 
 @dataclass(slots=True)
-class Header:
+class MessageHeader:
     """When a message was true, in µs; None: when it is published. The transport makes ROS time of it."""
 
     at_us: int | None = None
@@ -37,7 +37,7 @@ class PressureMessage:
     """``FluidPressure``: absolute, in Pa; NaN: not known."""
 
     fluid_pressure: float
-    header: Header
+    header: MessageHeader
 
 
 @dataclass(slots=True)
@@ -45,7 +45,7 @@ class PositionMessage:
     """``CylinderPosition``, ``ToolChangerPosition`` or ``ToolStandPosition``: an integer, 0 is UNKNOWN."""
 
     position: int
-    header: Header
+    header: MessageHeader
 
 
 @dataclass(slots=True)
@@ -53,7 +53,7 @@ class CommandMessage:
     """``SupervisorCommand``: an integer of Table II."""
 
     command: int
-    header: Header = field(default_factory=Header)
+    header: MessageHeader = field(default_factory=MessageHeader)
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ class StepMessage:
 class StatusMessage:
     """``UnitStatus``: what one program does."""
 
-    header: Header = field(default_factory=Header)
+    header: MessageHeader = field(default_factory=MessageHeader)
     since_us: int = 0
     count: int = 0
     at_us: int = 0
@@ -134,7 +134,7 @@ class StateMessage:
     missed: int
     worst_late_us: int
     alarms: Sequence[str]
-    header: Header = field(default_factory=Header)
+    header: MessageHeader = field(default_factory=MessageHeader)
 
 
 @dataclass(slots=True)
@@ -161,4 +161,4 @@ class DiagnosticsMessage:
     """``diagnostic_msgs/DiagnosticArray``."""
 
     status: Sequence[DiagnosticMessage]
-    header: Header = field(default_factory=Header)
+    header: MessageHeader = field(default_factory=MessageHeader)

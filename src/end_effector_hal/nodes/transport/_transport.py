@@ -27,7 +27,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from end_effector_hal.control import Answer
@@ -40,33 +39,10 @@ from ._messages import StateMessage
 from ._unknown_senders import UnknownSenders
 
 
-@dataclass(frozen=True, slots=True)
-class CommandReply(Answer):
-    """The answer of a program to a command.
-
-    Attributes:
-        count: of the first status that is certain to follow the acceptance.
-    """
-
-    count: int = 0
-
-
-class Decision(Protocol):
-    """What became of a command that was given."""
-
-    @property
-    def accepted(self) -> bool:
-        """Whether the program executes it."""
-
-    @property
-    def reason(self) -> str:
-        """Why not, in words."""
-
-
 class CommandClient(Protocol):
     """Gives commands to the program of another node."""
 
-    def ask(self, command: int) -> Decision:
+    def ask(self, command: int) -> Answer:
         """Give a command of Table II and wait for the answer, at most 4 s; a node that is silent is refused."""
 
 
@@ -83,10 +59,6 @@ class GoalService(Protocol):
         """Answer every goal, and reject those that still come."""
 
 
-class SentGoal(Protocol):
-    """A goal that a client has sent."""
-
-
 class GoalClient(Protocol):
     """The four actions, from the side of the client."""
 
@@ -97,8 +69,8 @@ class GoalClient(Protocol):
     def wait_for_servers(self) -> None:
         """Wait until every action is up; raises RosError after 30 s."""
 
-    def send(self, command: Command) -> SentGoal:
-        """Send a goal; what becomes of it is said when it is known."""
+    def send(self, command: Command) -> Any:
+        """Send a goal and return it for :meth:`wait`; what becomes of it is said when it is known."""
 
     def wait(self, goal: Any) -> None:
         """Wait until a goal has ended, or its server was silent for too long."""

@@ -1,17 +1,17 @@
 """What happened in a recording, in words and as marks for a figure; read from its tables alone."""
 
-from ._reader import tell
-from ._story import Attempt, Cause, Decision, Grip, Moment, Outcome, Release, Reset, Story
+from ._reader import read_story
+from ._story import Attempt, AttemptOutcome, Grip, GripDecision, Moment, Release, ReleaseCause, Reset, Story
 
 __all__ = [
     "Attempt",
-    "Cause",
-    "Decision",
+    "AttemptOutcome",
     "Grip",
+    "GripDecision",
     "Moment",
-    "Outcome",
     "Release",
+    "ReleaseCause",
     "Reset",
     "Story",
-    "tell",
+    "read_story",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from end_effector_hal.recording.story._story import Cause, Decision, Grip, Moment, Story
+from end_effector_hal.recording.story._story import Grip, GripDecision, Moment, ReleaseCause, Story
 from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -21,7 +21,7 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
     cancels = {moment.time_s for moment in found if moment.text == Command.CANCEL.label}
     for grip in story.grips:
         found += _of_grip(grip, named)
-        end_s = grip.decided_s if grip.decision is Decision.CANCELLED else None
+        end_s = grip.decided_s if grip.decision is GripDecision.CANCELLED else None
         if end_s is not None and not any(grip.start_s <= at <= end_s for at in cancels):
             # a cancel that holds leaves no command to be seen
             found.append(Moment(end_s, "command", Command.CANCEL.label))
@@ -30,7 +30,7 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
     ]
     found += _warnings(alarms)
     for release in story.releases:
-        if release.cause is Cause.DROP:
+        if release.cause is ReleaseCause.DROP:
             found.append(Moment(release.start_s, "command", "DROP"))
         if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
             found.append(Moment(release.end_s, "lost", "release error"))
@@ -70,8 +70,8 @@ def _of_grip(grip: Grip, named: bool) -> list[Moment]:
         text = f"{name}time-out {attempt.number}{of}{' – abort' if last else ''}"
         found.append(Moment(attempt.end_s or 0.0, "abort" if last else "timeout", text))
     if grip.decided_s is not None:
-        if grip.decision is Decision.GRIPPED:
+        if grip.decision is GripDecision.GRIPPED:
             found.append(Moment(grip.decided_s, "gripped", "GRIPPED"))
-        elif grip.decision is Decision.ABORTED and grip.culprit is None:
+        elif grip.decision is GripDecision.ABORTED and grip.culprit is None:
             found.append(Moment(grip.decided_s, "abort", "abort"))
     return found

@@ -10,12 +10,12 @@ from end_effector_hal.recording._run import RunInfo
 from end_effector_hal.recording.story._moments import moments_of
 from end_effector_hal.recording.story._story import (
     Attempt,
-    Cause,
-    Decision,
+    AttemptOutcome,
     Grip,
+    GripDecision,
     Loss,
-    Outcome,
     Release,
+    ReleaseCause,
     Reset,
     Story,
 )
@@ -32,7 +32,7 @@ _INSTANT_S = 0.05
 
 
 def _timed_out_at(attempt: Attempt, at: float) -> bool:
-    return attempt.outcome is Outcome.TIMED_OUT and at - (attempt.end_s or 0.0) <= _INSTANT_S
+    return attempt.outcome is AttemptOutcome.TIMED_OUT and at - (attempt.end_s or 0.0) <= _INSTANT_S
 
 
 @dataclass
@@ -47,13 +47,13 @@ class _Gripping:
 
     def begin(self, actuator: str, at: float) -> None:
         before = [attempt for attempt in self.attempts if attempt.actuator == actuator]
-        if before and before[-1].outcome is Outcome.TIMED_OUT and before[-1].end_s is not None:
+        if before and before[-1].outcome is AttemptOutcome.TIMED_OUT and before[-1].end_s is not None:
             self.resets.append(Reset(actuator, before[-1].end_s, at))
-        self.attempts.append(Attempt(actuator, len(before) + 1, at, None, Outcome.PENDING))
+        self.attempts.append(Attempt(actuator, len(before) + 1, at, None, AttemptOutcome.PENDING))
 
-    def end(self, actuator: str, at: float, outcome: Outcome) -> None:
+    def end(self, actuator: str, at: float, outcome: AttemptOutcome) -> None:
         for index, attempt in enumerate(self.attempts):
-            if attempt.actuator == actuator and attempt.outcome is Outcome.PENDING:
+            if attempt.actuator == actuator and attempt.outcome is AttemptOutcome.PENDING:
                 self.attempts[index] = replace(attempt, end_s=at, outcome=outcome)
 
     def culprit(self, at: float, allowed: Mapping[str, int]) -> Attempt | None:
@@ -63,7 +63,7 @@ class _Gripping:
         and it was the last one that ``allowed`` grants, where that is known.
         """
         latest = {attempt.actuator: attempt for attempt in self.attempts}.values()
-        ended = [a for a in latest if a.outcome is Outcome.PENDING or _timed_out_at(a, at)]
+        ended = [a for a in latest if a.outcome is AttemptOutcome.PENDING or _timed_out_at(a, at)]
         suspect = max(ended, key=lambda attempt: attempt.start_s, default=None)
         if suspect is None or suspect.number < allowed.get(suspect.actuator, 1):
             return None
@@ -76,7 +76,7 @@ class _Gripping:
 class _Releasing:
     """An unwinding while it is read."""
 
-    cause: Cause
+    cause: ReleaseCause
     start_s: float
     groups: list[tuple[str, ...]] = field(default_factory=list)
 
@@ -85,7 +85,7 @@ class _Releasing:
 
 
 class _Reader:
-    """Goes through the rows once; see `tell`."""
+    """Goes through the rows once; see `read_story`."""
 
     def __init__(self, log: StatesLog, allowed: Mapping[str, int]) -> None:
         self.names, self.allowed = log.actuators, allowed
@@ -100,7 +100,7 @@ class _Reader:
         for before, row in pairwise((before_start, *log.rows)):
             self.read(before, row)
         if self.grip is not None:
-            self.decide(self.grip, None, Decision.UNFINISHED)
+            self.decide(self.grip, None, GripDecision.UNFINISHED)
         if self.release is not None:
             self.releases.append(self.release.done(None, None))
 
@@ -125,14 +125,14 @@ class _Reader:
         """Attempts begin and end; the one that ends together with the grip is left to `decide`."""
         if self.grip is None:
             return
-        timed_out = Outcome.DEACTIVATED if self.grip.cancelled else Outcome.TIMED_OUT
+        timed_out = AttemptOutcome.DEACTIVATED if self.grip.cancelled else AttemptOutcome.TIMED_OUT
         for name, old, new in zip(self.names, before.actuators, row.actuators, strict=True):
             if new == old:
                 continue
             if new == PENDING:
                 self.grip.begin(name, row.time_s)
             elif new != INACTIVE:
-                self.grip.end(name, row.time_s, Outcome.CONFIRMED)
+                self.grip.end(name, row.time_s, AttemptOutcome.CONFIRMED)
             elif row.end_effector is EndEffectorState.GRIPPING:
                 self.grip.end(name, row.time_s, timed_out)
 
@@ -146,7 +146,7 @@ class _Reader:
         elif was is state.OFF and now in (state.GRIPPED, state.GRIP_ERROR):
             self.adopted = now
         elif now is state.RELEASING and self.release is None:
-            self.release = _Releasing(Cause.DROP, at)
+            self.release = _Releasing(ReleaseCause.DROP, at)
 
     def leave(self, grip: _Gripping, row: StatesRow) -> None:
         """GRIPPING has ended."""
@@ -156,24 +156,28 @@ class _Reader:
         held = error and (grip.cancelled or (grip.commanded and row.command is Command.NONE))
         suspect = grip.culprit(at, self.allowed)
         if now is EndEffectorState.GRIPPED:
-            self.decide(grip, at, Decision.GRIPPED)
+            self.decide(grip, at, GripDecision.GRIPPED)
         elif grip.cancelled or held:
-            self.decide(grip, at, Decision.CANCELLED)
-            self.release = None if held else _Releasing(Cause.CANCEL, at)
+            self.decide(grip, at, GripDecision.CANCELLED)
+            self.release = None if held else _Releasing(ReleaseCause.CANCEL, at)
         elif error or (suspect is not None and suspect.number > 1):
-            self.decide(grip, at, Decision.ABORTED)
-            self.release = _Releasing(Cause.ABORT, at)
+            self.decide(grip, at, GripDecision.ABORTED)
+            self.release = _Releasing(ReleaseCause.ABORT, at)
         else:
-            self.decide(grip, at, Decision.STOPPED)
-            self.release = _Releasing(Cause.STOP, at)
+            self.decide(grip, at, GripDecision.STOPPED)
+            self.release = _Releasing(ReleaseCause.STOP, at)
 
-    def decide(self, grip: _Gripping, at: float | None, decision: Decision) -> None:
-        aborted = decision is Decision.ABORTED
+    def decide(self, grip: _Gripping, at: float | None, decision: GripDecision) -> None:
+        aborted = decision is GripDecision.ABORTED
         suspect = grip.culprit(at, self.allowed) if aborted and at is not None else None
-        waiting = [a for a in grip.attempts if a.outcome in (Outcome.PENDING, Outcome.DEACTIVATED)]
+        waiting = [
+            a for a in grip.attempts if a.outcome in (AttemptOutcome.PENDING, AttemptOutcome.DEACTIVATED)
+        ]
         for attempt in waiting if at is not None else ():
             last = suspect is not None and suspect.actuator == attempt.actuator
-            grip.end(attempt.actuator, at or 0.0, Outcome.TIMED_OUT if last else Outcome.DEACTIVATED)
+            grip.end(
+                attempt.actuator, at or 0.0, AttemptOutcome.TIMED_OUT if last else AttemptOutcome.DEACTIVATED
+            )
         self.grips.append(
             Grip(
                 grip.start_s,
@@ -201,7 +205,7 @@ class _Reader:
             self.release = None
 
 
-def tell(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[AlarmRow] = ()) -> Story:
+def read_story(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[AlarmRow] = ()) -> Story:
     """The story of a recording.
 
     ``alarms`` become moments of it, and nothing else. ``info`` adds only how many attempts an actuator may fail;

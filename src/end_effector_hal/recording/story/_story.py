@@ -9,7 +9,7 @@ from enum import StrEnum
 from end_effector_hal.vocabulary import EndEffectorState, display_name
 
 
-class Outcome(StrEnum):
+class AttemptOutcome(StrEnum):
     """How an attempt of one actuator ended."""
 
     CONFIRMED = "confirmed"
@@ -18,7 +18,7 @@ class Outcome(StrEnum):
     PENDING = "still pending"
 
 
-class Decision(StrEnum):
+class GripDecision(StrEnum):
     """How a grip ended."""
 
     GRIPPED = "GRIPPED"
@@ -28,7 +28,7 @@ class Decision(StrEnum):
     UNFINISHED = "UNFINISHED"
 
 
-class Cause(StrEnum):
+class ReleaseCause(StrEnum):
     """What began an unwinding."""
 
     ABORT = "abort"
@@ -49,7 +49,7 @@ class Attempt:
     number: int
     start_s: float
     end_s: float | None
-    outcome: Outcome
+    outcome: AttemptOutcome
     of: int | None = None
 
     @property
@@ -86,7 +86,7 @@ class Release:
     it, None while it still runs.
     """
 
-    cause: Cause
+    cause: ReleaseCause
     start_s: float
     end_s: float | None
     deactivated: tuple[tuple[str, ...], ...]
@@ -110,7 +110,7 @@ class Grip:
 
     start_s: float
     decided_s: float | None
-    decision: Decision
+    decision: GripDecision
     attempts: tuple[Attempt, ...]
     resets: tuple[Reset, ...]
     culprit: str | None = None
@@ -123,7 +123,7 @@ class Grip:
     @property
     def timeouts(self) -> tuple[Attempt, ...]:
         """The attempts that timed out."""
-        return tuple(attempt for attempt in self.attempts if attempt.outcome is Outcome.TIMED_OUT)
+        return tuple(attempt for attempt in self.attempts if attempt.outcome is AttemptOutcome.TIMED_OUT)
 
     @property
     def attempts_by_actuator(self) -> Mapping[str, int]:
@@ -133,7 +133,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Loss:
-    """A held part was lost; ``actuators`` are those whose confirmation went, as far as the states tell."""
+    """A held part was lost; ``actuators`` are those whose confirmation went, as far as the states read_story."""
 
     time_s: float
     actuators: tuple[str, ...] = ()
@@ -157,7 +157,7 @@ class Moment:
 class Story:
     """A recording in order of time.
 
-    ``losses`` tell when a held part was lost; ``adopted`` is the state found at the start, if any.
+    ``losses`` read_story when a held part was lost; ``adopted`` is the state found at the start, if any.
     """
 
     actuators: tuple[str, ...]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from end_effector_hal.recording.story._story import Cause, Decision, Grip, Release, Story
+from end_effector_hal.recording.story._story import Grip, GripDecision, Release, ReleaseCause, Story
 from end_effector_hal.recording.tables import StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -51,15 +51,15 @@ def _of_many(story: Story) -> str:
 def _of_grip(grip: Grip, story: Story) -> str:
     while_pending = f" while {display_name(grip.waiting)} was pending" if grip.waiting else ""
     match grip.decision:
-        case Decision.GRIPPED:
+        case GripDecision.GRIPPED:
             return _gripped(grip, story)
-        case Decision.ABORTED if grip.culprit is not None:
+        case GripDecision.ABORTED if grip.culprit is not None:
             number = grip.of(grip.culprit)[-1].number
             attempts = "1 attempt" if number == 1 else f"{number} attempts"
             return f"{display_name(grip.culprit)} never confirmed: grip ABORTED after {attempts}"
-        case Decision.ABORTED:
+        case GripDecision.ABORTED:
             return f"Grip ABORTED{while_pending}"
-        case Decision.UNFINISHED:
+        case GripDecision.UNFINISHED:
             waiting = f": {display_name(grip.waiting)} still pending at the end" if grip.waiting else ""
             return f"Grip UNFINISHED{waiting}"
         case _:
@@ -79,7 +79,7 @@ def _gripped(grip: Grip, story: Story) -> str:
 def _aftermath(story: Story) -> list[str]:
     """What came after the grip was decided, in order of time."""
     parts = [(loss.time_s, f"then {loss.who} LOST: outputs held".replace("  ", " ")) for loss in story.losses]
-    held = story.grips and story.grips[0].decision is Decision.CANCELLED and not _unwound(story)
+    held = story.grips and story.grips[0].decision is GripDecision.CANCELLED and not _unwound(story)
     if held and story.grips[0].decided_s is not None:
         parts.append((story.grips[0].decided_s, "outputs held"))
     parts += [(release.start_s, _of_release(release, story)) for release in story.releases]
@@ -87,13 +87,13 @@ def _aftermath(story: Story) -> list[str]:
 
 
 def _unwound(story: Story) -> bool:
-    return any(release.cause is Cause.CANCEL for release in story.releases)
+    return any(release.cause is ReleaseCause.CANCEL for release in story.releases)
 
 
 def _of_release(release: Release, story: Story) -> str:
-    done = "then dropped" if release.cause is Cause.DROP else "released"
+    done = "then dropped" if release.cause is ReleaseCause.DROP else "released"
     if release.ended is EndEffectorState.RELEASE_ERROR:
-        return f"{'then ' if release.cause is Cause.DROP else ''}release failed: RELEASE ERROR"
+        return f"{'then ' if release.cause is ReleaseCause.DROP else ''}release failed: RELEASE ERROR"
     if release.ended is None:
         return "still releasing at the end"
     if release.ended is EndEffectorState.GRIP_ERROR:  # the rest stays active, as declared
@@ -105,6 +105,6 @@ def _of_release(release: Release, story: Story) -> str:
         ]
         before = [name for name in culprits if (name,) not in release.deactivated]
         several = len(before) + len(release.deactivated) > 1
-        return f"{done} in reverse order" if several and release.cause is not Cause.DROP else done
+        return f"{done} in reverse order" if several and release.cause is not ReleaseCause.DROP else done
     order = [" and ".join(display_name(name) for name in group) for group in release.deactivated]
     return f"{done} in the order {', '.join(order)}"

@@ -17,6 +17,6 @@ def serve_goals(state: Callable[[], StateMessage], log: logging.Logger) -> GoalS
 
 def goal_client(say: Callable[[str], None], patience_s: float) -> GoalClient:
     """A client of the four actions; see `NodeTransport.goal_client`."""
-    from ._goals import Goals
+    from ._goals import ActionClients
 
-    return Goals(say, patience_s)
+    return ActionClients(say, patience_s)

@@ -11,8 +11,8 @@ from typing import Any
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
-from end_effector_msgs.msg import Outcome
 
+from end_effector_hal.control.goals import NOT_BEGUN, Outcome
 from end_effector_hal.nodes.interface import Action
 from end_effector_hal.ros1.connections import message_class
 from end_effector_hal.wires import now_us
@@ -32,7 +32,6 @@ ANSWER_AFTER_US = 100_000
 """``SimpleActionClient`` does not know its goal before ``send_goal`` has returned: of an answer that comes sooner it
 hears nothing, and waits for ever."""
 
-OVERTAKEN = "The goal was cancelled before it was begun: it was not executed."
 _DONE = (
     GoalStatus.PREEMPTED,
     GoalStatus.SUCCEEDED,
@@ -43,7 +42,7 @@ _DONE = (
 
 
 class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
-    """Tells goals and cancels of one action; what becomes of a goal is decided by whoever is told.
+    """Passes on goals and cancels of one action; it does not decide what becomes of them.
 
     - A stamp that is ahead of now counts as now, of a goal and of a cancel; what a cancel covers that comes before
       its goal stands at :class:`Cancels`.
@@ -53,7 +52,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
 
     Args:
         action: its name and type.
-        on_goal, on_cancel: told, under the lock of this server.
+        on_goal, on_cancel: called with the handle of a goal, under the lock of this server.
         result: makes a result from an outcome and a reason.
         later: calls what is due later.
     """
@@ -63,7 +62,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         action: Action,
         on_goal: Callable[[Any], None],
         on_cancel: Callable[[Any], None],
-        result: Callable[[int, str], Any],
+        result: Callable[[Outcome, str], Any],
         later: Later,
     ) -> None:
         super().__init__(
@@ -126,7 +125,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
     def publish_result(self, status: Any, result: Any) -> None:
         """A goal has come to its end."""
         if result.outcome == Outcome.NOT_EXECUTED and not result.reason:
-            result = self._result(Outcome.NOT_EXECUTED, OVERTAKEN)
+            result = self._result(Outcome.NOT_EXECUTED, NOT_BEGUN)
         status.text = status.text or result.reason
         self._answer(copy(status), result)
 

@@ -10,8 +10,9 @@ from typing import Any
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
-from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal, Outcome
+from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal
 
+from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import RosError
 from end_effector_hal.nodes.interface import ACTIONS, GIVE_UP_S, PATIENCE_S
 from end_effector_hal.vocabulary import Command, EndEffectorState
@@ -19,12 +20,10 @@ from end_effector_hal.vocabulary import Command, EndEffectorState
 _SILENT_S = 2.0
 """HALMain lists its goals 5 times a second: after this it is said that it is waited for."""
 
-_OUTCOMES = {
-    value: name for name, value in vars(Outcome).items() if name.isupper() and isinstance(value, int)
-}
+_OUTCOMES = {each.value: each.name for each in Outcome}
 
 
-class Goal:
+class ActionGoal:
     """One goal that was sent; ``succeeded`` is None until it has ended."""
 
     def __init__(self, name: str) -> None:
@@ -72,7 +71,7 @@ class Goal:
         return any(status.goal_id.id == own for status in message.status_list)
 
 
-class Goals:
+class ActionClients:
     """Client of all actions.
 
     Args:
@@ -87,7 +86,7 @@ class Goals:
             Command(action.command): actionlib.ActionClient(action.name, EndEffectorAction)
             for action in ACTIONS
         }
-        self._sent: list[Goal] = []
+        self._sent: list[ActionGoal] = []
 
     def wait_for_servers(self) -> None:
         """Wait until every action is up, with a message; raises RosError after 30 s."""
@@ -100,9 +99,9 @@ class Goals:
                 todo="Is the launch file running? See `rosnode list` and `rostopic list`.",
             )
 
-    def send(self, command: Command) -> Goal:
+    def send(self, command: Command) -> ActionGoal:
         """Send a goal; what becomes of it is said when it is known."""
-        goal = Goal(command.name.lower())
+        goal = ActionGoal(command.name.lower())
         self._sent.append(goal)
         lock = threading.Lock()
 
@@ -121,7 +120,7 @@ class Goals:
         goal.handle = self._clients[command].send_goal(EndEffectorGoal(), moved, fed)
         return goal
 
-    def wait(self, goal: Goal) -> None:
+    def wait(self, goal: ActionGoal) -> None:
         """Wait until a goal has ended, or HALMain has not listed it for too long: it has gone, or hangs."""
         client = self._clients[Command[goal.name.upper()]]
         newest, since, said = None, time.monotonic(), False

@@ -1,20 +1,18 @@
 """Messages and calls in ROS 1: their types, how they are sent, and whose count."""
 
-from ._commander import Commander, Reply
+from ._commander import Commander
 from ._direct_send import send_directly
 from ._known_publishers import KnownPublishers, caller_of, nodes_of
 from ._messages import MessageMaker, answer_of, response_maker
 from ._publish import publisher
-from ._types import constant_name, message_class, service_class
+from ._types import message_class, service_class
 
 __all__ = [
     "Commander",
     "KnownPublishers",
     "MessageMaker",
-    "Reply",
     "answer_of",
     "caller_of",
-    "constant_name",
     "message_class",
     "nodes_of",
     "publisher",

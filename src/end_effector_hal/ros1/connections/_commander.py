@@ -4,34 +4,23 @@ from __future__ import annotations
 
 import queue
 import threading
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 import rospy
 
+from end_effector_hal.control import Answer
+from end_effector_hal.control.goals import ANSWER_US
 from end_effector_hal.nodes.interface import COMMAND_VALID_S, Service
 from end_effector_hal.wires import now_us
 
 from ._known_publishers import nodes_of
 from ._types import service_class
 
-VALID_S, ANSWER_S = COMMAND_VALID_S, 4.0
-"""How long a command may be begun, counted from when it is asked for and through all attempts to deliver it, and how
-long its answer is waited for: longer than an unlock waits for its proof and the unit for its turn, so that nothing is
-executed once it was given up."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """What came back; ``count``: of the status after the acceptance; ``reached``: it was decided there."""
-
-    accepted: bool
-    reason: str
-    count: int = 0
-    reached: bool = True
-
-
-_Jobs = queue.SimpleQueue[tuple[int, int, queue.SimpleQueue[Reply]]]
+VALID_S = COMMAND_VALID_S
+"""How long a command may be begun, counted from when it is asked for and through all attempts to deliver it: nothing
+is executed once it was given up."""
+_Job = tuple[int, int, Callable[[Answer], None]]
 
 
 class Commander:
@@ -39,36 +28,45 @@ class Commander:
 
     def __init__(self, service: Service) -> None:
         self._service = service
-        self._lock = threading.Lock()
-        self._jobs: _Jobs | None = None
+        self._lock, self._asking = threading.Lock(), threading.Lock()
+        self._jobs: queue.SimpleQueue[_Job] | None = None
 
-    def ask(self, command: int) -> Reply:
-        """Give a command of Table II and wait for the decision, at most 4 s."""
+    def send(self, command: int, on_answer: Callable[[Answer], None]) -> None:
+        """Give a command of Table II; returns at once. The answer comes in the thread of this client, or never."""
         with self._lock:
             if self._jobs is None:
                 self._jobs = queue.SimpleQueue()
                 threading.Thread(target=self._run, args=(self._jobs,), daemon=True).start()
-            replies: queue.SimpleQueue[Reply] = queue.SimpleQueue()
-            self._jobs.put((command, now_us() + round(VALID_S * 1e6), replies))
-            try:
-                return replies.get(timeout=ANSWER_S)
-            except queue.Empty:
-                # that thread is left behind with its connection; the next call begins anew
-                self._jobs = None
-                return Reply(False, f"The node {self._service.server} does not answer.", reached=False)
+            self._jobs.put((command, now_us() + round(VALID_S * 1e6), on_answer))
 
-    def _run(self, jobs: _Jobs) -> None:
+    def give_up(self) -> None:
+        """The answer has not come in time: its thread is left behind, and the next call gets a new connection."""
+        with self._lock:
+            self._jobs = None
+
+    def ask(self, command: int) -> Answer:
+        """Give a command of Table II and wait for the decision, at most 4 s."""
+        answers: queue.SimpleQueue[Answer] = queue.SimpleQueue()
+        with self._asking:
+            self.send(command, answers.put)
+            try:
+                return answers.get(timeout=ANSWER_US / 1e6)
+            except queue.Empty:
+                self.give_up()
+                return Answer(False, f"The node {self._service.server} does not answer.", decided=False)
+
+    def _run(self, jobs: queue.SimpleQueue[_Job]) -> None:
         proxy = None
         while jobs is self._jobs:
-            command, until_us, replies = jobs.get()
+            command, until_us, on_answer = jobs.get()
             fresh = proxy is None
-            proxy, reply = self._call(proxy, command, until_us)
+            proxy, answer = self._call(proxy, command, until_us)
             if proxy is None and not fresh and now_us() < until_us:
                 # its node was started again since the last call
-                proxy, reply = self._call(None, command, until_us)
-            replies.put(reply)
+                proxy, answer = self._call(None, command, until_us)
+            on_answer(answer)
 
-    def _call(self, proxy: Any, command: int, until_us: int) -> tuple[Any, Reply]:
+    def _call(self, proxy: Any, command: int, until_us: int) -> tuple[Any, Answer]:
         try:
             if proxy is None:
                 proxy = rospy.ServiceProxy(
@@ -82,10 +80,10 @@ class Commander:
                 )
         except (rospy.ServiceException, rospy.ROSException, rospy.exceptions.TransportException, OSError):
             return self._lost(proxy, f"The node {self._service.server} cannot be reached.")
-        return proxy, Reply(answer.accepted, answer.reason, answer.count, answer.decided)
+        return proxy, Answer(answer.accepted, answer.reason, answer.decided, answer.count)
 
     @staticmethod
-    def _lost(proxy: Any, why: str) -> tuple[Any, Reply]:
+    def _lost(proxy: Any, why: str) -> tuple[Any, Answer]:
         if proxy is not None:
             proxy.close()
-        return None, Reply(False, why, reached=False)
+        return None, Answer(False, why, decided=False)

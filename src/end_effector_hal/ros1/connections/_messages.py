@@ -9,7 +9,7 @@ from typing import Any
 import rospy
 
 from end_effector_hal.control import Answer
-from end_effector_hal.nodes.transport import Header
+from end_effector_hal.nodes.transport import MessageHeader
 
 from ._types import message_class
 
@@ -60,7 +60,7 @@ def _converter(of: str) -> Callable[[Any], Any] | None:
     return (lambda values: [make(each) for each in values]) if of.endswith("[]") else make
 
 
-def _stamp(header: Header) -> Any:
+def _stamp(header: MessageHeader) -> Any:
     """ROS time of a moment on the monotonic clock."""
     before, now, after = time.monotonic_ns(), rospy.Time.now(), time.monotonic_ns()
     if header.at_us is None or not rospy.rostime.is_wallclock():

@@ -18,12 +18,6 @@ def service_class(name: str) -> Any:
     return _class(name, "srv")
 
 
-def constant_name(message: Any, value: int) -> str:
-    """The name of a value in a message with one enumeration."""
-    constants = vars(type(message)).items()
-    return next((name for name, each in constants if name.isupper() and each == value), str(value))
-
-
 def _class(name: str, kind: str) -> Any:
     package, _, plain = name.partition("/")
     try:

@@ -41,7 +41,7 @@ class RecordedController(Controller):
         return self._take("tell", Told(at, dict(values)), at, partial(super().tell, values, at))
 
     def refused(self, at: int) -> list[Status]:
-        """The line owner refused an activation."""
+        """The line arbiter refused an activation."""
         return self._take("refused", Refused(at), at, partial(super().refused, at))
 
     def acknowledge(self, at: int) -> list[Status]:

@@ -82,7 +82,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """The line owner refused to activate what the last status asked for."""
+    """The line arbiter refused to activate what the last status asked for."""
 
     at: int
 
@@ -112,7 +112,7 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class LinesWritten:
-    """Levels and the will that were given to the line owner at ``at``, and how long that took."""
+    """Levels and the will that were given to the line arbiter at ``at``, and how long that took."""
 
     at: int
     took_us: int
@@ -124,7 +124,7 @@ class LinesWritten:
 
 @dataclass(frozen=True, slots=True)
 class OwnerSeen:
-    """The line owner was lost, or is there again."""
+    """The line arbiter was lost, or is there again."""
 
     at: int
     there: bool

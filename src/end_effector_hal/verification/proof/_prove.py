@@ -60,7 +60,7 @@ class _Proving:
 
     def _finding(self, number: int, requirement: Requirement, found: Overview, share: float) -> Finding:
         """Of what the one exploration has answered."""
-        unmet = "its premise holds nowhere" if number in found.unmet else ""
+        unmet = "it says nothing here: its condition is never met" if number in found.unmet else ""
         holds = found.answers[number] is True
         worst = None
         if response := found.bounded.get(number):

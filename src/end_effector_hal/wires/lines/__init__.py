@@ -3,7 +3,7 @@
 from ._backend import LineBackend
 from ._chip_log import ChipLog, ChipState, Edge, LineState
 from ._gpiod import GpiodLines
-from ._handing_on import LineHandover
+from ._handover import LineHandover
 from ._virtual import VirtualLines
 from ._virtual_chip import VirtualChip, read_chip
 from ._watcher import ChipWatcher

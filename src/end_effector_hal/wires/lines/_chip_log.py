@@ -79,7 +79,7 @@ class ChipLog:
         """As of the last feed."""
         return ChipState(self._label, dict(self._lines))
 
-    def begin_anew(self) -> None:
+    def start_new_file(self) -> None:
         """Another file follows; what is known stays, so that the next header gives only what differs."""
         self._rest = b""
 

@@ -29,13 +29,13 @@ class GpiodLines:
         self._pattern = pattern
         self._requests: list[tuple[Any, dict[str, int]]] = []
         self._names: list[str] = []
-        self._inherited: dict[str, int] = {}
+        self._stored: dict[str, int] = {}
 
-    def inherit(self, keepsakes: Mapping[str, int]) -> None:
-        """Take over requests; see `LineHandover`."""
-        self._inherited = dict(keepsakes)
+    def restore(self, descriptors: Mapping[str, int]) -> None:
+        """Use stored requests; see `LineHandover`."""
+        self._stored = dict(descriptors)
 
-    def keepsakes(self) -> dict[str, int]:
+    def descriptors(self) -> dict[str, int]:
         """The descriptor of each request, by chip and lines in their order; see `LineHandover`."""
         return {name: request.fd for name, (request, _) in zip(self._names, self._requests, strict=True)}
 
@@ -45,9 +45,9 @@ class GpiodLines:
         by_chip: dict[str, dict[str, int]] = {}
         for name, (chip, offset) in self._find(names).items():
             by_chip.setdefault(chip, {})[name] = offset
-        self._names = [_keepsake(chip, offsets) for chip, offsets in by_chip.items()]
-        for name in set(self._inherited).difference(self._names):
-            os.close(self._inherited.pop(name))  # of another description: first given back, or they are busy
+        self._names = [_stored_name(chip, offsets) for chip, offsets in by_chip.items()]
+        for name in set(self._stored).difference(self._names):
+            os.close(self._stored.pop(name))  # of another description: first given back, or they are busy
         try:
             for name, (chip, offsets) in zip(self._names, by_chip.items(), strict=True):
                 self._requests.append((self._claimed(name, chip, offsets), offsets))
@@ -139,10 +139,10 @@ class GpiodLines:
             raise WireError(f"the GPIO chip cannot be opened: {error.strerror}.", where=path) from error
 
     def _claimed(self, name: str, chip: str, offsets: Mapping[str, int]) -> Any:
-        if name in self._inherited:
+        if name in self._stored:
             from end_effector_hal.wires.lines._held_request import HeldRequest  # on Linux only
 
-            return HeldRequest(self._inherited.pop(name), list(offsets.values()), self._gpiod.line.Value)
+            return HeldRequest(self._stored.pop(name), list(offsets.values()), self._gpiod.line.Value)
         return self._adopt(chip, offsets)
 
     def _adopt(self, path: str, offsets: Mapping[str, int]) -> Any:
@@ -187,7 +187,7 @@ class GpiodLines:
         return ", ".join(held) or "a line is held by another program"
 
 
-def _keepsake(chip: str, offsets: Mapping[str, int]) -> str:
+def _stored_name(chip: str, offsets: Mapping[str, int]) -> str:
     return ".".join([Path(chip).name, *map(str, offsets.values())])
 
 

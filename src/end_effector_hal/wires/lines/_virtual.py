@@ -13,7 +13,7 @@ from end_effector_hal.wires.lines._chip_log import Edge, record
 from end_effector_hal.wires.lines._not_found import line_not_found
 from end_effector_hal.wires.lines._virtual_chip import VirtualChip
 
-KEEPSAKE = "virtual-chip"
+STORED_NAME = "virtual-chip"
 
 
 class VirtualLines:
@@ -30,24 +30,24 @@ class VirtualLines:
         self._claim: Claim | None = None
         self._fd = -1
         self._levels: dict[str, bool] = {}
-        self._inherited = -1
+        self._stored = -1
 
-    def inherit(self, keepsakes: Mapping[str, int]) -> None:
-        """Take over the claim of the chip; see `LineHandover`."""
-        for name, fd in keepsakes.items():
-            if name == KEEPSAKE:
-                self._inherited = fd
+    def restore(self, descriptors: Mapping[str, int]) -> None:
+        """Use the stored claim of the chip; see `LineHandover`."""
+        for name, fd in descriptors.items():
+            if name == STORED_NAME:
+                self._stored = fd
             else:
                 os.close(fd)
 
-    def keepsakes(self) -> dict[str, int]:
+    def descriptors(self) -> dict[str, int]:
         """The claim of the chip; see `LineHandover`."""
-        return {KEEPSAKE: self._claim.fd} if self._claim else {}
+        return {STORED_NAME: self._claim.fd} if self._claim else {}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
         """Claim and adopt; see `LineBackend.request`."""
         self._chip.read()
-        claim, self._inherited = self._chip.claim(self._inherited), -1
+        claim, self._stored = self._chip.claim(self._stored), -1
         try:
             found = self._chip.read().lines
             missing = [name for name in names if name not in found]

@@ -18,7 +18,7 @@ _log = logging.getLogger("end_effector_hal.wires")
 class ChipWatcher:
     """Calls ``on_edge`` in its own thread for every record, in order, with the time of its writer.
 
-    A chip created anew at the same path (power-up) gives an edge for each line whose state that changes.
+    A chip that is created again at the same path (power-up) gives an edge for each line whose state that changes.
 
     Args:
         path: the file of the chip; its directory must exist, the file may come later.
@@ -102,7 +102,7 @@ class ChipWatcher:
         if self._fd >= 0:
             os.close(self._fd)
         self._fd = fd
-        self._chip.begin_anew()
+        self._chip.start_new_file()
 
     def _read(self) -> list[Edge]:
         edges: list[Edge] = []

@@ -129,11 +129,11 @@ def test_lines_are_handed_on_by_their_descriptor(chip: SimulatedChip) -> None:
     first = GpiodLines()
     first.request([A, B])
     first.set({A: True})
-    kept = {name: os.dup(fd) for name, fd in first.keepsakes().items()}
+    kept = {name: os.dup(fd) for name, fd in first.descriptors().items()}
     first.close()
     assert chip.level(A) is True
     second = GpiodLines()
-    second.inherit(kept)
+    second.restore(kept)
     assert second.request([A, B]) == {A: True, B: False}
     second.set({A: False, B: True})
     assert second.levels() == {A: False, B: True}

@@ -48,7 +48,7 @@ def test_the_command_says_who_holds_the_lines(tool: str) -> None:
     eehal = [sys.executable, "-c", "from end_effector_hal.cli import main; main()"]
     with Owner([A]) as owner:
         second = subprocess.run(
-            [*eehal, "owner", tool], capture_output=True, text=True, timeout=120, check=False
+            [*eehal, "arbiter", tool], capture_output=True, text=True, timeout=120, check=False
         )
         doctor = subprocess.run(
             [*eehal, "doctor", tool, "--only", "lines"],
@@ -61,5 +61,5 @@ def test_the_command_says_who_holds_the_lines(tool: str) -> None:
     assert f"{A} is held by end-effector-hal." in second.stderr
     assert f"pid {owner.process.pid}" in second.stderr
     assert "Traceback" not in second.stderr
-    assert f"{A} = /dev/gpiochip0 line 0, output, held by the line owner" in doctor.stdout
+    assert f"{A} = /dev/gpiochip0 line 0, output, held by the line arbiter" in doctor.stdout
     assert "SODIMM_210 = /dev/gpiochip0 line 2, input, free" in doctor.stdout

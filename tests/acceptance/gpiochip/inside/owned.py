@@ -1,4 +1,4 @@
-"""A line owner in a process of its own, to be killed."""
+"""A line arbiter in a process of its own, to be killed."""
 
 from __future__ import annotations
 

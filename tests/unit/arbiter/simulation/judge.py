@@ -1,4 +1,4 @@
-"""What may never happen, whoever dies when: the judge knows nothing of how the owner works."""
+"""What may never happen, whoever dies when: the judge knows nothing of how the arbiter works."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from end_effector_hal.vocabulary import EndEffectorState
 TROUBLES = {"journal", "session record"}
 """Faults that say that faults cannot be kept."""
 DOUBTS = ("last wills", "session record")
-"""Faults that say that a last will was not, or may not be, executed: the owner holds instead."""
+"""Faults that say that a last will was not, or may not be, executed: the arbiter holds instead."""
 
 
 class Judge:
@@ -60,7 +60,7 @@ class Judge:
         self.unfinished = False
 
     def shown(self, faults: set[str], *, safe: set[str]) -> None:
-        """The owner has told somebody of these faults; those that are ``safe`` stand on the disk."""
+        """The arbiter has told somebody of these faults; those that are ``safe`` stand on the disk."""
         if "session record" in faults:  # it has said so: only the disk keeps them now
             self.latched &= safe
         if missing := self.latched - faults:

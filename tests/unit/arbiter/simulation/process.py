@@ -1,4 +1,4 @@
-"""The process of the line owner in virtual time: its rules, answers and records, and the thread of its journal."""
+"""The process of the line arbiter in virtual time: its rules, answers and records, and the thread of its journal."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from end_effector_hal.arbiter.records._records import Records
 from end_effector_hal.arbiter.records._session_store import SessionStore
 from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.server._answers import Answers
 from end_effector_hal.arbiter.server._connection import Connection
+from end_effector_hal.arbiter.server._requests import RequestHandler
 from tests.unit.arbiter.simulation.wire import FarEnd
 
 
@@ -72,7 +72,7 @@ class JournalThread:
             self._journal.write_next()
 
 
-class OwnerProcess:
+class ArbiterProcess:
     """As `ArbiterServer`, without a selector."""
 
     def __init__(self, world: Any, policy: Policy) -> None:
@@ -80,12 +80,12 @@ class OwnerProcess:
         self._connections: dict[FarEnd, Connection] = {}
         self.journal = JournalThread(world)
         self._records = Records(SessionStore(world.memory, world.mark, world.boot, world.clock), self.journal)
-        self.keeper = LineArbiter(
+        self.rules = LineArbiter(
             Lines(world), policy, world.now, self._records.before, self._records.before_change
         )
-        self._records.keep(self.keeper)
-        self._answers = Answers(
-            self.keeper,
+        self._records.keep(self.rules)
+        self._requests = RequestHandler(
+            self.rules,
             lambda: dict(world.lines),
             unclean=not self._records.before.clean,
             records=self._records,
@@ -96,15 +96,15 @@ class OwnerProcess:
         self._connections[far] = Connection(far, self._world.now)  # type: ignore[arg-type]
 
     def hear(self, far: FarEnd) -> None:
-        """Somebody has sent something; in the world the owner may die at any of its points."""
-        with self._world.inside("owner"):
+        """Somebody has sent something; in the world the arbiter may die at any of its points."""
+        with self._world.inside("arbiter"):
             connection = self._connections.get(far)
             if connection is None:
                 return
             connection.receive()
-            while (line := connection.take()) is not None:
+            while (line := connection.next_message()) is not None:
                 self._world.message(line)
-                reply = self._answers.answer(connection, line)
+                reply = self._requests.handle(connection, line)
                 self._world.hazard("before a reply")
                 if connection.closed:
                     return
@@ -116,25 +116,25 @@ class OwnerProcess:
 
     def step(self) -> None:
         """Time has passed."""
-        with self._world.inside("owner"):
-            over = self.keeper.expire(self._world.now)
+        with self._world.inside("arbiter"):
+            over = self.rules.expire(self._world.now)
             for connection in [each for each in self._connections.values() if each.session in over]:
                 self._drop(connection, "its lease ended")
-            self.keeper.advance(self._world.now)
-            self._records.keep(self.keeper)
+            self.rules.advance(self._world.now)
+            self._records.keep(self.rules)
             self.journal.step()
 
     def close(self) -> None:
         """SIGTERM: it ends in order."""
-        with self._world.inside("owner"):
-            self._records.close(self.keeper.memory)
+        with self._world.inside("arbiter"):
+            self._records.close(self.rules.state)
 
     def _drop(self, connection: Connection, why: str) -> None:
         if connection.closed:
             return
         connection.close()
         self._connections = {far: each for far, each in self._connections.items() if each is not connection}
-        self._answers.left(connection)
+        self._requests.left(connection)
         session, connection.session = connection.session, None
         if session and not session.ended:
-            self.keeper.dead(session, why, self._world.now)
+            self.rules.declare_dead(session, why, self._world.now)

@@ -1,4 +1,4 @@
-"""Plays the owner simulation: `python -m tests.unit.arbiter.simulation.run [--runs N] [--first SEED] [--seed SEED]`."""
+"""Plays the simulation: `python -m tests.unit.arbiter.simulation.run [--runs N] [--first SEED] [--seed SEED]`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=2_000)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--seed", type=int, help="replay one run, and say what the owner logs")
+    parser.add_argument("--seed", type=int, help="replay one run, and say what the arbiter logs")
     given = parser.parse_args()
     began, met = time.monotonic(), Counter[tuple[str, str]]()
     violated: list[tuple[int, str]] = []

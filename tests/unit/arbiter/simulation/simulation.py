@@ -1,4 +1,4 @@
-"""Many runs of the owner's world, and how often each failure met each message."""
+"""Many runs of the arbiter's world, and how often each failure met each message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The line owner with its disk, its client and the gripping program: whoever dies when, and whatever the disk does."""
+"""The line arbiter with its disk, its client and the gripping program: any of them dies or fails at any time."""
 
 from __future__ import annotations
 
@@ -19,11 +19,13 @@ from tests.unit.arbiter.simulation.world import FAULTS
 
 RUNS, PARTS = 2_000, 4
 EACH = RUNS // PARTS
-"""`make nightly` plays 100,000 with run.py."""
+"""Of a part; `make test` plays one, `make test-thinned` the others, `make nightly` 100,000 with run.py."""
 
 
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize("part", range(PARTS))
+@pytest.mark.parametrize(
+    "part", [pytest.param(part, marks=[pytest.mark.nightly] if part else []) for part in range(PARTS)]
+)
 def test_nothing_falls_no_latch_is_lost_and_the_next_program_can_work(part: int) -> None:
     met: Met = Counter()
     violated = play(range(part * EACH, (part + 1) * EACH), met)
@@ -41,7 +43,7 @@ def test_a_seed_replays_its_run() -> None:
     assert first == second
 
 
-# Repairs undone: each must be found within the runs of `make test`
+# Repairs undone: each must be found within these runs
 
 Patch = Callable[[Any, str, Any], None]
 
@@ -60,7 +62,7 @@ def a_record_that_is_switched_off_after_a_failure(patch: Patch) -> None:
     patch(_session_store.SessionStore, "keep", keep)
     patch(_session_store.SessionStore, "_fail", fail)
     patch(_session_store.SessionStore, "begin", lambda _: None)
-    patch(LineArbiter, "_differing", lambda *_: "")
+    patch(LineArbiter, "_changed_meanwhile", lambda *_: "")
 
 
 def a_token_that_two_programs_share(patch: Patch) -> None:
@@ -98,4 +100,4 @@ def _certain(memory: Any) -> Any:
     ],
 )
 def test_a_repair_that_is_undone_is_found(undo: Callable[[Patch], None]) -> None:
-    assert play(range(2_000), Counter(), most=1, undo=undo)
+    assert play(range(RUNS), Counter(), most=1, undo=undo)

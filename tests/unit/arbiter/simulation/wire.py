@@ -1,4 +1,4 @@
-"""Sockets between the line owner and its clients, in virtual time: a message is answered at once, or its end dies."""
+"""Sockets between the line arbiter and its clients, in virtual time: a message is answered at once, or its end dies."""
 
 from __future__ import annotations
 

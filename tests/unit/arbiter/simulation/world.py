@@ -1,4 +1,4 @@
-"""One virtual time for the owner with its disk, the gripping program with its client, and who reads the sensors."""
+"""One virtual time for the arbiter with its disk, the gripping program with its client, and who reads the sensors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.arbiter.client import _client, _conversation
 from end_effector_hal.arbiter.protocol._message import write_message
-from end_effector_hal.arbiter.server import _answers
+from end_effector_hal.arbiter.server import _requests
 from end_effector_hal.control import Status, model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError
@@ -22,7 +22,7 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
 from tests.unit.arbiter.simulation.judge import Judge
-from tests.unit.arbiter.simulation.process import OwnerProcess
+from tests.unit.arbiter.simulation.process import ArbiterProcess
 from tests.unit.arbiter.simulation.wire import NearEnd
 from timed_automata import load_network
 
@@ -32,14 +32,14 @@ GRIP_LINES = program_lines(TOOL, "grip")
 POLICY = arbiter_policy(TOOL)
 KEYS = {"bottom": -80_000, "cylinder": 600_000, "top": -80_000}
 FAULTS = (
-    "owner dies", "program dies", "both die", "sensors die", "disk full", "disk fails", "disk hangs", "memory full",
+    "arbiter dies", "program dies", "both die", "sensors die", "disk full", "disk fails", "disk hangs", "memory full",
     "memory fails", "power", "e-stop",
 )  # fmt: skip
 REST = {EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR}
 
 
 class OwnerKilledError(BaseException):
-    """The owner dies here; a BaseException, so that no part of it can catch it."""
+    """The arbiter dies here; a BaseException, so that no part of it can catch it."""
 
 
 class ProgramKilledError(BaseException):
@@ -88,7 +88,7 @@ class World:
         self.mark = SimulatedDisk("mark", self.hazard)
         self.disk = SimulatedDisk("disk", self.hazard)
         self.ends: list[NearEnd] = []
-        self.owner: OwnerProcess | None = None
+        self.arbiter: ArbiterProcess | None = None
         self.program: Program | None = None
         self.sensors: NearEnd | None = None
         self.e_stop_open = False
@@ -114,11 +114,11 @@ class World:
         return self.random.choice((0, 0, self.random.randint(2, 9)))
 
     @property
-    def listener(self) -> OwnerProcess | None:
-        return self.owner
+    def listener(self) -> ArbiterProcess | None:
+        return self.arbiter
 
     def message(self, line: bytes) -> None:
-        """The owner reads a message."""
+        """The arbiter reads a message."""
         self._message = str(json.loads(line)["op"])
         self.hazard("message")
 
@@ -129,31 +129,31 @@ class World:
             _, fault = self._faults.pop(0)
             self._met[fault, f"{self._message}: {where}"] += 1
             self._happens(fault)
-        if "owner" in self._doomed and "owner" in self._inside:
+        if "arbiter" in self._doomed and "arbiter" in self._inside:
             raise OwnerKilledError
 
     @contextmanager
     def inside(self, process: str) -> Iterator[None]:
         """A process is at work; it may die in here, and with it only what it does."""
-        if process == "owner" and self.owner is None:
+        if process == "arbiter" and self.arbiter is None:
             return
         self._inside.append(process)
         try:
             yield
         except OwnerKilledError:
             self._inside.pop()
-            self._bury_owner()
+            self._bury_arbiter()
         else:
             self._inside.pop()
-        if "program" in self._doomed and "program" in self._inside and "owner" not in self._inside:
+        if "program" in self._doomed and "program" in self._inside and "arbiter" not in self._inside:
             raise ProgramKilledError
 
     def _happens(self, fault: str) -> None:
         later = self.now + self.random.choice((TICK_US, 400_000, 3_000_000))
         match fault:
-            case "owner dies" | "both die" | "power":
-                self._doomed.add("owner")
-                self._heal_at["owner"] = later
+            case "arbiter dies" | "both die" | "power":
+                self._doomed.add("arbiter")
+                self._heal_at["arbiter"] = later
             case "disk full" | "memory full":
                 for disk in [self.disk] if fault.startswith("disk") else [self.memory, self.mark]:
                     disk.full = True
@@ -176,10 +176,10 @@ class World:
             self._doomed.add("power")
 
     def shown(self) -> None:
-        """Somebody is told of the faults that the owner has latched."""
-        if self.owner is not None:
+        """Somebody is told of the faults that the arbiter has latched."""
+        if self.arbiter is not None:
             safe = {name for name in self.judge.latched if self._on_disk(name)}
-            self.judge.shown(set(self.owner.keeper.sensed.faults), safe=safe)
+            self.judge.shown(set(self.arbiter.rules.predicates.faults), safe=safe)
 
     def _on_disk(self, fault: str) -> bool:
         return f'"{fault}"'.encode() in self.disk.safe
@@ -189,7 +189,7 @@ class World:
     def run(self) -> None:
         """Faults in the middle of grips and drops; then everything is well again, and must work."""
         until = self.now + self.random.choice((2_000_000, 6_000_000, 12_000_000))
-        self._start_owner()
+        self._start_arbiter()
         while self.now < until and not self.judge.violations:
             self._tick()
             self._play()
@@ -201,8 +201,8 @@ class World:
         for what in [name for name, at in self._heal_at.items() if at <= self.now]:
             del self._heal_at[what]
             self._heal(what)
-        if self.owner is not None:
-            self.owner.step()
+        if self.arbiter is not None:
+            self.arbiter.step()
         self._bury()
         self._tell()
         self._bury()
@@ -214,8 +214,8 @@ class World:
 
     def _heal(self, what: str) -> None:
         match what:
-            case "owner":
-                self._start_owner()
+            case "arbiter":
+                self._start_arbiter()
             case "disk full":
                 self.disk.full = False
             case "disk fails":
@@ -244,10 +244,10 @@ class World:
             self._as_program(program.leave)
         elif dice > 0.985 and self.judge.latched:
             self._as_program(program.reset)
-        elif dice > 0.98 and self.owner is not None:
-            self.owner.close()
-            self._bury_owner()
-            self._heal_at["owner"] = self.now + 200_000
+        elif dice > 0.98 and self.arbiter is not None:
+            self.arbiter.close()
+            self._bury_arbiter()
+            self._heal_at["arbiter"] = self.now + 200_000
         self._bury()
 
     def _must_work(self) -> None:
@@ -255,8 +255,8 @@ class World:
         for what in [*self._heal_at]:
             self._heal(what)
         self._heal_at.clear()
-        if self.owner is None:
-            self._start_owner()
+        if self.arbiter is None:
+            self._start_arbiter()
         self._until("the program is ready", lambda state: state in REST | {EndEffectorState.STAND_BY}, 15)
         program = self.program
         assert program is not None
@@ -287,20 +287,20 @@ class World:
 
     # Births and deaths
 
-    def _start_owner(self) -> None:
-        if self.owner is None:
+    def _start_arbiter(self) -> None:
+        if self.arbiter is None:
             self._message = "start"
             with self._inside_start():
-                self.owner = OwnerProcess(self, POLICY)
+                self.arbiter = ArbiterProcess(self, POLICY)
                 self.shown()
 
     @contextmanager
     def _inside_start(self) -> Iterator[None]:
-        self._inside.append("owner")
+        self._inside.append("arbiter")
         try:
             yield
         except OwnerKilledError:
-            self.owner = None
+            self.arbiter = None
         finally:
             self._inside.pop()
 
@@ -312,8 +312,8 @@ class World:
         except ProgramKilledError:
             self._bury()
             return
-        if self.owner is not None:
-            self.judge.came(set(self.owner.keeper.sensed.faults))
+        if self.arbiter is not None:
+            self.judge.came(set(self.arbiter.rules.predicates.faults))
         self._as_program(self.program.begin)
 
     def _as_program(self, what: Any) -> Any:
@@ -327,8 +327,8 @@ class World:
 
     def _bury(self) -> None:
         """Those who were hit while somebody else was at work die now."""
-        if "owner" in self._doomed:
-            self._bury_owner()
+        if "arbiter" in self._doomed:
+            self._bury_arbiter()
         if "program" in self._doomed:
             self._doomed.discard("program")
             if self.program is not None:
@@ -343,12 +343,12 @@ class World:
         if "power" in self._doomed:
             self._lose_power()
 
-    def _bury_owner(self) -> None:
-        self._doomed.discard("owner")
-        self.owner = None
+    def _bury_arbiter(self) -> None:
+        self._doomed.discard("arbiter")
+        self.arbiter = None
         for end in self.ends:
             end.is_lost = True
-        self._heal_at.setdefault("owner", self.now + 200_000)
+        self._heal_at.setdefault("arbiter", self.now + 200_000)
 
     def _lose_power(self) -> None:
         """All processes die, outputs go inactive, memory is empty; what stands safely on the disk stays."""
@@ -465,8 +465,8 @@ class Program:
         try:
             self._client.reset()
         except ReportedError:
-            owner = self._world.owner
-            judge.latched |= before & set(owner.keeper.sensed.faults) if owner else set()
+            arbiter = self._world.arbiter
+            judge.latched |= before & set(arbiter.rules.predicates.faults) if arbiter else set()
             return False
         return True
 
@@ -479,7 +479,7 @@ class Program:
 
     def client_end_closes(self) -> None:
         """The kernel closes the sockets of the dead."""
-        if (socket := self._client._owner._socket) is not None:
+        if (socket := self._client._arbiter._socket) is not None:
             socket.close()
 
     def _tell(self, status: Status) -> None:
@@ -503,7 +503,7 @@ def virtual_time(patch: Any) -> Iterator[Any]:
     def now() -> int:
         return worlds[-1].now
 
-    for module in (_answers, _client, _unit, _newest):
+    for module in (_requests, _client, _unit, _newest):
         if hasattr(module, "now_us"):
             patch.setattr(module, "now_us", now)
     lock = _client.threading.Lock

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 import random
-import tomllib
-from pathlib import Path
 
 import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError, RangeError
+from tests.unit.verification.mutants.mutants import MUTANTS, first_of_each
 from timed_automata import Event, Execution, Network, Step
 
 EXECUTED = ("Gripper", "Actuator", "Changer", "Arming")
-MUTANTS = [
-    mutant
-    for mutant in tomllib.loads(Path(__file__).with_name("mutants.toml").read_text(encoding="utf-8"))[
-        "mutant"
-    ]
-    if mutant.get("template") in EXECUTED
-]
+EXECUTABLE = [mutant for mutant in MUTANTS if mutant.get("template") in EXECUTED]
 SAME = {
     "two attempts only",
     "ON with part of the evidence",
@@ -89,7 +82,7 @@ def play(network: Network, seed: int) -> list[object]:
 
 
 def command(execution: Execution, chooser: random.Random) -> str:
-    """One that is given, or the line owner's answer to the one before."""
+    """One that is given, or the line arbiter's answer to the one before."""
     if execution.value("changer") == 3 and chooser.random() < 0.3:
         return "unlock_refused"
     if execution.value("ee") in (1, 3) and chooser.random() < 0.1:
@@ -105,7 +98,7 @@ def expected(shipped) -> list[list[object]]:  # type: ignore[no-untyped-def]
     return [play(network, seed) for seed in range(RUNS)]
 
 
-@pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant["name"] for mutant in MUTANTS])
+@first_of_each(EXECUTABLE, "template")
 def test_the_executor_of_a_mutant_is_found_out(shipped, expected, mutant) -> None:  # type: ignore[no-untyped-def]
     try:
         network = shipped.network(mutant)

@@ -8,7 +8,8 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError
-from tests.unit.verification.mutants.test_executors import EXECUTED, MUTANTS, RUNS, SAME, play
+from tests.unit.verification.mutants.mutants import first_of_each
+from tests.unit.verification.mutants.test_executors import EXECUTABLE, EXECUTED, RUNS, SAME, play
 from timed_automata import Execution, Observation, Step
 from timed_automata.monitor import Monitor
 
@@ -55,7 +56,7 @@ def test_the_shipped_executor_is_accepted(shipped, refused) -> None:  # type: ig
     assert not any(refused(network, network, seed) for seed in random.Random(1).sample(range(RUNS), 40))
 
 
-@pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant["name"] for mutant in MUTANTS])
+@first_of_each(EXECUTABLE, "template")
 def test_the_executor_of_a_mutant_is_refused(shipped, refused, mutant) -> None:  # type: ignore[no-untyped-def]
     if mutant["name"] in SAME:
         return

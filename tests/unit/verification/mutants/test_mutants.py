@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
-from pathlib import Path
-
-import pytest
-
 from end_effector_hal.verification.proof import requirements_of
+from tests.unit.verification.mutants.mutants import MUTANTS, first_of_each
 from timed_automata.explore import overview
 
-MUTANTS = tomllib.loads(Path(__file__).with_name("mutants.toml").read_text(encoding="utf-8"))["mutant"]
 
-
-@pytest.mark.parametrize("mutant", MUTANTS, ids=[f"{m['name']} [{m['caught_by']}]" for m in MUTANTS])
+@first_of_each(MUTANTS, "caught_by")
 def test_the_mutant_is_caught(mutant, shipped):
     assert shipped.catches(mutant), f"{mutant['name']}: survives"
 

@@ -164,7 +164,7 @@ def test_a_missed_bound_stands_in_the_trace_and_is_no_difference(tool: Callable[
 
 
 def test_a_controller_that_begins_anew_is_replayed_anew(tool: Callable[..., RecordedTool]) -> None:
-    """As a unit does that the line owner took for dead."""
+    """As a unit does that the line arbiter took for dead."""
     played = tool()
     played.run(1.0)
     played.command("grip")

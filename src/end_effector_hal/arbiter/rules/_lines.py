@@ -1,0 +1,63 @@
+"""The claimed output lines: their levels, and since when each of them stands so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from end_effector_hal.arbiter.rules._policy import Policy
+from end_effector_hal.arbiter.rules._session import Write
+from end_effector_hal.errors import WireError
+from end_effector_hal.wires.lines import LineBackend
+
+
+class OutputLines:
+    """Claims the lines, and adopts the levels that they have.
+
+    Args:
+        backend: the lines, not claimed yet.
+        policy: their names, and how long each stays as it is (IL-10).
+        at: now, µs.
+        before_change: called before lines are written.
+    """
+
+    def __init__(
+        self, backend: LineBackend, policy: Policy, at: int, before_change: Callable[[], None]
+    ) -> None:
+        self._backend, self._policy, self._before_change = backend, policy, before_change
+        self.levels = backend.request(list(policy.lines))
+        self.changed_at = dict.fromkeys(policy.lines, at)
+        """The time of the last change of each line, µs."""
+
+    def set(self, levels: Mapping[str, bool], at: int) -> None:
+        """Write those that have another level; raises WireError."""
+        changes = {line: level for line, level in levels.items() if self.levels[line] != level}
+        if not changes:
+            return
+        self._before_change()
+        try:
+            self._backend.set(changes)
+        except WireError:
+            raise
+        except OSError as error:
+            raise WireError(f"the lines cannot be written: {error.strerror}.") from error
+        self.levels |= changes
+        self.changed_at |= dict.fromkeys(changes, at)
+
+    def ready_at(self, write: Write) -> int:
+        """The earliest time at which a write may be applied, µs."""
+        return self.last_ready_at([write])
+
+    def last_ready_at(self, writes: Iterable[Write]) -> int:
+        """When the last of these writes can be applied, if each is applied as early as it may be, µs."""
+        levels, changed_at, time = dict(self.levels), dict(self.changed_at), 0
+        for due, wanted in writes:
+            switched = {line: level for line, level in wanted.items() if levels[line] != level}
+            free = (changed_at[line] + self._policy.min_switch_us for line in switched)
+            time = max([time, due, *free])
+            levels |= switched
+            changed_at |= dict.fromkeys(switched, time)
+        return time
+
+    def longest_end(self, line: str) -> int | None:
+        """When an active line has been active for its longest time (IL-03), µs; None: it is not active."""
+        return self.changed_at[line] + self._policy.max_active_us[line] if self.levels[line] else None

@@ -1,0 +1,151 @@
+"""What the arbiter does on a request, and what it replies."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from end_effector_hal.arbiter.protocol import (
+    SENSORS,
+    LastWillRunsError,
+    Request,
+    read_id,
+    read_message,
+    read_request,
+)
+from end_effector_hal.arbiter.records import Records
+from end_effector_hal.arbiter.rules import LineArbiter, SecondSenderError, SenderRole
+from end_effector_hal.arbiter.server._connection import Connection
+from end_effector_hal.arbiter.server._status_report import status_report
+from end_effector_hal.errors import ArbiterError, ReportedError
+from end_effector_hal.wires import now_us
+
+_log = logging.getLogger("end_effector_hal.arbiter")
+SECOND = "sensors"
+"""The name of the fault that another process claims to read the sensors."""
+
+
+class RequestHandler:
+    """From requests to replies.
+
+    Args:
+        arbiter: the rules of the lines.
+        read_levels: reads the levels of all lines from the hardware.
+        unclean: the arbiter before this one did not end in order.
+        records: kept before each reply, so that the next arbiter knows what the client was told.
+        drop: ends a connection, for the reason that is given.
+    """
+
+    def __init__(
+        self,
+        arbiter: LineArbiter,
+        read_levels: Callable[[], Mapping[str, bool]],
+        *,
+        unclean: bool,
+        records: Records,
+        drop: Callable[[Connection, str], None],
+    ) -> None:
+        self._arbiter, self._read_levels, self._unclean = arbiter, read_levels, unclean
+        self._records, self._drop = records, drop
+        self._sender_role: SenderRole[Connection] = SenderRole(arbiter.policy.fresh_us)
+
+    def handle(self, connection: Connection, line: bytes) -> dict[str, Any] | None:
+        """Execute a message; returns the reply, None: it gets no reply."""
+        number = None
+        connection.heard_at = now_us()
+        try:
+            message = read_message(line)
+            number = read_id(message)
+            request = read_request(message)
+            more = self._execute(connection, request)
+            self._records.keep(self._arbiter)
+            if request.op == "tell" and number is None:
+                return None
+        except ReportedError as error:
+            return refusal(number, error) | {"levels": self._arbiter.levels}
+        except Exception:  # noqa: BLE001 the arbiter must outlive any message of a client
+            _log.exception("a request of %s failed", connection.process)
+            failed = ArbiterError("the line arbiter failed at this request; its log says why.")
+            return refusal(number, failed)
+        return {"id": number, "ok": True, "error": None, "levels": self._arbiter.levels} | more
+
+    def left(self, connection: Connection) -> None:
+        """A connection has ended."""
+        self._sender_role.leave(connection)
+
+    def _execute(self, connection: Connection, request: Request) -> dict[str, Any]:
+        arbiter, session, at = self._arbiter, connection.session, now_us()
+        match request.op:
+            case "status":
+                about = {"pid": os.getpid(), "unclean": self._unclean}
+                return {"status": about | status_report(arbiter, at)}
+            case "levels":
+                return {"levels": self._read_levels()}
+            case "reset":
+                _log.info("%s resets the faults", connection.process)
+                arbiter.reset(at, self._records.troubles())
+                return {}
+            case "hello":
+                return self._hello(connection, request, at)
+            case "tell":
+                if not self._sender_role.accepts(connection, at):
+                    raise ArbiterError(
+                        f"only the connection with the role {SENSORS} may report predicates: say hello with it first."
+                    )
+                arbiter.predicates.update(request.predicates, request.at_us, at)
+                return {}
+        if session is None:
+            raise ArbiterError("say hello first.")
+        match request.op:
+            case "set":
+                if request.until_us is not None and at > request.until_us:
+                    raise ArbiterError("this write came too late and was not executed.")
+                return {"delay_us": arbiter.write(session, request.levels, request.will, at)}
+            case "renew":
+                arbiter.renew(session, at)
+                return {"faults": list(arbiter.predicates.faults.values())}
+            case "latch":
+                arbiter.predicates.latch_for_client(request.fault, request.why)
+                return {}
+        arbiter.bye(session, request.will or (), at)
+        connection.session = None
+        return {}
+
+    def _hello(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:
+        if connection.session or connection.sends_predicates:
+            raise ArbiterError("this connection has said hello already.")
+        if request.role == SENSORS:
+            return self._assign_role(connection, request, at)
+        session = connection.session = self._arbiter.hello(
+            request.client,
+            request.token,
+            request.lines,
+            request.will or (),
+            at,
+            pid=connection.pid,
+            program=connection.program,
+        )
+        return {"overtaken": session.declared_dead}
+
+    def _assign_role(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:
+        role, process = self._sender_role, connection.process
+        try:
+            before = role.assign(connection, connection.uid, request.token, process, at)
+        except SecondSenderError as error:
+            if error.active:
+                self._arbiter.predicates.latch(SECOND, f"{error.what[0].upper()}{error.what[1:]}")
+                self._records.keep(self._arbiter)
+            raise
+        connection.sends_predicates = True
+        _log.info("%s (%s) reports what the sensors show", request.client, process)
+        if before is not None:
+            self._drop(before, "another connection reports what the sensors show")
+        return {}
+
+
+def refusal(number: int | str | None, error: ReportedError) -> dict[str, Any]:
+    """A reply that says why not; ``number`` None: it belongs to no request."""
+    retry = {"retry_us": error.retry_us} if isinstance(error, LastWillRunsError) else {}
+    return {"id": number, "ok": False, "error": str(error), "code": error.code, "levels": {}} | retry

@@ -1,0 +1,41 @@
+"""``eehal arbiter``: the process that owns the output lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.description import tool_path
+
+from ._path_name import PathName
+
+
+@click.command()
+@click.argument("description", type=PathName(), default=None, required=False)
+@click.option("--profile", default="", help="Name of a shipped tool, instead of a description.")
+@click.option("--socket", type=PathName(), help="Unix socket to serve; default: the description's.")
+@click.option(
+    "--journal",
+    type=PathName(file_okay=False, exists=True),
+    help="Folder that survives a loss of power; default: $STATE_DIRECTORY, else that of the socket.",
+)
+@click.option(
+    "--group", help="Group whose members may command the lines; default: the group of this process."
+)
+def command(
+    description: Path | None, profile: str, socket: Path | None, journal: Path | None, group: str | None
+) -> None:
+    """Own all output lines of a tool (one request) and serve them on a Unix socket.
+
+    The tool is named by its DESCRIPTION or by --profile; there is no default.
+
+    Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, the arbiter
+    executes its last will. The lines keep their level when the arbiter ends. Latched faults are kept in a journal,
+    and last wills in the session record beside the socket, for the next arbiter.
+    """
+    from end_effector_hal.runtime import run_arbiter
+
+    path = tool_path(description or "", profile, how="DESCRIPTION or --profile NAME")
+    run_arbiter(load_tool(path), socket, journal, group)

@@ -1,0 +1,111 @@
+"""The line arbiter: whether one serves the tool's socket, its clients, and what is active."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import ReportedError
+
+from ._check_result import CheckedPart, CheckResult, CheckResults
+from ._holders import holders_of
+
+_FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/tmp/eehal-0"))
+_START = "Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter."
+_GROUP = "Add the user to the group gpio, which owns the socket, and log in again."
+_FRESH_US = 1_000_000
+"""Longer than the arbiter's own 150 ms: the machine may be slow, and reading changes nothing."""
+_say = CheckedPart("arbiter")
+
+
+def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckResults:
+    """Reads levels and status, writes nothing; ``lines`` are all output lines of the tool."""
+    from end_effector_hal.arbiter import ArbiterClient
+
+    try:
+        path = socket_path(description)
+    except ReportedError as error:
+        yield _say.missing(f"{error.where}: {error.what}", error.todo)
+        return
+    try:
+        with ArbiterClient(path, "doctor", patience_s=0) as client:
+            levels, status = client.levels(), client.status()
+    except ReportedError as error:
+        yield _unreachable(path, error)
+        return
+    if set(levels) != set(lines):
+        yield _say.missing(
+            f"pid {status.get('pid')} at {path} owns other lines: {', '.join(levels)}",
+            "It was started with another description: stop it and start it with this one.",
+        )
+        return
+    yield _say.ok(f"pid {status.get('pid')} serves {path}; {_clients(status)}")
+    labels = {actuator.line: name for name, actuator in description.ordered}
+    active = [f"{line} ({labels.get(line, 'unlock')})" for line, level in levels.items() if level]
+    yield _say.ok(f"active: {', '.join(active) or 'no line'}")
+    yield from _sensed(status)
+    if trips := status.get("trips"):
+        yield _say.warning(
+            f"IL-03 ended {len(trips)} activations, the last of {trips[-1].get('line')}",
+            "The program that unlocks should end it earlier; see the log of the arbiter.",
+        )
+
+
+def _sensed(status: dict[str, Any]) -> Iterator[CheckResult]:
+    """What the sensors prove to the arbiter (IL-01, IL-05, IL-13), and its faults."""
+    needs, told = status.get("needs", []), status.get("told", {})
+    fresh = {name: told[name]["holds"] for name in needs if name in told and told[name]["age_us"] < _FRESH_US}
+    missing = [name for name in needs if name not in fresh]
+    if missing and status.get("clients"):
+        yield _say.warning(
+            f"no process reports what the sensors show ({', '.join(missing)}): activations are refused",
+            "The node Pressure, or eehal run, reads the sensor link and reports to the arbiter.",
+        )
+    elif fresh:
+        shown = ", ".join(f"{name} {'yes' if holds else 'no'}" for name, holds in fresh.items())
+        yield _say.ok(f"by the sensors: {shown}")
+    for why in status.get("faults", {}).values():
+        yield _say.warning(f"latched: {why}", "Remove the cause, then reset the faults.")
+
+
+def _clients(status: dict[str, Any]) -> str:
+    clients = [
+        f"{each.get('client')} ({_process(each)}{', its last will is being executed' if each.get('ended') else ''})"
+        for each in status.get("clients", [])
+    ]
+    return f"writing: {', '.join(clients)}" if clients else "no program writes"
+
+
+def _process(client: dict[str, Any]) -> str:
+    return f"pid {client['pid']}" if client.get("pid") else "in another container"
+
+
+def _unreachable(path: Path, error: ReportedError) -> CheckResult:
+    if path.parent.is_dir() and not os.access(path.parent, os.X_OK):
+        return _say.missing(f"{path.parent} may not be entered: permission denied", _GROUP)
+    if isinstance(error.__cause__, PermissionError):
+        return _say.missing(f"{path} may not be opened: permission denied", _GROUP)
+    if holders := " and ".join(map(str, holders_of(f"{path}.lock"))):
+        return _say.missing(
+            f"{path} is held by {holders}: {error.what}",
+            "If it does not answer any more, stop it and start it again; it adopts the lines as they are.",
+        )
+    if elsewhere := next(_elsewhere(path), None):
+        return _say.missing(
+            f"no line arbiter at {path}, but there is a socket at {elsewhere}",
+            f"Set EEHAL_RUN_DIR={elsewhere.parent}, like the arbiter.",
+        )
+    return _say.missing(f"no line arbiter runs at {path}", _START)
+
+
+def _elsewhere(path: Path) -> Iterator[Path]:
+    """Sockets of the same name where other users' programs put them."""
+    for folder in _FOLDERS:
+        try:
+            if folder != path.parent and (folder / path.name).is_socket():
+                yield folder / path.name
+        except OSError:
+            continue

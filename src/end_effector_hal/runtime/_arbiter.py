@@ -1,0 +1,96 @@
+"""The line arbiter of a tool: its process, and the connections of the programs to it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, serve
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.wires import be_steady
+from end_effector_hal.wires.lines import GpiodLines, LineBackend, LineHandover, VirtualLines
+
+from ._lines import arbiter_policy, program_lines
+from ._service_manager import ServiceManager
+
+
+def connect_arbiter(description: Description, program: str, *, patience_s: float = 5.0) -> ArbiterClient:
+    """Connect one program to the line arbiter; raises ArbiterError, LineBusyError."""
+    lines = program_lines(description, program)
+    return ArbiterClient(socket_path(description), program, lines, patience_s=patience_s)
+
+
+def run_arbiter(
+    description: Description,
+    socket: Path | None = None,
+    journal: Path | None = None,
+    group: str | None = None,
+) -> None:
+    """Run the line arbiter of a tool until SIGTERM or SIGINT; prints when it is ready.
+
+    A service manager is notified as well (sd_notify): that the arbiter is ready, and that it lives as long as it
+    gets an answer over its own socket. The manager stores the claim of the lines while this process is replaced, so
+    that no other process can claim them.
+
+    Args:
+        description: the tool.
+        socket: path to serve; default: that of the description.
+        journal: folder of the journal; default: that of the service manager (``$STATE_DIRECTORY``), else that of the
+            socket.
+        group: its members may command the lines; default: the group of this process.
+
+    Raises:
+        WireError: the lines or the socket cannot be used.
+    """
+
+    def ready(server: ArbiterServer) -> None:
+        levels = ", ".join(f"{line}={int(level)}" for line, level in server.levels().items())
+        print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
+        manager.store(backend.descriptors() if isinstance(backend, LineHandover) else {})
+        manager.ready(f"{description.name} on {where}", _Probe(where))
+        be_steady()
+
+    where, backend = socket or socket_path(description), _backend(description)
+    with ServiceManager() as manager:
+        if isinstance(backend, LineHandover):
+            backend.restore(manager.stored_descriptors())
+        serve(
+            backend,
+            where,
+            arbiter_policy(description),
+            journal=_journal(where, journal),
+            group=group,
+            on_ready=ready,
+        )
+
+
+def _journal(socket: Path, folder: Path | None) -> Path:
+    """One file for each socket, so that the arbiters of two tools may share a folder."""
+    state = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
+    return (folder or Path(state or socket.parent)) / f"{socket.name}.journal"
+
+
+class _Probe:
+    """Reads the levels as any client does: the answer went through the socket, the loop and the hardware."""
+
+    def __init__(self, where: Path) -> None:
+        self._where = where
+        self._client: ArbiterClient | None = None
+
+    def __call__(self) -> None:
+        # in the thread of the watchdog: before the loop runs it would get no answer
+        self._client = self._client or ArbiterClient(self._where, "watchdog", patience_s=0)
+        self._client.levels()
+
+
+def _backend(description: Description) -> LineBackend:
+    if description.lines.backend == "gpiod":
+        return GpiodLines()
+    if description.lines.path is None:
+        raise UsageError(
+            "virtual lines need a file that stands for the chip.",
+            where=description.where("lines"),
+            todo="Add path: to lines.",
+        )
+    return VirtualLines(description.lines.path)

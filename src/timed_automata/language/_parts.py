@@ -1,0 +1,33 @@
+"""The parts of a model that are read one by one; the parser loads with the first of them.
+
+A process that reads no model does not need the parser, which costs 4 MB.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from timed_automata.document import Text
+from timed_automata.language import ast
+
+Item = ast.Declaration | ast.Instantiation
+"""What the ``instantiation`` element holds, which older files have before ``system``."""
+
+
+def _parse(text: Text, start: str) -> Any:
+    """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
+    from ._parser import parse
+
+    return parse(text, start)
+
+
+parse_declarations: Callable[[Text], tuple[ast.Declaration, ...]] = partial(_parse, start="declarations")
+parse_instantiations: Callable[[Text], tuple[Item, ...]] = partial(_parse, start="instantiations")
+parse_system: Callable[[Text], ast.System] = partial(_parse, start="system")
+parse_parameters: Callable[[Text], tuple[ast.Parameter, ...]] = partial(_parse, start="parameters")
+parse_selects: Callable[[Text], tuple[ast.Select, ...]] = partial(_parse, start="selects")
+parse_expression: Callable[[Text], ast.Expression] = partial(_parse, start="expression")
+parse_synchronisation: Callable[[Text], ast.Synchronisation] = partial(_parse, start="synchronisation")
+parse_updates: Callable[[Text], tuple[ast.Expression, ...]] = partial(_parse, start="items")

@@ -1,0 +1,267 @@
+"""The rules of goals, one after the other, in virtual time and without a program."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import (
+    ANSWER_US,
+    NOT_BEGUN,
+    Effect,
+    Goal,
+    Goals,
+    Outcome,
+    Phase,
+    Todo,
+    judge,
+    reset_answer,
+    tool_status,
+)
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, Evidence
+from end_effector_hal.vocabulary import EndEffectorState as State
+
+YES = Answer(True, count=7)
+NO = Answer(False, "Nothing is held.")
+SILENT = Answer(False, "The node Grip does not answer.", decided=False)
+
+
+def status(**fields: Any) -> Status:
+    told = {
+        "at": 0,
+        "ee": State.STAND_BY,
+        "command": Command.NONE,
+        "actuators": (),
+        "outputs": (),
+        "evidence": (),
+    }
+    return Status(**(told | fields))
+
+
+class Room:
+    """The goals of a tool, and what was to be done."""
+
+    def __init__(self) -> None:
+        self.goals: Goals[Goal] = Goals({"grip": "The node Grip", "tool_change": "The node ToolChange"})
+        self.at = 1_000_000
+        self.done: list[tuple[Todo, str]] = []
+
+    def do(self, effects: list[Effect[Goal]]) -> None:
+        self.done += [(todo, goal.name) for todo, goal in effects]
+
+    def come(self, command: Command = Command.GRIP, name: str = "a") -> Goal:
+        goal = Goal(command, name)
+        self.do(self.goals.begin(goal, self.at))
+        return goal
+
+    def answer(self, goal: Goal, answer: Answer = YES) -> None:
+        self.do(self.goals.answer(goal, answer, self.at))
+
+    def see(self, program: str = "grip", count: int = 8, session: int = 5, **fields: Any) -> None:
+        self.do(self.goals.see(program, status(**fields), self.at, session=session, count=count))
+
+    def begun(self, command: Command = Command.GRIP, name: str = "a") -> Goal:
+        goal = self.come(command, name)
+        self.answer(goal)
+        self.done.clear()
+        return goal
+
+
+@pytest.fixture
+def room() -> Room:
+    return Room()
+
+
+def end(goal: Goal) -> tuple[Outcome, str]:
+    assert goal.ending is not None
+    assert goal.phase is Phase.ENDED
+    return goal.ending.outcome, goal.ending.reason
+
+
+def test_rule_1_goals_are_decided_in_the_order_in_which_they_came(room: Room) -> None:
+    first, second = room.come(Command.LOCK, "first"), room.come(Command.RELEASE, "second")
+    assert room.done == [(Todo.ASK, "first")]
+    assert second.phase is Phase.WAITING
+    room.answer(first, NO)
+    assert room.done[1:] == [(Todo.SAY_ENDED, "first"), (Todo.ASK, "second")]
+
+
+def test_rule_2_a_second_goal_is_refused_and_the_first_goes_on(room: Room) -> None:
+    first = room.come(Command.RELEASE, "first")
+    waiting = room.come(name="waiting")
+    room.answer(first)
+    late = room.come(name="late")
+    for goal in (waiting, late):
+        assert end(goal) == (
+            Outcome.REJECTED,
+            "first is still running: one goal at a time. Wait for its end.",
+        )
+    assert first.phase is Phase.RUNNING
+    room.see(ee=State.STAND_BY)
+    assert end(first) == (Outcome.SUCCEEDED, "")
+
+
+def test_rule_3_a_program_refuses_in_its_own_words(room: Room) -> None:
+    goal = room.come()
+    room.answer(goal, NO)
+    assert end(goal) == (Outcome.REJECTED, "Nothing is held.")
+    assert goal.ending is not None
+    assert goal.ending.seconds is None, "it was not begun"
+
+
+def test_rule_3_who_waited_for_a_program_that_did_not_answer_gets_the_same_answer(room: Room) -> None:
+    first, other, same = room.come(), room.come(Command.LOCK, "other"), room.come(Command.RELEASE, "same")
+    room.answer(first, SILENT)
+    assert end(first) == end(same) == (Outcome.UNREACHABLE, SILENT.reason)
+    assert other.phase is Phase.ASKED
+
+
+def test_rule_3_no_answer_in_time_and_one_that_comes_later_changes_nothing(room: Room) -> None:
+    goal = room.come()
+    room.at += ANSWER_US
+    room.do(room.goals.tick(room.at))
+    assert goal.phase is Phase.ASKED
+    room.do(room.goals.tick(room.at + 1))
+    assert end(goal) == (Outcome.UNREACHABLE, "The node Grip does not answer.")
+    assert room.done[1:] == [(Todo.GIVE_UP, "a"), (Todo.SAY_ENDED, "a")]
+    room.answer(goal)
+    assert end(goal)[0] is Outcome.UNREACHABLE
+    assert room.goals.open == ()
+
+
+def test_rule_4_only_statuses_that_follow_the_acceptance_count(room: Room) -> None:
+    room.see(count=6, ee=State.GRIPPED)
+    goal = room.begun()
+    room.see(count=6, ee=State.GRIPPED)
+    room.see("tool_change", count=9)
+    assert room.done == []
+    room.see(count=7, ee=State.GRIPPING, command=Command.GRIP)
+    assert room.done == [(Todo.SAY_PROGRESS, "a")]
+    room.at += 2_500_000
+    room.see(count=8, ee=State.GRIPPED)
+    assert room.done[1:] == [(Todo.SAY_PROGRESS, "a"), (Todo.SAY_ENDED, "a")]
+    assert goal.ending is not None
+    assert goal.ending.seconds == 2.5
+
+
+def test_rule_4_an_end_that_was_seen_before_the_answer_counts(room: Room) -> None:
+    goal = room.come()
+    room.see(ee=State.GRIPPED)
+    room.answer(goal)
+    assert end(goal) == (Outcome.SUCCEEDED, "")
+
+
+@pytest.mark.parametrize(
+    ("command", "fields", "outcome", "reason"),
+    [
+        (Command.GRIP, {"ee": State.GRIPPED}, "SUCCEEDED", ""),
+        (Command.GRIP, {"cause": Cause.CANCELLED, "reason": "cancelled"}, "CANCELLED", "cancelled"),
+        (Command.GRIP, {"cause": Cause.TIMED_OUT, "reason": "not confirmed"}, "FAILED", "not confirmed"),
+        (Command.GRIP, {"ee": State.RELEASE_ERROR, "reason": "still there"}, "FAILED", "still there"),
+        (Command.GRIP, {}, "FAILED", "The end-effector is STAND_BY."),
+        (Command.RELEASE, {}, "SUCCEEDED", ""),
+        (Command.RELEASE, {"ee": State.RELEASE_ERROR, "reason": "still there"}, "FAILED", "still there"),
+        (Command.RELEASE, {"cause": Cause.CANCELLED, "reason": "old"}, "SUCCEEDED", ""),
+        (Command.LOCK, {"changer": ChangerState.LOCKED}, "SUCCEEDED", ""),
+        (Command.UNLOCK, {"changer": ChangerState.UNLOCKED}, "SUCCEEDED", ""),
+        (
+            Command.UNLOCK,
+            {"changer": ChangerState.LOCKING},
+            "FAILED",
+            "The tool changer is LOCKING: its sensors do not prove UNLOCKED.",
+        ),
+    ],
+)
+def test_rule_4_the_outcome_is_read_from_the_status(
+    command: Command, fields: dict[str, Any], outcome: str, reason: str
+) -> None:
+    assert judge(command, status(**fields)) == (Outcome[outcome], reason)
+
+
+def test_rule_5_a_program_that_has_gone_or_was_started_again(room: Room) -> None:
+    goal = room.begun()
+    room.do(room.goals.tick(room.at, ("tool_change",)))
+    assert goal.phase is Phase.RUNNING
+    room.do(room.goals.tick(room.at, ("grip",)))
+    assert end(goal)[0] is Outcome.UNREACHABLE
+    assert end(goal)[1].startswith("The node Grip has gone: what became of the command is unknown.")
+    room.see(session=5, count=6)
+    again = room.begun()
+    room.see(session=6, count=9)
+    assert end(again)[0] is Outcome.UNREACHABLE
+    assert end(again)[1].startswith("The node Grip was started again: ")
+
+
+def test_rule_6_a_cancel_before_the_decision(room: Room) -> None:
+    first, goal = room.come(Command.LOCK, "first"), room.come()
+    room.do(room.goals.cancel(goal))
+    room.answer(first, NO)
+    assert end(goal) == (Outcome.NOT_EXECUTED, NOT_BEGUN)
+
+
+def test_rule_6_a_cancel_while_the_program_is_asked_is_passed_on(room: Room) -> None:
+    goal = room.come()
+    room.do(room.goals.cancel(goal))
+    room.answer(goal)
+    assert room.done[1:] == [(Todo.SAY_BEGUN, "a"), (Todo.CANCEL, "a")]
+    room.see(cause=Cause.CANCELLED, reason="The grip was cancelled.")
+    assert end(goal) == (Outcome.CANCELLED, "The grip was cancelled.")
+
+
+@pytest.mark.parametrize("command", [Command.RELEASE, Command.LOCK, Command.UNLOCK])
+def test_rule_6_of_goals_that_run_only_a_grip_is_cancelled(room: Room, command: Command) -> None:
+    room.do(room.goals.cancel(room.begun(command)))
+    assert room.done == []
+
+
+@pytest.mark.parametrize("phase", Phase)
+def test_rule_7_at_our_end_every_goal_gets_its_ending(room: Room, phase: Phase) -> None:
+    goals = {Phase.ENDED: room.come(name="ended")}
+    room.answer(goals[Phase.ENDED], NO)
+    if phase is Phase.RUNNING:
+        goals[phase] = room.begun()
+    else:
+        goals[Phase.ASKED], goals[Phase.WAITING] = room.come(), room.come()
+    room.do(room.goals.close("HALMain", "See EndEffectorState.", room.at))
+    wanted = {
+        Phase.WAITING: (Outcome.REJECTED, "HALMain is ending: the goal was not begun."),
+        Phase.ASKED: (
+            Outcome.UNREACHABLE,
+            "HALMain is ending. The node Grip has not answered yet: whether the goal was begun is unknown.",
+        ),
+        Phase.RUNNING: (
+            Outcome.UNREACHABLE,
+            "HALMain is ending while a was at work, and does not see its end. See EndEffectorState.",
+        ),
+        Phase.ENDED: (Outcome.REJECTED, NO.reason),
+    }
+    assert end(goals[phase]) == wanted[phase]
+    assert end(room.come()) == wanted[Phase.WAITING]
+    assert room.goals.open == ()
+
+
+def test_the_tool_from_two_programs() -> None:
+    grip = status(ee=State.GRIPPED, held=True, evidence=(Evidence.CONFIRMED,), lift_allowed=True, missed=1)
+    change = status(changer=ChangerState.LOCKED, command=Command.LOCK, missed=2, alarms=("b", "c"))
+    tool = tool_status(replace(grip, alarms=("a", "b")), change, 9, notices=("n",))
+    assert (tool.at, tool.ee, tool.changer, tool.command) == (
+        9,
+        State.GRIPPED,
+        ChangerState.LOCKED,
+        Command.LOCK,
+    )
+    assert (tool.missed, tool.alarms) == (3, ("n", "a", "b", "c"))
+    assert tool_status(replace(grip, command=Command.GRIP), change, 9).command == Command.GRIP
+    lost = tool_status(grip, change, 9, gone=("grip", "tool_change"))
+    assert (lost.ee, lost.changer, lost.command) == (State.OFF, ChangerState.UNKNOWN, Command.NONE)
+    assert (lost.held, lost.lift_allowed, lost.evidence) == (True, False, (Evidence.UNKNOWN,))
+
+
+def test_a_reset_says_all_that_stays() -> None:
+    assert reset_answer([Answer(True)]).accepted
+    assert reset_answer([Answer(False, "One."), Answer(True), Answer(False, "Two.")]) == Answer(
+        False, "One. Two."
+    )

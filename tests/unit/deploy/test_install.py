@@ -1,0 +1,76 @@
+"""The script that installs the services asks for the tool, and copies it with its own automata."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.description import profile_path
+from tests.support.places import DEPLOY
+
+
+@pytest.fixture
+def prefix(tmp_path: Path) -> Path:
+    """A folder as deploy/build.sh makes it, as far as the script uses it."""
+    programs = tmp_path / "prefix" / "bin"
+    programs.mkdir(parents=True)
+    for name, text in (
+        ("python", 'exec "$PYTHON" "$@"'),
+        ("eehal", 'exec "$PYTHON" -c "from end_effector_hal.cli import main; main()" "$@"'),
+    ):
+        (programs / name).write_text(f"#!/bin/sh\n{text}\n")
+        (programs / name).chmod(0o755)
+    return programs.parent
+
+
+def install(prefix: Path, *options: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [DEPLOY / "systemd" / "install.sh", *map(str, options), prefix],
+        env={**os.environ, "DESTDIR": str(prefix.parent / "root"), "PYTHON": sys.executable},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_without_a_tool_nothing_is_installed(prefix: Path) -> None:
+    done = install(prefix)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("No tool is driven by default: name yours, ")
+    assert not (prefix.parent / "root").exists()
+
+
+def test_a_description_with_a_fault_is_refused(prefix: Path, tmp_path: Path) -> None:
+    (tmp_path / "tool.yaml").write_text("name: tool\n")
+    done = install(prefix, "-t", tmp_path / "tool.yaml")
+    assert (done.returncode, "[EE-206]" in done.stderr) == (2, True)
+    assert not (prefix.parent / "root").exists()
+
+
+def test_the_tool_and_its_automata_are_copied_once(prefix: Path, tmp_path: Path) -> None:
+    own, root = tmp_path / "own", prefix.parent / "root"
+    own.mkdir()
+    for name in ("end_effector.yaml", "end_effector.xml"):
+        shutil.copy(profile_path().with_name(name), own)
+    tool = (own / "end_effector.yaml").rename(own / "tool.yaml")
+    assert install(prefix, "-t", tool).returncode == 0
+    assert (root / "etc/eehal/end_effector.yaml").read_text() == tool.read_text()
+    assert (root / "etc/eehal/end_effector.xml").read_bytes() == (own / "end_effector.xml").read_bytes()
+    assert (root / "etc/systemd/system/eehal-hal.service").exists()
+    again = install(prefix, "-t", tool)
+    assert (again.returncode, again.stderr.startswith("There is a tool already: ")) == (2, True)
+    assert install(prefix).returncode == 0
+
+
+def test_the_unit_that_is_removed_is_not_one_that_is_installed() -> None:
+    script = (DEPLOY / "systemd" / "install.sh").read_text()
+    removed = re.findall(r"rm /etc/systemd/system/(\S+)", script)
+    assert removed == ["eehal-owner.service"]
+    assert not set(removed) & {path.name for path in (DEPLOY / "systemd").iterdir()}
