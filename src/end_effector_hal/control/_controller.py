@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from end_effector_hal.codecs import codec_of
 from end_effector_hal.description import Description
-from end_effector_hal.sensing import LOCKED, HoldMonitor, Senses, predicates_fitted
+from end_effector_hal.sensing import LOCKED, HoldMonitor, SensorSet, predicates_fitted
 from end_effector_hal.signals import PART, Frame, memory_of, recall
 from end_effector_hal.vocabulary import Cause, EndEffectorState, ToolEvidence
 from timed_automata import Event, Execution, Network, Observation, Step
@@ -55,7 +55,7 @@ class Controller:
         self._description = description
         self._program = program
         codec = codec_of(description)
-        self._senses = Senses(description, codec)
+        self._senses = SensorSet(description, codec)
         self._lock_fitted = LOCKED in predicates_fitted(description, codec)
         self._hold = HoldMonitor(description, self._senses, codec.period_us)
         processes = getattr(description.automata, program)
@@ -116,7 +116,7 @@ class Controller:
         told = self._hold.sample(frame.at, held=held) | self._senses.noticed(frame.at, held=held)
         for event in events:
             statuses += self._receive(event, self._at, frame.at)
-        if not self._telling.adopted and self._senses.settled:
+        if not self._telling.adopted and self._senses.conclusive:
             statuses += self._adopt(self._at)
         told |= self._senses.vented is not vented
         return statuses if statuses or not (events or told) else [self.status()]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from end_effector_hal.description import Description, used_channels
-from end_effector_hal.sensing import HoldMonitor, Senses
+from end_effector_hal.sensing import HoldMonitor, SensorSet
 from end_effector_hal.signals import PART
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
 from timed_automata import Execution, Step
@@ -51,7 +51,12 @@ class StatusBuilder:
     }
 
     def __init__(
-        self, description: Description, program: str, execution: Execution, senses: Senses, hold: HoldMonitor
+        self,
+        description: Description,
+        program: str,
+        execution: Execution,
+        senses: SensorSet,
+        hold: HoldMonitor,
     ) -> None:
         self._description, self._execution = description, execution
         self._senses, self._hold = senses, hold

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from end_effector_hal.kinds.stanza import (
+    BelowAmbient,
     ChangerEndings,
     LineName,
     Name,
@@ -14,7 +15,6 @@ from end_effector_hal.kinds.stanza import (
     RosName,
     Samples,
     Seconds,
-    Vacuum,
     Word,
 )
 
@@ -39,7 +39,9 @@ class ToolChanger(Part):
     fault_s: Seconds = Field(
         default=0.5, description="IL-04: both bits or neither for this long: sensor fault"
     )
-    vented_kpa: Vacuum = Field(default=5.0, description="IL-01: unlock only with every vacuum under this")
+    vented_kpa: BelowAmbient = Field(
+        default=5.0, description="IL-01: unlock only with every vacuum under this"
+    )
     vented_s: Seconds = Field(default=0.5, description="IL-01: and for at least this long")
     stand_bit: Name = Field(
         default="in_stand",

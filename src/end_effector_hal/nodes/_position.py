@@ -10,7 +10,7 @@ from typing import Any
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import ToolChanger
-from end_effector_hal.sensing import Senses, ToolPlace, tool_place
+from end_effector_hal.sensing import SensorSet, ToolPlace, tool_place
 from end_effector_hal.vocabulary import Evidence
 from end_effector_hal.wires import now_us
 
@@ -53,7 +53,7 @@ class PositionNode:
         description = node.description()
         codec = get_codec(description.link.codec)
         self._log, self._kinds = node.log, codec.channels
-        self._senses = Senses(description, codec)
+        self._senses = SensorSet(description, codec)
         self._lock = threading.Lock()
         order = {name: index for index, name in enumerate(description.sequence)}
         self._outputs = [

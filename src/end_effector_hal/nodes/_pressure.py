@@ -8,7 +8,7 @@ from typing import Any
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.runtime import PredicatePublisher
-from end_effector_hal.sensing import Senses
+from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState
@@ -40,7 +40,7 @@ class PressureNode:
             (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
         ]
         link = description.link
-        self._senses = Senses(description, get_codec(link.codec))
+        self._senses = SensorSet(description, get_codec(link.codec))
         self._lock = threading.Lock()
         self._silent = False
         self._predicates = PredicatePublisher(description)

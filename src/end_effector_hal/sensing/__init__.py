@@ -2,7 +2,7 @@
 
 from ._hold_monitor import HoldMonitor
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
-from ._senses import Senses
+from ._sensor_set import SensorSet
 from ._stand import ToolPlace, tool_place
 
 __all__ = [
@@ -12,7 +12,7 @@ __all__ = [
     "PARKED",
     "HoldMonitor",
     "Predicates",
-    "Senses",
+    "SensorSet",
     "ToolPlace",
     "predicates_fitted",
     "tool_place",

@@ -11,7 +11,7 @@ from end_effector_hal.signals import PART
 from end_effector_hal.vocabulary import Evidence, display_name
 
 from ._alarms import AlarmLog
-from ._senses import Senses
+from ._sensor_set import SensorSet
 
 KEPT = "outputs stay as they are, only a Drop releases"
 
@@ -29,7 +29,7 @@ class HoldMonitor:
 
     MEMORY: ClassVar = {"_log": PART, "_vacuums": PART, "_since": int | None}
 
-    def __init__(self, description: Description, senses: Senses, period_us: int) -> None:
+    def __init__(self, description: Description, senses: SensorSet, period_us: int) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold
         self._names = description.sequence
         self._log = AlarmLog()

@@ -8,7 +8,7 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ToolEvidence
 
-from ._senses import Senses
+from ._sensor_set import SensorSet
 
 LOCKED = "locked"
 """The tool is proven to be locked (IL-05)."""
@@ -43,7 +43,7 @@ class Predicates:
     """
 
     def __init__(self, description: Description, codec: Codec) -> None:
-        self._senses = Senses(description, codec)
+        self._senses = SensorSet(description, codec)
         self._fitted = predicates_fitted(description, codec)
         self._e_stop = description.e_stop.channel if description.e_stop else None
 

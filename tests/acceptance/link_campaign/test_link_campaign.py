@@ -12,7 +12,7 @@ from end_effector_hal.codecs import _ees1_ascii, _ees1_cobs
 from end_effector_hal.control import Status
 from end_effector_hal.sensing._link_rules import LinkRules
 from end_effector_hal.sensing._readings import Readings
-from end_effector_hal.sensing._senses import Senses
+from end_effector_hal.sensing._sensor_set import SensorSet
 from tests.acceptance.link_campaign.episode import Found
 from tests.acceptance.link_campaign.summary import as_json, holds
 from tests.acceptance.link_campaign.virtual import in_virtual_time
@@ -53,7 +53,7 @@ def without_ranges(patch: pytest.MonkeyPatch) -> None:
 
 
 def without_words(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Senses, "notices", lambda self, at, held: ())
+    patch.setattr(SensorSet, "notices", lambda self, at, held: ())
 
 
 def with_a_drop_at_every_doubt(patch: pytest.MonkeyPatch) -> None:

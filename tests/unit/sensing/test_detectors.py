@@ -6,7 +6,7 @@ import pytest
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.sensing import Predicates, Senses
+from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence, ToolEvidence
 
@@ -18,7 +18,7 @@ class Feed:
 
     def __init__(self, description: Description, codec: str = "ees1-ascii") -> None:
         self.codec = get_codec(codec)
-        self.senses = Senses(description, self.codec)
+        self.senses = SensorSet(description, self.codec)
         self.at = 1_000_000
         self.tool = False  # whether to tell the events of the tool changer
         bits = {"locked": True, "unlocked": False, "cylinder_extended": False, "cylinder_retracted": True}
@@ -43,7 +43,7 @@ def feed() -> Feed:
 def test_everything_is_unknown_before_the_first_frame(feed: Feed) -> None:
     assert feed.senses.evidence == [Evidence.UNKNOWN] * 3
     assert feed.senses.tool is ToolEvidence.UNCLEAR
-    assert not feed.senses.settled
+    assert not feed.senses.conclusive
 
 
 def test_vacuum_is_confirmed_by_three_samples_at_55_kpa(feed: Feed) -> None:

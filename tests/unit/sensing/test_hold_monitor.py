@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.sensing import Senses
+from end_effector_hal.sensing import SensorSet
 from end_effector_hal.sensing._hold_monitor import HoldMonitor
 from end_effector_hal.signals import Frame
 from tests.support.virtual_tool import VirtualTool
@@ -194,7 +194,7 @@ def test_a_fall_to_another_level_is_no_leak(
 ) -> None:
     """Faster than the window and noisier than the bench."""
     random = Random(f"{fall_kpa} {tau_s} {noise_kpa}")
-    senses = Senses(description, get_codec("ees1-ascii"))
+    senses = SensorSet(description, get_codec("ees1-ascii"))
     monitor = HoldMonitor(description, senses, 20_000)
     for at in range(20_000, 12_000_000, 20_000):
         past_s = max(0.0, at / 1e6 - 4.0)

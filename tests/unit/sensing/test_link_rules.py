@@ -7,7 +7,7 @@ import pytest
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.sensing import Senses
+from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence
 from tests.support.virtual_tool import VirtualTool
@@ -47,7 +47,7 @@ class Raw:
     """Frames into the detectors, value by value; pressures have the noise of a living sensor."""
 
     def __init__(self, description: Description, codec: str = "ees1-ascii") -> None:
-        self.senses = Senses(description, get_codec(codec))
+        self.senses = SensorSet(description, get_codec(codec))
         self.at, self.seq, self.uptime_ms = 1_000_000, 100, 50_000
         self.values: dict[str, int | bool | None] = {
             "bottom": 0, "cylinder": 0, "top": 0, "supply": 600_000, "locked": True, "unlocked": False,
@@ -252,7 +252,7 @@ def test_a_silence_is_no_standing_still(description: Description) -> None:
 
 
 def test_booleans_are_never_frozen(description: Description) -> None:
-    senses = Senses(description, get_codec("legacy-nibble"))
+    senses = SensorSet(description, get_codec("legacy-nibble"))
     values = {"bottom": True, "top": True, "cylinder_extended": True, "locked": True, "unlocked": False}
     for second in range(1, 30):
         senses.frame(Frame(second * 1_000_000, None, None, values))

@@ -11,7 +11,8 @@ from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import PredicatePublisher
-from end_effector_hal.sensing import Predicates, Senses
+from end_effector_hal.sensing import Predicates
+from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame, StampGate, Value
 from tests.support.virtual_tool import VirtualTool
 
@@ -228,7 +229,7 @@ def test_the_publisher_sends_no_stamp_that_is_ahead_of_now(
 
 
 def test_detectors_ask_for_the_stamp_first(description: Description) -> None:
-    senses = Senses(description, get_codec(description.link.codec))
+    senses = SensorSet(description, get_codec(description.link.codec))
     assert not senses.accepts(Frame(NOW + 1, None, None, {}), NOW)
     assert senses.accepts(Frame(NOW, None, None, {}), NOW)
     assert senses.refused == 1

@@ -14,6 +14,7 @@ from ._endings import (
 from ._part import (
     NO_CHANNEL,
     PRINTABLE,
+    BelowAmbient,
     Kilopascal,
     LineName,
     MaybeSeconds,
@@ -24,7 +25,6 @@ from ._part import (
     Samples,
     Seconds,
     Texts,
-    Vacuum,
     Word,
 )
 from ._tool import Hold, Supply
@@ -33,6 +33,7 @@ __all__ = [
     "NO_CHANNEL",
     "PRINTABLE",
     "Actuator",
+    "BelowAmbient",
     "ChangerEndings",
     "Endings",
     "GrippingEndings",
@@ -53,6 +54,5 @@ __all__ = [
     "Seconds",
     "Supply",
     "Texts",
-    "Vacuum",
     "Word",
 ]

@@ -6,8 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from end_effector_hal.kinds.stanza import Actuator, LineName, Part, Samples, Seconds
-from end_effector_hal.kinds.stanza import Vacuum as BelowAmbient
+from end_effector_hal.kinds.stanza import Actuator, BelowAmbient, LineName, Part, Samples, Seconds
 
 
 class BlowOff(Part):

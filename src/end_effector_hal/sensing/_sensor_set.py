@@ -27,7 +27,7 @@ _EVIDENCE_CHANNELS = {
 _RANK = (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE, Evidence.CONFIRMED)
 
 
-class Senses:
+class SensorSet:
     """Stands between samples and events: a level each, and an event at each change of one."""
 
     MEMORY: ClassVar = {
@@ -78,7 +78,7 @@ class Senses:
         return {"supply_ok": int(self.supply.ok), "vented": int(self.vented), "parked": int(self.parked)}
 
     @property
-    def settled(self) -> bool:
+    def conclusive(self) -> bool:
         """Whether every actuator is proven to be there or gone: enough to adopt."""
         return all(level in (Evidence.GONE, Evidence.CONFIRMED) for level in self.evidence) and (
             self._tool is None or self.tool is not ToolEvidence.UNCLEAR
