@@ -198,8 +198,10 @@ def test_a_goal_that_was_asked_but_not_answered_says_so_at_the_end(system: Any) 
     before, pid = system.edges(), system.pid_of("/Grip")
     os.kill(pid, signal.SIGSTOP)
     try:
-        goals = [system.send("Drop"), system.send("TriggerGrip")]
-        listed(system, "TriggerGrip", goals[1].handle.comm_state_machine.action_goal.goal_id.id)
+        goals = []
+        for action in ("Drop", "TriggerGrip"):  # in this order: each comes over a connection of its own
+            goals.append(system.send(action))
+            listed(system, action, goals[-1].handle.comm_state_machine.action_goal.goal_id.id)
         again = ends_of(system, signal.SIGTERM)
         asked, waiting = [goal.result() for goal in goals]
         again()  # until then the command is not valid any more
