@@ -15,7 +15,6 @@ from pathlib import Path
 
 SOURCE = Path(__file__).parents[1] / "src"
 REPEATED = {
-    "end_effector_hal.Commanded",
     "end_effector_hal.Refused",
 }
 """``package.ClassName`` that may stand more than once for now."""

@@ -48,10 +48,10 @@ fi
 
 systemd-sysusers
 # the unit of earlier releases would keep the lines; its nodes end first, while it still runs
-if [ -e /etc/systemd/system/eehal-arbiter.service ]; then
+if [ -e /etc/systemd/system/eehal-owner.service ]; then
     systemctl stop eehal-hal
-    systemctl disable --now eehal-arbiter
-    rm /etc/systemd/system/eehal-arbiter.service
+    systemctl disable --now eehal-owner
+    rm /etc/systemd/system/eehal-owner.service
 fi
 udevadm control --reload
 udevadm trigger --subsystem-match=gpio

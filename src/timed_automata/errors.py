@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One fault, as every command tells it; ``line`` and ``column`` are 0 where there are none."""
+    """One fault, as every command prints it; ``line`` and ``column`` are 0 where there are none."""
 
     code: str
     file: str

@@ -27,7 +27,7 @@ _COMMANDS = {
     "verify": "prove what the automata promise, or show a counterexample",
 }
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
-"""Modules of which only those commands have need that touch wires."""
+"""Modules that only commands with lines, ports or locks import."""
 _ROOMS = {"doctor": "doctor._doctor", "model": "model._model"}
 
 

@@ -56,7 +56,7 @@ class Refused(Result):
         return self
 
 
-class Commanded(Protocol):
+class CommandedProgram(Protocol):
     """A program that executes commands."""
 
     @property
@@ -82,7 +82,7 @@ class GoalRunner:
         tool: gives the status of the whole tool.
     """
 
-    def __init__(self, programs: Mapping[str, Commanded], tool: Callable[[], Status]) -> None:
+    def __init__(self, programs: Mapping[str, CommandedProgram], tool: Callable[[], Status]) -> None:
         self._programs, self._tool = programs, tool
         self._goals: Goals[RunningGoal] = Goals({name: f"The {name} program" for name in programs})
         self._lock = threading.Lock()

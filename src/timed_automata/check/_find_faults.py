@@ -1,6 +1,6 @@
 """All faults of a file: what is found is left out, and the rest is read again.
 
-A label that is left out cannot make another label wrong, so every fault that is told is one. A fault in
+A label that is left out cannot make another label wrong, so every fault that is reported is one. A fault in
 declarations, parameters or the system section ends the search: all else hangs on them.
 """
 

@@ -80,7 +80,7 @@ class GeneratedCode:
         return function
 
     def procedure(self, arguments: str, lines: list[str]) -> Callable[..., Any]:
-        """A function of statements that nobody calls by name; equal code gives the same function."""
+        """A function of statements that is not called by name; equal code gives the same function."""
         code = arguments + "\n" + "\n".join(lines)
         if code not in self._cache:
             self._cache[code] = self.function(self.name("u"), arguments, lines)

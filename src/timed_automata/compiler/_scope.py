@@ -85,7 +85,7 @@ class Effects:
     """How often its innermost part is evaluated: what quantifiers and loops within each other run through."""
 
     def add(self, other: Effects) -> None:
-        """Take over what another touches."""
+        """Add what another touches."""
         self.reads |= other.reads
         self.writes |= other.writes
 

@@ -20,7 +20,7 @@ class Statements(Updates):
         self.result = result
 
     def body(self, node: ast.Block) -> None:
-        """All of a function; its own declarations share the scope of the parameters."""
+        """The whole body of a function; its own declarations share the scope of the parameters."""
         self._contents(node)
         if self.result.kind != "void":
             self.emit(f"_missing({self.code.site(node.span, 'The function')})")

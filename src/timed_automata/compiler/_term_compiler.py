@@ -158,7 +158,7 @@ class TermCompiler:
             offset += (index.known - low) * element.size
         elif isinstance(node.index, ast.Number):
             raise fault(node.index.span, f"Index {index.known} of {what} is outside of {low} to {high}.")
-        else:  # a constant one out of range is told when it is used: a guard may see to it that it never is
+        else:  # a constant index out of range is reported when it is used: a guard may prevent that
             source = index.source
             if not index.within(low, high):
                 source = f"_index({source}, {low}, {high}, {self.code.site(node.index.span, what)})"

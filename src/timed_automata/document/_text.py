@@ -1,4 +1,4 @@
-"""Where a piece of model text stands: every fault of a model is told as ``file:line:column``."""
+"""Where a piece of model text stands: every fault of a model is reported with ``file:line:column``."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Text:
 
     @property
     def whole(self) -> Span:
-        """All of it."""
+        """The whole text as a span."""
         return Span(self, 0, len(self.content))
 
 

@@ -42,7 +42,7 @@ class Execution:
         executed: names of processes or templates; everything else is the environment.
         interface: names of the variables that both sides share.
         unit_us: length of the model's unit of time.
-        observe: is told of everything that goes in and of each step, in order.
+        observe: called with each input and each step, in order.
 
     Raises:
         UsageError: a name is unknown.
@@ -78,7 +78,7 @@ class Execution:
 
     @property
     def deadline(self) -> int | None:
-        """The next time, µs, at which something is due; it may be now, or past if time was told late."""
+        """The next time, µs, at which something is due; it may be now, or past if time came late."""
         return self._schedule.deadline
 
     def value(self, name: str) -> int:
@@ -113,8 +113,8 @@ class Execution:
         due while the event was on its way. All of it is taken at ``at``.
 
         What a clock makes due at ``at`` itself waits for :meth:`advance`: another event may have the same time.
-        An ``at`` before the latest time that was told counts as that. What the event writes is written even if
-        nobody takes the event.
+        An ``at`` before the latest time of a call counts as that time. What the event writes is written even if
+        no edge receives the event.
 
         Raises:
             UsageError: no such input, or a variable that is not interface or out of range.
@@ -129,7 +129,8 @@ class Execution:
     def write(self, writes: Mapping[str, int], at: int | None = None) -> tuple[Step, ...]:
         """Set interface variables without an event.
 
-        With ``at`` as if an event came that nobody takes; without, nothing is taken until time is told again.
+        With ``at`` as if an event came that no edge receives; without, nothing is taken until the next call
+        with a time.
         """
         offsets = self._boundary.writes(writes)
         if at is None:
@@ -172,7 +173,7 @@ class Execution:
     # The machine
 
     def _advance_clock(self, at: int | None) -> int:
-        """The latest time that was told, this included."""
+        """The latest time of all calls, this one included."""
         if self._now is None:
             raise UsageError("The execution is not started.", todo="Call start() first.")
         self._now = max(self._now, at) if at is not None else self._now

@@ -67,7 +67,7 @@ class ExecutionSnapshot:
     Since when a transition could be taken is not in it: between two calls nothing is due but what a clock makes due.
 
     Attributes:
-        at: µs, the latest time that was told.
+        at: µs, the latest time that the execution was given.
         entered: µs, when the discrete state was entered.
         locations: name of the location by process.
         variables: value by name.

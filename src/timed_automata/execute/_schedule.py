@@ -45,7 +45,7 @@ class Schedule:
         if taken:
             age.pop(taken.edges, None)
         _, self.last = self._clocks.window(found.stay)
-        # invariants that somebody's lateness has broken already: no edge is to blame for that
+        # invariants that earlier lateness has broken already: they say nothing against an edge
         expired = found.stay if self.last < now else ()
         self.candidates, self.committed, self.deadline = [], found.committed, None
         for successor in found.successors:

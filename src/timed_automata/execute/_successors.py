@@ -54,7 +54,7 @@ class Successor:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class StateSuccessors:
-    """Of one state.
+    """The transitions out of one state.
 
     Attributes:
         successors: in the order in which those due at the same instant are taken.
@@ -78,7 +78,7 @@ class SuccessorCache:
         self._received: dict[tuple[State, int, tuple[tuple[int, int], ...]], Successor | None] = {}
 
     def at(self, state: State) -> StateSuccessors:
-        """Of a state; raises RangeError where a guard fails."""
+        """The successors of a state; raises RangeError where a guard fails."""
         known = self._known.get(state)
         if known is None:
             semantics = self._semantics
@@ -95,7 +95,7 @@ class SuccessorCache:
         return known
 
     def received(self, state: State, channel: int, writes: Mapping[int, int]) -> Successor | None:
-        """What a broadcast of the environment, which writes by offset, leads to; None: nobody takes it.
+        """What a broadcast of the environment, which writes by offset, leads to; None: no edge receives it.
 
         Raises:
             RangeError: an assignment is out of range.

@@ -231,7 +231,7 @@ class Explorer:
 
     @contextmanager
     def _errors(self, space: SymbolicSpace) -> Iterator[None]:
-        """A value that leaves its range is told with the run that leads there."""
+        """Add the run that leads there to the error of a value that leaves its range."""
         try:
             yield
         except OutOfRangeError as error:

@@ -168,7 +168,7 @@ class _Exploration:
                 if not self._deadlock_free(record):
                     self._doubtful.add(record)
             for number in concerned:
-                self._see(number, node)
+                self._add(number, node)
             if record in self._doubtful and not self._stopped:
                 self._doubt(node)
             if (stop and self._refuted) or count == most_states:
@@ -183,16 +183,16 @@ class _Exploration:
         late = any(not bound.holds for bound in self._bounded.values())
         return late or (self._stuck and bool(self._no_deadlock)) or any(True for _ in invariants)
 
-    def _see(self, number: int, node: SearchNode) -> None:
+    def _add(self, number: int, node: SearchNode) -> None:
         if number in self._bounded:
-            self._bounded[number].see(node)
+            self._bounded[number].add(node)
         elif number in self._responses:
-            self._responses[number].see(node)
+            self._responses[number].add(node)
         elif (number, True) not in self._happened and self._cases[number].part(node.record, node.zone):
             self._happened.add((number, True))
 
     def _doubt(self, node: SearchNode) -> None:
-        """Look whether a state is stuck. Zones are too large here, never too small."""
+        """Look for a deadlock in a symbolic state. Zones are too large here, never too small."""
         record, discrete = node.record, node.record.discrete
         if self._deadlocks.of(record, node.zone):
             self._stuck = True

@@ -171,7 +171,7 @@ class TypeDefinition(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Parameter(Node):
-    """Of a template, a partial instantiation or a function."""
+    """A parameter of a template, a partial instantiation or a function."""
 
     type: TypeName
     reference: bool

@@ -82,7 +82,7 @@ class ConcreteState:
         return self._semantics.transitions(self.state)
 
     def reception(self, channel: int) -> Transition | None:
-        """What a broadcast of the environment does; None: nobody receives it."""
+        """What a broadcast of the environment does; None: no edge receives it."""
         found = next(self._semantics.received(self.state, channel), None)
         return found if found is not None and found.edges else None
 
@@ -116,7 +116,7 @@ class ConcreteState:
 
     def _found(self, ages: Mapping[tuple[Edge, ...], int]) -> Iterator[TimedTransition]:
         hurry = not self.may_delay()
-        # what somebody's lateness has broken already is no other edge's doing
+        # what earlier lateness has broken already says nothing against another edge
         expired = () if self.stays(self.entered) else self._semantics.invariant(self.state)
         for transition in self.transitions():
             since = ages.get(transition.edges, self.entered)
@@ -143,7 +143,7 @@ class ConcreteState:
     def _target(self, transition: Transition) -> tuple[list[Bound], dict[int, int]]:
         try:
             fired = self.fire(transition.edges)
-        except RangeError:  # told when it is taken, if ever
+        except RangeError:  # raised when it is taken, if ever
             return [], {}
         return self._semantics.invariant(fired.state), dict(fired.resets)
 

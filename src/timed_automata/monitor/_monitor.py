@@ -29,7 +29,7 @@ from timed_automata.network import Network, State, Transition, changes_between
 class Monitor:
     """Judges a run, observation by observation.
 
-    What follows a step that is none of the network is not judged: nobody knows in which state it is.
+    What follows a step that the network does not have is not judged: the state after it is unknown.
 
     Args:
         network: a loaded network, with the constants that were executed.
@@ -149,7 +149,7 @@ class Monitor:
         return self._following
 
     def _forget_event(self) -> None:
-        """The last event was taken by nobody: that must be so."""
+        """No edge received the last event: no edge must have been able to."""
         event, self._event = self._event, None
         if event is None or not self._following:
             return
@@ -176,7 +176,7 @@ class Monitor:
             self._refuse(step.at, f"'{event.channel}' was received by {named(step)}, not by {who}.")
         else:
             # when an event comes is not the machine's doing: only the invariants are asked
-            self._told(step, in_time=self._concrete.stays(step.at))
+            self._judge_lateness(step, in_time=self._concrete.stays(step.at))
             self._fire(transition, step, event)
 
     def _take(self, step: Step) -> None:
@@ -189,28 +189,30 @@ class Monitor:
             self._refuse(step.at, f"{named(step)} was taken before its time.")
         else:
             if step.due is not None:
-                self._ask_order(step, found)
-            self._told(step, in_time=concrete.in_time(found, step.at))
+                self._judge_order(step, found)
+            self._judge_lateness(step, in_time=concrete.in_time(found, step.at))
             self._fire(found, step)
 
     # What is asked of a step
 
-    def _told(self, step: Step, *, in_time: bool) -> None:
-        """Whether it came in time, and whether that was told."""
+    def _judge_lateness(self, step: Step, *, in_time: bool) -> None:
+        """Object to a step that came too late, and to a record that says otherwise."""
         if not in_time and not step.missed:
-            self._object(step.at, "no run", f"{named(step)} came after its time, and that was not told.")
+            self._object(
+                step.at, "no run", f"{named(step)} came after its time, and is not recorded as late."
+            )
         elif in_time and step.missed:
-            self._object(step.at, "no run", f"{named(step)} was told to be late, and was in time.")
+            self._object(step.at, "no run", f"{named(step)} is recorded as late, but was in time.")
         elif step.missed:
             behind = "too late" if step.due is None else f"{step.late_us / 1000:.3f} ms late"
             self._object(step.at, "missed", f"{named(step)} was taken {behind}: beyond its bound.")
 
-    def _ask_order(self, step: Step, taken: Transition) -> None:
+    def _judge_order(self, step: Step, taken: Transition) -> None:
         """What is due first is taken first; of what is due at once, what stands first in the file."""
         timed = self._concrete.timed
         due = next((each.due for each in timed if each.transition.edges == taken.edges), None)
         if due != step.due or step.late_us != step.at - (step.due or 0):
-            self._object(step.at, "no run", f"{named(step)} was due at {due} µs; told was {step.due} µs.")
+            self._object(step.at, "no run", f"{named(step)} was due at {due} µs; recorded is {step.due} µs.")
         first = min(timed, key=lambda each: each.due, default=None)
         if first is not None and due is not None and first.transition.edges != taken.edges:
             who = in_words(self.network, first.transition.edges)
@@ -222,10 +224,12 @@ class Monitor:
         channel = transition.channel if event is None else None
         sent = None if channel is None else self.network.channels[channel].name
         if changes != tuple(step.changes):
-            told = changes_in_words(step.changes)
-            self._refuse(step.at, f"{named(step)} changes {changes_in_words(changes)}; told was {told}.")
+            recorded = changes_in_words(step.changes)
+            self._refuse(
+                step.at, f"{named(step)} changes {changes_in_words(changes)}; recorded is {recorded}."
+            )
         elif sent != step.sent:
-            self._refuse(step.at, f"{named(step)} sends {sent}; told was {step.sent}.")
+            self._refuse(step.at, f"{named(step)} sends {sent}; recorded is {step.sent}.")
         else:
             self.steps += 1
             self._judge()  # of the state that is left

@@ -14,8 +14,8 @@ class Objection:
 
     Attributes:
         at: when, in the time of the run.
-        kind: ``no run``: the network does not allow it; ``missed``: a reaction bound was exceeded, and told so;
-            ``requirement``: a query ``A[]`` of the file did not hold.
+        kind: ``no run``: the network does not allow it; ``missed``: a reaction bound was exceeded, as
+            recorded; ``requirement``: a query ``A[]`` of the file did not hold.
         what: in words.
     """
 

@@ -20,7 +20,7 @@ def named(step: Step) -> str:
 
 
 def in_words(network: Network, edges: Iterable[Edge]) -> str:
-    """The same of the edges of a network."""
+    """The same for the edges of a network."""
     parts = []
     for edge in edges:
         process = network.processes[edge.process]

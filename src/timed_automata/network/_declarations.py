@@ -30,7 +30,7 @@ from timed_automata.network._places import Places
 
 
 class Declarations:
-    """Takes declarations into a scope. ``given`` replaces the initialisers of constants; ``prefix`` is the process.
+    """Adds declarations to a scope. ``given`` replaces the initialisers of constants; ``prefix`` is the process.
 
     ``replaced`` collects the initialisers that were replaced, for writing the file back.
     """
@@ -49,8 +49,8 @@ class Declarations:
         self.replaced: list[tuple[Span, str]] = []
         self.expressions = Expressions(code, scope)
 
-    def take(self, node: ast.Declaration) -> None:
-        """One declaration."""
+    def declare(self, node: ast.Declaration) -> None:
+        """Add one declaration."""
         if isinstance(node, ast.FunctionDefinition):
             self._function(node)
             return

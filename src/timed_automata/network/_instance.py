@@ -38,7 +38,7 @@ def make_process(
     """
     declarations = Declarations(code, places, scope, prefix=f"{name}.")
     for declaration in parsed.declarations:
-        declarations.take(declaration)
+        declarations.declare(declaration)
     _add_parts(code, len(parsed.location_names), parsed.template.name.whole)
     edges: list[Edge] = []
     for edge in parsed.edges:

@@ -50,7 +50,7 @@ def _make(document: Document, given: Mapping[str, Given]) -> Network:
     code, places, globals_ = GeneratedCode(), Places(), Scope()
     declarations = Declarations(code, places, globals_, given=given)
     for declaration in parse_declarations(document.declarations) if document.declarations else ():
-        declarations.take(declaration)
+        declarations.declare(declaration)
     _check_given(given, globals_, document.path)
     definitions = Definitions(code, places)
     for template in document.templates:
@@ -95,7 +95,7 @@ def _instantiate(document: Document, definitions: Definitions, scope: Scope) -> 
         if isinstance(item, ast.Instantiation):
             definitions.add_instantiation(item, scope)
         else:
-            declarations.take(item)
+            declarations.declare(item)
     seen: set[str] = set()
     for name in system.processes:
         if name.name in seen:

@@ -103,7 +103,7 @@ class _Initiator(NamedTuple):
 
 
 class _Initiators(NamedTuple):
-    """Of the locations of all processes: those that are committed, and what may start a transition."""
+    """The committed processes, and the edges that may start a transition."""
 
     committed: list[int]
     edges: list[_Initiator]

@@ -68,7 +68,7 @@ class Trace:
     def lines(self) -> tuple[str, ...]:
         """The run as text: time, what happens, which variables change; the last line says what it shows.
 
-        ↻ marks the steps that are repeated for ever.
+        ↻ marks the steps that are repeated without end.
         """
         return tuple(self._lines())
 

@@ -13,7 +13,7 @@ from timed_automata.queries._query_names import ARGUMENTS, QueryExpressions, Que
 K = TypeVar("K", bound=Hashable)
 
 
-_ENOUGH = 20  # states in which only what is known holds: then it is worth to compile anew without it
+_ENOUGH = 20  # states in which only what is known holds: then compiling again without it pays
 
 
 class FirstHitWatch(Generic[K]):

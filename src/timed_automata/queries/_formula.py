@@ -116,7 +116,7 @@ def _joined(left: Case, right: Case) -> Case | None:
 
 
 def mentions_deadlock(formula: Formula) -> bool:
-    """Whether the word occurs."""
+    """Whether a formula asks for deadlocks."""
     if isinstance(formula, All | Some):
         return any(map(mentions_deadlock, formula.parts))
     return isinstance(formula, Deadlock)
@@ -132,7 +132,7 @@ def compile_formula(network: Network, node: ast.Expression, *, negated: bool = F
 
 
 def compile_without_deadlock(network: Network, node: ast.Expression, *, negated: bool = False) -> Formula:
-    """The same where the word ``deadlock`` is refused.
+    """A condition of a query in which the word ``deadlock`` is refused.
 
     Raises:
         ModelError: as :func:`compile_formula`, or it mentions deadlocks.

@@ -1,4 +1,4 @@
-"""Queries as text: which kind, over which expressions. What they mean in a network is ``_formula``'s affair."""
+"""Queries as text: which kind, over which expressions. ``_formula`` says what they mean in a network."""
 
 from __future__ import annotations
 

@@ -47,19 +47,19 @@ class Machine:
         return self._clocks.window(self._semantics.invariant(self.state))[1]
 
     @property
-    def hurries(self) -> bool:
+    def urgent(self) -> bool:
         """No time may pass: a location is urgent or committed, or an urgent channel is ready."""
         return not self._semantics.may_delay(self.state)
 
     @property
     def latest(self) -> int | None:
-        """The last instant at which the run may still be in this discrete state; None: for ever."""
-        latest = self.now if self.hurries else self._latest()
+        """The last instant at which the run may still be in this discrete state; None: without end."""
+        latest = self.now if self.urgent else self._latest()
         return None if latest == NEVER else latest
 
     def options(self) -> list[Option]:
         """What is possible now or after a delay that nothing interrupts, in the order of the file."""
-        latest = self.now if self.hurries else self._latest()
+        latest = self.now if self.urgent else self._latest()
         options = []
         for successor in self._successors.at(self.state).successors:
             first, last = successor.window(self._clocks)
@@ -69,7 +69,7 @@ class Machine:
                 options.append(Option(successor.transition, first, end, successor.fired))
         return options
 
-    def take(self, option: Option, at: int) -> TraceStep:
+    def fire(self, option: Option, at: int) -> TraceStep:
         """Wait until ``at``, an instant at which it is possible, and take a transition.
 
         Raises:

@@ -1,4 +1,4 @@
-"""Playing a network: the choices that are given, then whatever a generator of numbers chooses."""
+"""Simulating a network: the choices that are given, then whatever a generator of numbers chooses."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ENDS = "The run ends here."
 
 
 class Chooser(Protocol):
-    """What is asked for numbers: ``random.Random``, or a test."""
+    """Where numbers come from: ``random.Random``, or a test."""
 
     def randrange(self, stop: int, /) -> int:
         """A number from 0 to ``stop - 1``."""
@@ -27,7 +27,7 @@ class Chooser(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run that was played.
+    """A run that was simulated.
 
     Attributes:
         trace: its steps, end and last remark.
@@ -46,7 +46,7 @@ def simulate(
     steps: int | None = None,
     until: int | None = None,
 ) -> Run:
-    """Play a concrete run from the initial state, delays within the invariants.
+    """Simulate a concrete run from the initial state, delays within the invariants.
 
     The choices are taken first. Before each of them, what cannot wait (committed and urgent locations, urgent
     channels) is taken by chance unless it is what is chosen. After the last one, the run goes on by chance.
@@ -62,17 +62,17 @@ def simulate(
         UsageError: a choice is not possible when its turn comes.
         ModelError: no run begins.
     """
-    return _Player(network, chooser, until).play(choices, steps)
+    return _Simulation(network, chooser, until).run(choices, steps)
 
 
-class _Player:
+class _Simulation:
     def __init__(self, network: Network, chooser: Chooser, until: int | None) -> None:
         self._machine = Machine(network)
         self._chooser, self._until = chooser, until
         self._taken: list[TraceStep] = []
         self._at_once = 0  # transitions without a delay between them
 
-    def play(self, choices: Sequence[Choice], steps: int | None) -> Run:
+    def run(self, choices: Sequence[Choice], steps: int | None) -> Run:
         try:
             return self._guided(choices, steps) or self._by_chance(choices, steps)
         except RangeError as error:
@@ -89,7 +89,7 @@ class _Player:
         self._at_once = self._at_once + 1 if at == self._machine.now else 0
         if self._at_once > _MOST_AT_ONCE:
             return self._end(f"No end after {_MOST_AT_ONCE} transitions at this instant: time does not pass.")
-        self._taken.append(self._machine.take(option, at))
+        self._taken.append(self._machine.fire(option, at))
         return None
 
     # By choice
@@ -116,7 +116,7 @@ class _Player:
         if possible:
             option = self._one_of(possible)
             return option, option.first if wanted is None else wanted
-        if not machine.hurries or not options:
+        if not machine.urgent or not options:
             raise self._impossible(number, choice, options, fitting)
         return None
 
@@ -145,7 +145,7 @@ class _Player:
         guided = bool(choices) and steps is None and self._until is None
         limit = STEPS if steps is None and self._until is None else steps
         while guided or limit is None or len(self._taken) < limit:
-            if guided and not self._machine.hurries:
+            if guided and not self._machine.urgent:
                 break
             ended = self._take_by_chance(self._machine.options())
             if ended:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -66,3 +67,10 @@ def test_the_tool_and_its_automata_are_copied_once(prefix: Path, tmp_path: Path)
     again = install(prefix, "-t", tool)
     assert (again.returncode, again.stderr.startswith("There is a tool already: ")) == (2, True)
     assert install(prefix).returncode == 0
+
+
+def test_the_unit_that_is_removed_is_not_one_that_is_installed() -> None:
+    script = (DEPLOY / "systemd" / "install.sh").read_text()
+    removed = re.findall(r"rm /etc/systemd/system/(\S+)", script)
+    assert removed == ["eehal-owner.service"]
+    assert not set(removed) & {path.name for path in (DEPLOY / "systemd").iterdir()}

@@ -7,10 +7,10 @@ import shutil
 from pathlib import Path
 
 import pytest
-from end_effector_hal.cli.doctor._finding import Level
 
 from end_effector_hal._extras import extras
 from end_effector_hal.cli.doctor import _python
+from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.description import profile_path
 from tests.support.blocked import eehal_without
 from tests.support.refuted import REFUTED

@@ -47,7 +47,7 @@ class BoundedResponse:
         self._bound = below(most) if strict else at_most(most)
         self._largest = -INFINITY
 
-    def see(self, node: SearchNode) -> None:
+    def add(self, node: SearchNode) -> None:
         """Take a symbolic state into account."""
         record, n = node.record, node.record.n
         at = record.index[self.clock] * n
@@ -57,7 +57,7 @@ class BoundedResponse:
                 self._largest = part[at]
 
     def forget(self) -> None:
-        """Let go of the states that were seen; what was found out stays."""
+        """Drop the states that were seen; the results stay."""
         self._cases = ZoneCondition(self.premise)
 
     @property

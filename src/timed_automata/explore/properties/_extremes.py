@@ -43,7 +43,7 @@ Read = Callable[[tuple[int, ...], tuple[int, ...]], int]
 def extreme_integer(
     discrete: DiscreteSpace, condition: Formula, read: Read, *, upper: bool, progress: Progress | None = None
 ) -> FoundExtreme:
-    """Of an integer expression.
+    """The extreme of an integer expression.
 
     Raises:
         OutOfRangeError: a value leaves its range on the way.
@@ -66,7 +66,7 @@ def extreme_integer(
 def extreme_clock(
     discrete: DiscreteSpace, condition: Formula, clock: int, *, upper: bool, progress: Progress | None = None
 ) -> FoundExtreme:
-    """Of a clock. Zones are exact up to its limits, which are doubled until the extreme lies below.
+    """The extreme of a clock. Zones are exact up to its limits, which are doubled until the extreme lies below.
 
     Raises:
         OutOfRangeError: a value leaves its range on the way.

@@ -34,7 +34,7 @@ class LeadsTo:
         )
         self._nodes: list[SearchNode] = []
 
-    def see(self, node: SearchNode) -> None:
+    def add(self, node: SearchNode) -> None:
         """Note a symbolic state in which p may hold."""
         self._nodes.append(node)
 

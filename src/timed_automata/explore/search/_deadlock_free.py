@@ -1,4 +1,4 @@
-"""DiscreteState states in which nothing can be stuck whatever the clocks say: they need no search for deadlocks."""
+"""Discrete states without a deadlock, whatever the clocks say: they need no search for deadlocks."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Runs that stay inside a condition for ever: what ``E[]`` looks for, and what refutes ``A<>`` and ``-->``.
+"""Runs that stay inside a condition without end: what ``E[]`` looks for, and what refutes ``A<>`` and ``-->``.
 
 UPPAAL's meaning: such a run is infinite (time need not diverge), or it ends where time can pass without end, or
-where nothing is possible any more. States are told apart by equality of zones: inclusion would find cycles that are
+where nothing is possible any more. States are distinguished by equality of zones: inclusion would find cycles that are
 none. ExtraLU+ keeps infinite runs (Li, *Checking Timed Büchi Automata Emptiness Using LU-Abstractions*, 2009), but
 not the ends of finite ones: those are checked once more without widening, and where that leaves a doubt with ExtraM+.
 """
@@ -80,7 +80,7 @@ class LassoSearch:
         self._safe: dict[StateRecord, list[Zone]] = {}  # from which no run stays: of the starts before
 
     def lasso(self, starts: Iterable[Start]) -> Lasso | None:
-        """A run that stays inside the condition for ever, from any of the starts; None if there is none.
+        """A run that stays inside the condition without end, from any of the starts; None if there is none.
 
         Raises:
             OutOfRangeError: a value leaves its range on the way.

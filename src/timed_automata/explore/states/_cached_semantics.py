@@ -14,7 +14,7 @@ _MOST_KNOWN = 20_000  # of one location; what a process sees may hardly ever be 
 
 
 class _Started(NamedTuple):
-    """An edge whose data guard holds; ``alone``: the transition, if nobody else takes part."""
+    """An edge whose data guard holds; ``alone``: the transition, if no other process takes part."""
 
     edge: Edge
     bounds: tuple[Bound, ...]

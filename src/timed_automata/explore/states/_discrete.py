@@ -97,7 +97,7 @@ class DiscreteState:
                 yield firing.action(bounds, channel, resets), target, None
 
     def forget(self) -> None:
-        """Let go of the moves; they are computed again when they are asked for."""
+        """Drop the moves; they are computed again when they are asked for."""
         self._moves = None
 
 
@@ -121,7 +121,7 @@ class DiscreteSpace:
         return sum(len(vector.states) for vector in self.vectors)
 
     def forget(self) -> None:
-        """Let go of all states."""
+        """Drop all states."""
         for vector in self.vectors:
             for discrete in vector.states.values():
                 if discrete is not None:
@@ -134,7 +134,7 @@ class DiscreteSpace:
         return vector.states[packed] if packed in vector.states else self.met(vector, packed)
 
     def met(self, vector: LocationVector, packed: bytes) -> DiscreteState | None:
-        """The same for one that was not met before."""
+        """The same for a state that was not met before."""
         discrete: DiscreteState | None = None
         if not self._checked or self.semantics.allowed(State(vector.locations, self.packing.unpack(packed))):
             discrete = DiscreteState(self, vector, packed)
@@ -142,7 +142,7 @@ class DiscreteSpace:
         return discrete
 
     def firing(self, edges: tuple[Edge, ...]) -> Firing:
-        """Of edges that were not taken together before."""
+        """The firing of edges that were not taken together before."""
         firing = Firing(edges, self.vectors, self.packing, self.semantics.fixed)
         self.firings[edges] = firing
         return firing

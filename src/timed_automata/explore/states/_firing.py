@@ -38,7 +38,7 @@ class Firing:
         edges: them, the sender first.
         vectors: of the network.
         packing: of its values.
-        fixed: variable, offset and value of what nobody reads: it stays as it is.
+        fixed: variable, offset and value of the variables that nothing reads: they keep their value.
     """
 
     __slots__ = ("_actions", "_after", "_edges", "_fixed", "_packing", "_targets", "_updates", "_vectors")
@@ -74,7 +74,7 @@ class Firing:
         return after, values.tobytes(), tuple(resets)
 
     def action(self, guard: tuple[Bound, ...], channel: int | None, resets: Resets) -> Action:
-        """Of a transition with these edges."""
+        """The action of a transition with these edges."""
         key = (guard, channel, resets)
         found = self._actions.get(key)
         if found is None:

@@ -38,7 +38,7 @@ class LocationVector:
 
 
 class LocationVectors:
-    """All of a network that were met."""
+    """All location vectors of a network that were met."""
 
     def __init__(self, network: Network) -> None:
         self._network = network

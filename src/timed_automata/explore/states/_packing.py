@@ -10,7 +10,7 @@ from timed_automata.network import Network
 
 
 class Packing:
-    """As many bytes for each value as the ranges of the variables ask for."""
+    """Packs values into as many bytes each as the ranges of the variables need."""
 
     def __init__(self, network: Network) -> None:
         types = [variable.type for variable in network.variables]
@@ -30,5 +30,5 @@ class Packing:
 
 
 def _half(code: str) -> int:
-    """Half of what can be told apart."""
+    """Half the number of values that the type can hold."""
     return 1 << (array(code).itemsize * 8 - 1)

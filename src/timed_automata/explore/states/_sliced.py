@@ -1,4 +1,4 @@
-"""A network without the variables that nobody reads: fewer states, the same answers.
+"""A network without the variables that nothing reads: fewer states, the same answers.
 
 A variable that no guard, invariant, channel index, update or query reads cannot change what can happen. It keeps its
 first value here, so that states that differ in it alone are one (cone of influence, variable by variable).

@@ -14,7 +14,7 @@ from timed_automata.explore.zones import Constraint, Limit, Limits, Widening, Zo
 
 
 class PlannedMove(NamedTuple):
-    """A move with its plan, into a record."""
+    """A move with its plan, and the record of the state that it leads to."""
 
     plan: Plan
     target: StateRecord
@@ -74,7 +74,7 @@ class StateRecord:
 
     @property
     def limits(self) -> dict[int, Limit]:
-        """Of the active clocks."""
+        """The limits of the active clocks."""
         return self.form.limits
 
     @property
@@ -96,7 +96,7 @@ class StateRecord:
         return zip(parts, parts, parts, strict=True)  # type: ignore[return-value]
 
     def forget(self) -> None:
-        """Let go of the steps and of what was noted."""
+        """Drop the steps and the notes."""
         self._steps, self.passed, self.note = None, [], None
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
@@ -108,7 +108,7 @@ class SymbolicSpace:
     """One analysis of a network: discrete states with zones that are widened by the limits given.
 
     ``delays``: whether zones are let grow by time as they are entered (reachability: equal zones are then one object)
-    or left to the user (liveness). ``frugal``: what moves lead to is told by steps only.
+    or left to the user (liveness). ``frugal``: only steps say what moves lead to.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class SymbolicSpace:
         return self._records.values()
 
     def forget(self) -> None:
-        """Let go of all records."""
+        """Drop all records."""
         for record in self._records.values():
             record.forget()
         self._records.clear()

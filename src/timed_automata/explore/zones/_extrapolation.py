@@ -1,4 +1,4 @@
-"""ExtraLU+: a zone widened by what no guard can tell apart, so that there are finitely many zones.
+"""ExtraLU+: a zone widened by what no guard can distinguish, so that there are finitely many zones.
 
 Behrmann, Bouyer, Larsen, Pelánek, *Lower and Upper Bounds in Zone-Based Abstractions of Timed Automata*, 2006,
 definition 4. With equal lower and upper limits it is ExtraM+.
@@ -31,7 +31,7 @@ class Widening(NamedTuple):
 
 
 def widening(limits: Iterable[Limit]) -> Widening:
-    """Of the limits of the clocks x_1, x_2, …"""
+    """The widening by the limits of the clocks x_1, x_2, …"""
     limits = tuple(limits)
     past = {NEVER: INFINITY}  # any lower bound is past a limit that does not exist
     return Widening(

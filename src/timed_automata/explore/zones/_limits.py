@@ -114,7 +114,7 @@ class Limits:
         self._known: dict[tuple[int, ...], dict[int, Limit]] = {}
 
     def and_also(self, extra: ByClock) -> Limits:
-        """The same with further limits."""
+        """These limits and further ones."""
         together = dict(self._extra)
         merged(together, extra)
         return Limits(self._network, together, symmetric=self._symmetric)

@@ -3,7 +3,7 @@
 A zone of n - 1 clocks is a flat tuple of n * n bounds (see ``_bound``), row by row; entry (i, j) bounds
 ``x_i - x_j`` and x_0 is zero. Row 0 holds lower bounds (negated), column 0 upper bounds. Every function takes
 canonical zones (each bound as tight as the others make it) and gives canonical ones, or None for the empty zone.
-Clocks are never negative. Which clock is which is the caller's affair.
+Clocks are never negative. The caller knows which clock is which.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Zone = tuple[int, ...]
 
 
 class Unique(tuple[int, ...]):
-    """A zone that is the only object with its bounds: told apart, and looked up, by identity."""
+    """A zone that is the only object with its bounds: compared, and looked up, by identity."""
 
     __slots__ = ()
     __hash__ = object.__hash__
@@ -39,7 +39,7 @@ def everything(n: int) -> Zone:
 
 
 def tighten(z: list[int], n: int, i: int, j: int, bound: int) -> bool:
-    """And with ``x_i - x_j`` within ``bound``, in place; False if nothing is left (``z`` is then garbage).
+    """Intersect with ``x_i - x_j`` within ``bound``, in place; False if nothing is left (``z`` is then garbage).
 
     Only paths through the new bound can become shorter: O(n²), and far less where few do.
     """
@@ -70,7 +70,7 @@ def tighten(z: list[int], n: int, i: int, j: int, bound: int) -> bool:
 
 
 def constrained(zone: Zone, n: int, constraints: Iterable[Constraint]) -> Zone | None:
-    """And with all constraints."""
+    """The intersection with all constraints."""
     z: list[int] | None = None
     for i, j, bound in constraints:
         if z is None:
@@ -151,5 +151,5 @@ def subtract(zone: Zone, other: Iterable[Constraint], n: int) -> list[Zone]:
 
 
 def unbounded(zone: Zone, n: int) -> bool:
-    """Whether time can pass for ever inside the zone."""
+    """Whether time can pass without end inside the zone."""
     return all(bound == INFINITY for bound in zone[n::n])

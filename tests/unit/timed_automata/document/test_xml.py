@@ -10,7 +10,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError, UsageError
 from timed_automata import export, load_document, load_network, make_network, read_document, write_document
 
-LAMP = Path(__file__).parent / "models" / "lamp.xml"
+LAMP = Path(__file__).parents[1] / "models" / "lamp.xml"
 
 
 def test_writing_back_changes_no_byte():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from timed_automata import Event, Execution, load_network
 from timed_automata.execute import _successors
 
-MODEL = Path(__file__).parent / "models" / "two_steps.xml"
+MODEL = Path(__file__).parents[1] / "models" / "two_steps.xml"
 EVENTS = ["begin", "stop", "confirmed[0]", "confirmed[1]", "gone[0]", "gone[1]"]
 
 
