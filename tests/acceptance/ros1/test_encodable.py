@@ -85,7 +85,8 @@ def test_the_hal_starts_on_a_journal_that_holds_such_a_text(system: Any, old: Wo
                 and "IL-04: ? both bits." in states[-1].alarms
             ),
         )
-        rospy.wait_for_service("/old/ResetFaults", PATIENCE_S)
+        for service in ("ResetFaults", "tool_change/command"):  # the reset asks both programs
+            rospy.wait_for_service(f"/old/{service}", PATIENCE_S)
         assert rospy.ServiceProxy("/old/ResetFaults", Trigger)().success
         system.until("no alarm", lambda: not states[-1].alarms)
     finally:
