@@ -419,55 +419,73 @@ def test_an_arbiter_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        (b"\n", "no JSON object"),
-        (b"hello\n", "no JSON object"),
-        (b"\xff\xfe\n", "no JSON object"),
-        (b"[" * 50_000 + b"\n", "no JSON object"),
-        (b"3\n", "no JSON object"),
+        (b"\n", "must be a JSON object"),
+        (b"hello\n", "must be a JSON object"),
+        (b"\xff\xfe\n", "must be a JSON object"),
+        (b"[" * 50_000 + b"\n", "must be a JSON object"),
+        (b"3\n", "must be a JSON object"),
         (b"1" * 5000 + b"\n", "an integer of at most 18 digits"),
         (b'{"id": ' + b"1" * 19 + b"}\n", "an integer of at most 18 digits"),
         (b'{"id": 1.5, "op": "levels"}\n', "an integer of at most 18 digits"),
         (b'{"id": NaN, "op": "levels"}\n', "an integer of at most 18 digits"),
-        (b'{"id": true, "op": "levels"}\n', "id is an integer"),
-        (b'{"id": [1], "op": "levels"}\n', "id is an integer"),
-        (b'{"id": "' + b"x" * 65 + b'", "op": "levels"}\n', "id is an integer"),
+        (b'{"id": true, "op": "levels"}\n', "id must be an integer"),
+        (b'{"id": [1], "op": "levels"}\n', "id must be an integer"),
+        (b'{"id": "' + b"x" * 65 + b'", "op": "levels"}\n', "id must be an integer"),
         (b'{"op": "levels", "id": "\\ud800"}\n', "all printable"),
         (b'{"op": "levels", "\\ud800": 1}\n', "all printable"),
         (b'{"op": "levels", "x": "' + b"x" * 501 + b'"}\n', "at most 500 characters"),
-        ({"op": "levels", "x": [[[[[]]]]]}, "not nested so deeply"),
-        ({"op": "hello", "role": "king", "client": "x", "token": TOKEN}, "role is left out, or sensors"),
+        ({"op": "levels", "x": [[[[[]]]]]}, "nested at most 4 levels deep"),
+        ({"op": "hello", "role": "king", "client": "x", "token": TOKEN}, "role must be left out, or sensors"),
         ({"op": "hello", "client": "x\ny", "token": TOKEN, "lines": [BOTTOM]}, "all printable"),
-        ({"op": "hello", "client": "x" * 65, "token": TOKEN, "lines": [BOTTOM]}, "client is a name"),
+        ({"op": "hello", "client": "x" * 65, "token": TOKEN, "lines": [BOTTOM]}, "client must be a name"),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM] * 65},
-            "lines is a list of 1 to 64",
+            "lines must be a list of 1 to 64",
         ),
-        ({"op": "tell", "predicates": {"locked": True}, "at_us": 1}, "say hello with the role sensors"),
+        ({"op": "tell", "predicates": {"locked": True}, "at_us": 1}, "say hello with it first"),
         ({"op": "latch", "fault": "sensor_fault", "why": "IL-04"}, "say hello first"),
-        ({"op": "fly"}, "op is one of"),
-        ({"op": ["set"]}, "op is one of"),
+        ({"op": "fly"}, "op must be one of"),
+        ({"op": ["set"]}, "op must be one of"),
         ({"op": "set", "levels": {BOTTOM: True}}, "say hello first"),
-        ({"op": "hello", "client": 3, "lines": [BOTTOM]}, "client is a name"),
-        ({"op": "hello", "client": "x", "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": 7, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "", "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "a" * 31, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "a" * 33, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "g" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "A" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": 3, "lines": [BOTTOM]}, "client must be a name"),
+        ({"op": "hello", "client": "x", "lines": [BOTTOM]}, "token must be 32 random digits"),
+        ({"op": "hello", "client": "x", "token": 7, "lines": [BOTTOM]}, "token must be 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "", "lines": [BOTTOM]}, "token must be 32 random digits"),
+        (
+            {"op": "hello", "client": "x", "token": "a" * 31, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": "a" * 33, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": "g" * 32, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": "A" * 32, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
         ({"op": "hello", "client": "x", "token": "a" * 32 + "\n", "lines": [BOTTOM]}, "all printable"),
-        ({"op": "hello", "client": "x", "token": "١" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [3]}, "lines is a list"),
-        ({"op": "hello", "client": "x", "token": TOKEN, "lines": []}, "lines is a list"),
+        (
+            {"op": "hello", "client": "x", "token": "١" * 32, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [3]}, "lines must be a list"),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": []}, "lines must be a list"),
         ({"op": "hello", "client": "x", "token": TOKEN, "lines": ["SODIMM_209"]}, "did you mean SODIMM_20"),
-        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": 3}, "a will is a list"),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": 3},
+            "a last will must be a list",
+        ),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [3]},
-            "step 0 of the will",
+            "step 0 of the last will",
         ),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [{"x": 1}]},
-            "step 0 of the will",
+            "step 0 of the last will",
         ),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [{"line": UNLOCK}]},
@@ -598,6 +616,8 @@ print("end", flush=True)
 """
 CLIENT = """
 import sys, time
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.vocabulary import LastWillStep
 
 socket, *lines = sys.argv[1:]
 client = ArbiterClient(socket, "grip", lines)
