@@ -11,7 +11,6 @@ from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import PredicatePublisher
-from end_effector_hal.sensing import Predicates
 from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame, StampGate, Value
 from tests.support.virtual_tool import VirtualTool
