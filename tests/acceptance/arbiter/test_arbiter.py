@@ -120,7 +120,7 @@ def test_a_write_that_was_given_up_is_not_executed_later(bench):
         assert bench.levels() == [False, False, False]
         assert raw.ask({"id": 3, "op": "status"})["status"]["clients"][0]["will"] == []
         assert raw.ask(late | {"until_us": now_us() + 10_000_000})["ok"]
-        assert "until_us is a time" in raw.ask(late | {"until_us": "soon"})["error"]
+        assert "until_us must be a time" in raw.ask(late | {"until_us": "soon"})["error"]
         raw.close()
 
 
@@ -295,8 +295,8 @@ def test_a_lease_that_is_not_renewed_ends(bench):
         wait_until("it", lambda: not bench.levels()[1])
         alive.set()
         wait_until("it", lambda: lost)
-        assert "the lease ended" in str(lost[0])
-        with pytest.raises(ArbiterError, match="the lease ended"):
+        assert "the lease expired" in str(lost[0])
+        with pytest.raises(ArbiterError, match="the lease expired"):
             grip.set({TOP: True})
         assert grip.set({TOP: True}).levels[TOP]
         assert [grip.declared_dead(), grip.declared_dead()] == [True, False], "told once"
@@ -396,7 +396,7 @@ def test_an_arbiter_that_does_not_answer(bench):
 
 def test_a_second_arbiter_is_refused(bench, tmp_path):
     with bench.arbiter():
-        with pytest.raises(LineBusyError, match=f"socket is held by pid {os.getpid()}"):
+        with pytest.raises(LineBusyError, match=f"socket of the line arbiter is held by pid {os.getpid()}"):
             ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY)
         with pytest.raises(LineBusyError, match=f"chip is held by pid {os.getpid()}"):
             ArbiterServer(VirtualLines(bench.chip), tmp_path / "other.sock", POLICY)
@@ -410,7 +410,7 @@ def test_an_arbiter_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
     with pytest.raises(WireError, match="less than 90 letters"):
         ArbiterServer(VirtualLines(bench.chip), tmp_path / ("x" * 120), POLICY)
     (tmp_path / "file").touch()
-    with pytest.raises(WireError, match="socket cannot be made"):
+    with pytest.raises(WireError, match="socket of the line arbiter cannot be made"):
         ArbiterServer(VirtualLines(bench.chip), tmp_path / "file" / "owner.sock", POLICY)
     with bench.arbiter():
         pass
@@ -419,55 +419,76 @@ def test_an_arbiter_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        (b"\n", "no JSON object"),
-        (b"hello\n", "no JSON object"),
-        (b"\xff\xfe\n", "no JSON object"),
-        (b"[" * 50_000 + b"\n", "no JSON object"),
-        (b"3\n", "no JSON object"),
+        (b"\n", "must be a JSON object"),
+        (b"hello\n", "must be a JSON object"),
+        (b"\xff\xfe\n", "must be a JSON object"),
+        (b"[" * 50_000 + b"\n", "must be a JSON object"),
+        (b"3\n", "must be a JSON object"),
         (b"1" * 5000 + b"\n", "an integer of at most 18 digits"),
         (b'{"id": ' + b"1" * 19 + b"}\n", "an integer of at most 18 digits"),
         (b'{"id": 1.5, "op": "levels"}\n', "an integer of at most 18 digits"),
         (b'{"id": NaN, "op": "levels"}\n', "an integer of at most 18 digits"),
-        (b'{"id": true, "op": "levels"}\n', "id is an integer"),
-        (b'{"id": [1], "op": "levels"}\n', "id is an integer"),
-        (b'{"id": "' + b"x" * 65 + b'", "op": "levels"}\n', "id is an integer"),
+        (b'{"id": true, "op": "levels"}\n', "id must be an integer"),
+        (b'{"id": [1], "op": "levels"}\n', "id must be an integer"),
+        (b'{"id": "' + b"x" * 65 + b'", "op": "levels"}\n', "id must be an integer"),
         (b'{"op": "levels", "id": "\\ud800"}\n', "all printable"),
         (b'{"op": "levels", "\\ud800": 1}\n', "all printable"),
         (b'{"op": "levels", "x": "' + b"x" * 501 + b'"}\n', "at most 500 characters"),
-        ({"op": "levels", "x": [[[[[]]]]]}, "not nested so deeply"),
-        ({"op": "hello", "role": "king", "client": "x", "token": TOKEN}, "role is left out, or sensors"),
+        ({"op": "levels", "x": [[[[[]]]]]}, "nested at most 4 levels deep"),
+        ({"op": "hello", "role": "king", "client": "x", "token": TOKEN}, "role must be left out, or sensors"),
         ({"op": "hello", "client": "x\ny", "token": TOKEN, "lines": [BOTTOM]}, "all printable"),
-        ({"op": "hello", "client": "x" * 65, "token": TOKEN, "lines": [BOTTOM]}, "client is a name"),
+        ({"op": "hello", "client": "x" * 65, "token": TOKEN, "lines": [BOTTOM]}, "client must be a name"),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM] * 65},
-            "lines is a list of 1 to 64",
+            "lines must be a list of 1 to 64",
         ),
-        ({"op": "tell", "predicates": {"locked": True}, "at_us": 1}, "say hello with the role sensors"),
+        (
+            {"op": "tell", "predicates": {"locked": True}, "at_us": 1},
+            "only the connection with the role sensors",
+        ),
         ({"op": "latch", "fault": "sensor_fault", "why": "IL-04"}, "say hello first"),
-        ({"op": "fly"}, "op is one of"),
-        ({"op": ["set"]}, "op is one of"),
+        ({"op": "fly"}, "op must be one of"),
+        ({"op": ["set"]}, "op must be one of"),
         ({"op": "set", "levels": {BOTTOM: True}}, "say hello first"),
-        ({"op": "hello", "client": 3, "lines": [BOTTOM]}, "client is a name"),
-        ({"op": "hello", "client": "x", "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": 7, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "", "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "a" * 31, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "a" * 33, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "g" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": "A" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
+        ({"op": "hello", "client": 3, "lines": [BOTTOM]}, "client must be a name"),
+        ({"op": "hello", "client": "x", "lines": [BOTTOM]}, "token must be 32 random digits"),
+        ({"op": "hello", "client": "x", "token": 7, "lines": [BOTTOM]}, "token must be 32 random digits"),
+        ({"op": "hello", "client": "x", "token": "", "lines": [BOTTOM]}, "token must be 32 random digits"),
+        (
+            {"op": "hello", "client": "x", "token": "a" * 31, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": "a" * 33, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": "g" * 32, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": "A" * 32, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
         ({"op": "hello", "client": "x", "token": "a" * 32 + "\n", "lines": [BOTTOM]}, "all printable"),
-        ({"op": "hello", "client": "x", "token": "١" * 32, "lines": [BOTTOM]}, "token is 32 random digits"),
-        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [3]}, "lines is a list"),
-        ({"op": "hello", "client": "x", "token": TOKEN, "lines": []}, "lines is a list"),
+        (
+            {"op": "hello", "client": "x", "token": "١" * 32, "lines": [BOTTOM]},
+            "token must be 32 random digits",
+        ),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [3]}, "lines must be a list"),
+        ({"op": "hello", "client": "x", "token": TOKEN, "lines": []}, "lines must be a list"),
         ({"op": "hello", "client": "x", "token": TOKEN, "lines": ["SODIMM_209"]}, "did you mean SODIMM_20"),
-        ({"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": 3}, "a will is a list"),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": 3},
+            "a last will must be a list",
+        ),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [3]},
-            "step 0 of the will",
+            "step 0 of the last will",
         ),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [{"x": 1}]},
-            "step 0 of the will",
+            "step 0 of the last will",
         ),
         (
             {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "will": [{"line": UNLOCK}]},
@@ -598,7 +619,8 @@ print("end", flush=True)
 """
 CLIENT = """
 import sys, time
-
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.vocabulary import LastWillStep
 socket, *lines = sys.argv[1:]
 client = ArbiterClient(socket, "grip", lines)
 will = [LastWillStep(line, False, i * 300_000) for i, line in enumerate(lines[::-1])]

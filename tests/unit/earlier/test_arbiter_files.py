@@ -13,7 +13,9 @@ from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires.lines import read_chip
 
 BOTTOM, CYLINDER, TOP, UNLOCK = "SODIMM_208", "SODIMM_210", "SODIMM_212", "SODIMM_206"
-NOT_EXECUTED = "No last will was executed, because no record of the sessions was found: what was active stays active."
+NOT_EXECUTED = (
+    "No last will was executed, because no record of the sessions was found: what was active stays active."
+)
 
 
 def storage(path: Path) -> FileStorage:
