@@ -344,7 +344,11 @@ def _(rig: Rig) -> str:
 no("IL-11", "service", "a service activates what it is asked for, and nothing else")
 
 
-@cell("IL-11", "socket", r"^IL-11: step 0 of the will would activate SODIMM_208; a will only deactivates")
+@cell(
+    "IL-11",
+    "socket",
+    r"^IL-11: step 0 of the last will would activate SODIMM_208; a last will only deactivates",
+)
 def _(rig: Rig) -> str:
     with rig.hand(BOTTOM) as hand:
         return refusal(hand, BOTTOM, will=[{"line": BOTTOM, "level": True}])

@@ -61,7 +61,7 @@ def test_a_second_owner_at_the_same_socket_is_told_who_serves_it(world: World) -
     with ArbiterClient(world.socket, "look") as look:
         first = look.status()["pid"]
         said = second("arbiter", world.description_path)
-        assert f"the line arbiter's socket is held by pid {first} (" in said
+        assert f"the socket of the line arbiter is held by pid {first} (" in said
         assert look.status()["pid"] == first
 
 

@@ -119,7 +119,7 @@ class ArbiterProcess:
         with self._world.inside("arbiter"):
             over = self.rules.expire(self._world.now)
             for connection in [each for each in self._connections.values() if each.session in over]:
-                self._drop(connection, "its lease ended")
+                self._drop(connection, "its lease expired")
             self.rules.advance(self._world.now)
             self._records.keep(self.rules)
             self.journal.step()
