@@ -100,6 +100,16 @@ def test_a_value_out_of_range_ends_the_proof_with_its_run() -> None:
     assert "out of its range" in proof.findings[0].remark
 
 
+def test_a_query_that_leaves_an_array_ends_the_proof_and_says_where() -> None:
+    counter = Template("P", ["a -> a; guard: x >= 2; do: n = 1 - n, x = 0"], invariants={"a": "x <= 4"})
+    asked = [("A[] n < 3", "[few]"), ("A[] seen[n + 1] == 0", "[seen]")]
+    proof = prove(network("clock x; int[0,1] n; int seen[2];", counter, queries=asked))
+    assert [each.id for each in proof.findings] == ["ranges", "few", "seen"]
+    assert not any(each.holds for each in proof.findings)
+    assert "Index 2 of 'seen' is outside of 0 to 1." in proof.findings[0].remark
+    assert proof.findings[0].trace is None
+
+
 def test_what_no_query_says() -> None:
     lost = Template(
         "P", ["a -> b; sync: go!", "b -> a; guard: x > 3 && x < 3; do: x = 0", "b -> c; guard: n == 1"]
