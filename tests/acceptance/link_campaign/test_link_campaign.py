@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from end_effector_hal.control._telling import Telling
 
 from end_effector_hal.codecs import _ees1_ascii, _ees1_cobs
 from end_effector_hal.control import Status
+from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.sensing._link_rules import LinkRules
 from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.sensing._sensor_set import SensorSet
@@ -57,13 +57,13 @@ def without_words(patch: pytest.MonkeyPatch) -> None:
 
 
 def with_a_drop_at_every_doubt(patch: pytest.MonkeyPatch) -> None:
-    status = Telling.status
+    status = StatusBuilder.status
 
-    def dropping(self: Telling, at: int) -> Status:
+    def dropping(self: StatusBuilder, at: int) -> Status:
         told = status(self, at)
         return told if all(told.evidence) else replace(told, outputs=(False,) * 3)
 
-    patch.setattr(Telling, "status", dropping)
+    patch.setattr(StatusBuilder, "status", dropping)
 
 
 @pytest.mark.parametrize(

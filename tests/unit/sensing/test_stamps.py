@@ -217,7 +217,7 @@ def test_the_publisher_sends_no_stamp_that_is_ahead_of_now(
     told: list[int] = []
     now = [1_000_000]
     publisher = PredicatePublisher(description, clock=lambda: now[0])
-    monkeypatch.setattr(publisher._teller, "tell", lambda said, at: told.append(at) or True)
+    monkeypatch.setattr(publisher._sender, "send", lambda said, at: told.append(at) or True)
     values: dict[str, Value] = {"locked": True, "unlocked": False}
     publisher.frame(Frame(YEAR_2038, None, None, values))
     assert told == []
