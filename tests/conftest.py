@@ -6,6 +6,25 @@ from collections.abc import Generator
 
 import pytest
 
+from end_effector_hal.description import Description, load, profile_path
+
+_TCP_LEFT_OPEN = (
+    "ignore:Exception ignored in. <socket.socket fd=[0-9]+, family=2:pytest.PytestUnraisableExceptionWarning"
+)
+"""rospy leaves TCP sockets to the garbage collector, also while later tests of a worker run; ours are Unix sockets."""
+
+
+@pytest.fixture(scope="session")
+def verdin() -> Description:
+    """The shipped tool."""
+    return load(profile_path())
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.get_closest_marker("wall") or item.get_closest_marker("ros"):
+            item.add_marker(pytest.mark.filterwarnings(_TCP_LEFT_OPEN))
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(

@@ -140,7 +140,7 @@ def test_quit_ends_it(start: Start) -> None:
     line(process)
     assert process.communicate("scenario leak:cylinder\nquit\n", timeout=PATIENCE_S) == (
         "",
-        "refused: 'leak:cylinder': a cylinder cannot have this fault.\n",
+        "refused: 'leak:cylinder': cylinder cannot have this fault.\n",
     )
     assert process.returncode == 0
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.control import Status
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description
 from end_effector_hal.recording import StatesLog, StatesWriter, read_states
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_lab.demo import DemoScenario, scenarios
@@ -63,11 +63,6 @@ class RecordedTool(VirtualTool):
 
     def _row(self, status: Status, command: int, at: int) -> None:
         self._writer.write(at / 1e6, status.ee, command, status.actuators)
-
-
-@pytest.fixture(scope="session")
-def verdin() -> Description:
-    return load(profile_path())
 
 
 @pytest.fixture(scope="session")

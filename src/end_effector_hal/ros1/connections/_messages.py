@@ -53,15 +53,32 @@ def answer_of(response: Any) -> Answer:
 def _converter(of: str) -> Callable[[Any], Any] | None:
     if of == "std_msgs/Header":
         kind = message_class(of)
-        return lambda header: kind(stamp=_stamp(header), frame_id=header.frame_id)
+        return lambda header: kind(stamp=_STAMPS.of(header), frame_id=header.frame_id)
     if "/" not in of:
         return None
     make = MessageMaker(message_class(of.removesuffix("[]")))
     return (lambda values: [make(each) for each in values]) if of.endswith("[]") else make
 
 
+class _Stamps:
+    """One stamp for all messages of a moment: so message_filters and a recording find what belongs together."""
+
+    def __init__(self) -> None:
+        self._last: tuple[int | None, Any] = (None, None)
+
+    def of(self, header: MessageHeader) -> Any:
+        """ROS time of a moment on the monotonic clock; of now where the header names none."""
+        at_us, stamp = self._last
+        if header.at_us is None or header.at_us != at_us:
+            stamp = _stamp(header)
+            self._last = header.at_us, stamp
+        return stamp
+
+
+_STAMPS = _Stamps()
+
+
 def _stamp(header: MessageHeader) -> Any:
-    """ROS time of a moment on the monotonic clock."""
     before, now, after = time.monotonic_ns(), rospy.Time.now(), time.monotonic_ns()
     if header.at_us is None or not rospy.rostime.is_wallclock():
         return now
