@@ -33,6 +33,7 @@ class SensorSet:
     MEMORY: ClassVar = {
         "readings": PART,
         "_rules": PART,
+        "_stamps": PART,
         "_detectors": PART,
         "_tool": PART,
         "_vented": PART,

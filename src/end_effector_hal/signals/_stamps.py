@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from end_effector_hal.vocabulary import to_s
 
 SAID_US, LATE_SAID_US = 10_000_000, 1_000_000
@@ -19,6 +21,14 @@ class StampGate:
         old_us: what is so old, or older, is refused; None: age does not matter.
         in_order: whether what is older than the last that passed is refused.
     """
+
+    MEMORY: ClassVar = {
+        "refused": int,
+        "_last": int | None,
+        "_until": int | None,
+        "_text": str,
+        "_said_us": int,
+    }
 
     def __init__(self, what: str, *, old_us: int | None = None, in_order: bool = False) -> None:
         self._what, self._old_us, self._in_order = what, old_us, in_order

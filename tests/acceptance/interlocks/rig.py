@@ -144,7 +144,8 @@ class Rig:
         return self.grip.set_actuator(actuator, active)
 
     def gripped(self) -> None:
-        assert self.action("grip") == ""
+        refusal = self.action("grip")
+        assert not refusal, refusal
 
     def _gripper_moved(self, status: Status) -> None:
         if len(self.units) > 1:

@@ -20,10 +20,16 @@ def logger(system: Any, tmp_path: Path) -> Any:
             name, "rosrun", "end_effector_hal", "data_logger", f"__name:={name}",
             f"_description:={system.world.description_path}", f"_directory:={tmp_path / 'run'}",
         )  # fmt: skip
-        system.until("a row", lambda: (tmp_path / "run" / "states.csv").exists() and rows(tmp_path).rows)
+        system.until("a row", lambda: _is_begun(tmp_path) and rows(tmp_path).rows)
         return child
 
     return start
+
+
+def _is_begun(folder: Path) -> bool:
+    """Whether the file has its header: it is made empty."""
+    path = folder / "run" / "states.csv"
+    return path.exists() and path.stat().st_size > 0
 
 
 def rows(folder: Path) -> StatesLog:

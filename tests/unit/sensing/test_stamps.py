@@ -12,7 +12,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import Predicates, SensorSet
-from end_effector_hal.signals import Frame, StampGate, Value
+from end_effector_hal.signals import Frame, StampGate, Value, memory_of, recall
 from tests.support.virtual_tool import VirtualTool
 
 GRIPPING, GRIPPED, STAND_BY = 1, 3, 6
@@ -225,6 +225,16 @@ def test_the_publisher_sends_no_stamp_that_is_ahead_of_now(
         publisher.frame(Frame(now[0], None, None, values))
         now[0] += 20_000
     assert told == [1_000_000, 1_040_000, 1_080_000, 1_100_000, 1_140_000, 1_180_000]
+
+
+def test_what_was_refused_is_part_of_what_a_segment_begins_with(description: Description) -> None:
+    codec = get_codec(description.link.codec)
+    senses, restored = SensorSet(description, codec), SensorSet(description, codec)
+    senses.accepts(Frame(NOW, None, None, {}), NOW)
+    senses.accepts(Frame(NOW + 1, None, None, {}), NOW)
+    recall(restored, memory_of(senses))
+    assert (restored.refused, restored.refusals(NOW)) == (1, senses.refusals(NOW))
+    assert not restored.accepts(Frame(NOW - 1, None, None, {}), NOW), "it is before the one that came last"
 
 
 def test_detectors_ask_for_the_stamp_first(description: Description) -> None:
