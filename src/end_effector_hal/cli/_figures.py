@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from end_effector_hal._extras import command_for, missing_extra
-from end_effector_hal.errors import MissingExtraError
+from end_effector_hal.errors import MissingExtraError, UsageError
+from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo, StatesLog
     from timed_automata import Template
 
 GROUP = "end_effector_hal.figures"
+NAME = "lab"
 FORMATS = ("png", "svg")
 
 
@@ -35,17 +36,31 @@ class Figures(Protocol):
         ...
 
 
+def _checked(module: Any) -> Figures:
+    if not all(callable(getattr(module, name, None)) for name in ("timeline", "draw_template", "save")):
+        raise UsageError("it has not all of timeline, draw_template and save.")
+    return cast(Figures, module)
+
+
+_FIGURES: Plugins[Figures] = Plugins(GROUP, "drawing module", {}, _checked, make=False)
+
+
 def figures() -> Figures:
-    """The module that draws; raises MissingExtraError when it or what it needs is not installed."""
-    for point in entry_points(group=GROUP):
-        try:
-            import_module("matplotlib")  # the module that draws imports it later
-            return cast(Figures, point.load())
-        except ModuleNotFoundError as error:
-            raise missing_extra("Figures need", error) or error from None
-    raise MissingExtraError(
-        "Nothing that draws figures is installed.", todo=f"Install it: {command_for('lab')}."
-    )
+    """The module that draws.
+
+    Raises:
+        MissingExtraError: it, or what it needs, is not installed.
+        UsageError: it cannot be loaded.
+    """
+    if NAME not in _FIGURES.names:
+        raise MissingExtraError(
+            "Nothing that draws figures is installed.", todo=f"Install it: {command_for('lab')}."
+        )
+    try:
+        import_module("matplotlib")  # the module that draws imports it later
+    except ModuleNotFoundError as error:
+        raise missing_extra("Figures need", error) or error from None
+    return _FIGURES.get(NAME)
 
 
 def save_all(figure: object, folder: Path, name: str) -> list[Path]:

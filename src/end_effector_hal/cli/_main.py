@@ -5,13 +5,12 @@ from __future__ import annotations
 import importlib
 import json
 import sys
-from importlib.metadata import entry_points
-from typing import cast
 
 import click
 
 from end_effector_hal._extras import missing_extra
 from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.plugins import Plugins
 
 GROUP = "end_effector_hal.commands"
 """Entry points of further commands; a command of this package wins over another one of its name."""
@@ -31,20 +30,27 @@ _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
 _ROOMS = {"doctor": "doctor._doctor", "model": "model._model"}
 
 
+def _checked(command: object) -> click.Command:
+    if not isinstance(command, click.Command):
+        raise UsageError("it is no command of click.")
+    return command
+
+
+_ADDED: Plugins[click.Command] = Plugins(GROUP, "command", {}, _checked, make=False)
+
+
 class _LazyGroup(click.Group):
     """Loads the module of a command when it is called: the start stays quick."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return sorted({*_COMMANDS, *(point.name for point in entry_points(group=GROUP))})
+        return sorted({*_COMMANDS, *_ADDED.names})
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in _COMMANDS:
             module = importlib.import_module(f"end_effector_hal.cli.{_ROOMS.get(cmd_name, f'_{cmd_name}')}")
             command: click.Command = module.command
             return command
-        for point in entry_points(group=GROUP, name=cmd_name):
-            return cast(click.Command, point.load())
-        return None
+        return _ADDED.get(cmd_name) if cmd_name in _ADDED.names else None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
@@ -53,8 +59,11 @@ class _LazyGroup(click.Group):
     def _help(self, ctx: click.Context, name: str) -> str:
         if name in _COMMANDS:
             return _COMMANDS[name]
-        command = self.get_command(ctx, name)
-        return command.short_help or command.get_short_help_str(80) if command else ""
+        try:
+            command = _ADDED.get(name)
+        except ReportedError as error:
+            return f"({error.what.rstrip('.')})"  # one that is broken hides no other
+        return command.short_help or command.get_short_help_str(80)
 
 
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
