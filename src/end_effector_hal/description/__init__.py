@@ -26,7 +26,7 @@ from ._markdown import markdown
 from ._model import Description, camel_case
 from ._not_fitted import not_fitted
 from ._paths import profile_path, run_directory, tool_path
-from ._policy import Automata, Bounds, Handwork, Interlocks
+from ._policy import Automata, Bounds, Interlocks, MaintenanceSettings
 from ._schema import schema, schema_path, schema_text
 from ._slow import slow
 from ._socket import socket_path
@@ -46,12 +46,12 @@ __all__ = [
     "Examination",
     "Fault",
     "GrippingEndings",
-    "Handwork",
     "HeldEndings",
     "Hold",
     "Interlocks",
     "Lines",
     "Link",
+    "MaintenanceSettings",
     "OwnEndings",
     "OwnGrippingEndings",
     "OwnHeldEndings",

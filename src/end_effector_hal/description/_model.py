@@ -15,7 +15,7 @@ from ._any_actuator import AnyActuator
 from ._devices import EStop, Lines, Link, ToolChanger
 from ._paths import profile_path
 from ._places import Place, Places
-from ._policy import Automata, Bounds, Handwork, Interlocks
+from ._policy import Automata, Bounds, Interlocks, MaintenanceSettings
 
 
 class Description(Part):
@@ -32,7 +32,9 @@ class Description(Part):
     e_stop: EStop | None = Field(default=None, description="absent: none is fitted")
     supply: Supply = Field(default=Supply(), description="the compressed air")
     hold: Hold = Field(default=Hold(), description="what is watched while a part is held")
-    maintenance: Handwork = Field(default=Handwork(), description="outputs driven by hand")
+    maintenance: MaintenanceSettings = Field(
+        default=MaintenanceSettings(), description="outputs driven by hand"
+    )
     endings: Endings = Field(default=Endings(), description="what each ending does to the outputs")
     interlocks: Interlocks = Field(default=Interlocks(), description="true: enforced")
     bounds: Bounds = Field(default=Bounds(), description="what the proof assumes and shows")

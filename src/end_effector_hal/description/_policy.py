@@ -11,7 +11,7 @@ from end_effector_hal.kinds.stanza import Part, Seconds, Texts
 Milliseconds = Annotated[int, Field(ge=1, le=10_000)]
 
 
-class Handwork(Part):
+class MaintenanceSettings(Part):
     """Actuators driven by hand, with the `/Set*` services (IL-12)."""
 
     lease_s: Seconds = Field(

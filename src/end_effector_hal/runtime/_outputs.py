@@ -22,7 +22,7 @@ class LineWriter(Protocol):
         """The level of every line."""
 
     def declared_dead(self) -> bool:
-        """Whether the line arbiter took this program for dead since this was asked last."""
+        """Whether the line arbiter has declared this program dead since the last call."""
 
     def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:
         """Begin to write levels, and what to do should this program die; what is returned waits until it is done."""

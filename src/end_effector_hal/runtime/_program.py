@@ -26,7 +26,9 @@ from .boundary import NULL_RECORDER, Recorder
 
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
-DECLARED_DEAD = "The line arbiter took this program for dead and executed its will: it has begun anew."
+DECLARED_DEAD = (
+    "The line arbiter declared this program dead and executed its last will; the program has restarted."
+)
 
 
 class Program:
@@ -206,7 +208,7 @@ class Program:
             self._worker.run(self._begin)
             self._lines.close(self._outputs.mapping.last_will(self.status, self._ending))
         except WireError as error:
-            _log.warning("the line arbiter is not there to take the will of %s: %s", self.NAME, error)
+            _log.warning("the line arbiter cannot be reached for the last will of %s: %s", self.NAME, error)
         finally:
             # after a defect in here the lease is not renewed any more, and the line arbiter does what is declared
             self._latest.end()

@@ -36,7 +36,7 @@ def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_find
     overtake(tool)
     status = tool.until(lambda status: status.ee == State.STAND_BY)
     assert tool.states() == [State.OFF, State.STAND_BY, State.GRIPPING, State.OFF, State.STAND_BY]
-    assert status.reason.startswith("The line arbiter took this program for dead")
+    assert status.reason.startswith("The line arbiter declared this program dead")
     assert status.outputs == (OFF, OFF, OFF)
     assert tool.owner.active == dict.fromkeys(LINES, OFF), "nothing is activated by itself (IL-11)"
     tool.grip_to(0)

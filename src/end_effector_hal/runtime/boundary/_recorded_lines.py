@@ -33,7 +33,7 @@ class RecordedLines:
         return levels
 
     def declared_dead(self) -> bool:
-        """Whether the line arbiter took this program for dead since this was asked last."""
+        """Whether the line arbiter has declared this program dead since the last call."""
         return self._lines.declared_dead()
 
     def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:

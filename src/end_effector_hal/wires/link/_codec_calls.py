@@ -13,7 +13,7 @@ from end_effector_hal.wires._clock import now_us
 T = TypeVar("T")
 HUNG_US = 1_000_000
 """A call that takes longer than this has failed, and until it returns the link is down."""
-TODO = "It is begun anew and tried again; report it to whoever made the codec."
+TODO = "A new decoder is started; report this to the author of the codec."
 
 
 class CodecFailure(LinkError):
@@ -39,7 +39,7 @@ class CodecCalls:
         if busy is None or (lasts := now_us() - busy[1]) < HUNG_US:
             return None
         what = f"{self.name} has not returned from {busy[0]} for {lasts // 1_000_000} s."
-        todo = "Nothing is read until it does; report it to whoever made the codec."
+        todo = "Nothing is read until it does; report it to the author of the codec."
         return str(LinkError(what, where=self._where, todo=todo)), busy[1]
 
     def run(self, what: str, function: Callable[[], T]) -> T:
