@@ -14,9 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[1] / "src"
-REPEATED = {
-    "end_effector_hal.Refused",
-}
+REPEATED: set[str] = set()
 """``package.ClassName`` that may stand more than once for now."""
 PRIVATE: set[str] = set()
 """``importing.module -> private.module`` that may stay for now."""

@@ -1,10 +1,11 @@
 """How many Python functions are called on the first visit of a state, from an event to a line.
 
 ``python benchmarks/calls.py [--profile]`` prints three numbers: from a frame to a line, from a goal to a line, and from
-the death of a program to its last will. Both programs and the line arbiter run in this process, with a chip in memory
-behind the arbiter's real socket. Calls are counted in the thread that brings the event, up to the write to the arbiter,
-and in the arbiter, up to the write to the chip; nothing is logged. Each path is walked in three fresh
-tools, and the least count stands: a renewal of a lease may come between. ``--profile`` also lists the functions.
+the death of a program, once the line arbiter has noticed it (`LineArbiter.declare_dead`), to its last will. Both
+programs and the line arbiter run in this process, with a chip in memory behind the arbiter's real socket. Calls are
+counted in the thread that brings the event, up to the write to the arbiter, and in the arbiter, up to the write to the
+chip; nothing is logged. Each path is walked in three fresh tools, and the least count stands: a renewal of a lease may
+come between. ``--profile`` also lists the functions.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from pathlib import Path
 from types import FrameType
 
 from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
-from end_effector_hal.control import Status
+from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description, load, profile_path, socket_path
 from end_effector_hal.runtime import (
     ChangerProgram,
@@ -32,6 +33,7 @@ from end_effector_hal.runtime import (
     arbiter_policy,
     open_program,
 )
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState, Evidence, LastWillStep
 from end_effector_hal.wires import now_us
@@ -45,25 +47,30 @@ AT_REST = {
 
 
 class Count:
-    """A profiler that counts calls of Python functions up to ``reached``."""
+    """A profiler that counts calls of Python functions up to ``reached``; those of this file are none of the path.
 
-    def __init__(self) -> None:
+    ``first``: the name of the function at which the path begins; empty: at once.
+    """
+
+    def __init__(self, first: str = "") -> None:
         self.calls: Counter[str] = Counter()
         self.reached: Counter[str] | None = None
+        self._first = first
 
     def __call__(self, frame: FrameType, event: str, what: object) -> None:
-        if event == "call" and self.reached is None:
-            code = frame.f_code
-            self.calls[
-                f"{Path(code.co_filename).parent.name}/{Path(code.co_filename).name}:{code.co_qualname}"
-            ] += 1
+        code = frame.f_code
+        if event == "call" and self.reached is None and code.co_filename != __file__:
+            if not self._first or code.co_name == self._first:
+                self._first = ""
+                path = Path(code.co_filename)
+                self.calls[f"{path.parent.name}/{path.name}:{code.co_qualname}"] += 1
         elif event == "c_call" and getattr(what, "__name__", "") == "sendall":
             self.stop()
 
     def stop(self) -> None:
         """The end of the path is reached, now for the first time."""
         if self.reached is None:
-            self.reached = self.calls.copy()
+            self.reached, self.calls = self.calls, Counter()
 
     def of(self, path: Callable[[], object]) -> Counter[str] | None:
         """What a path calls in this thread, up to its end; None: it did not come to it."""
@@ -115,9 +122,10 @@ class Tool:
         self._serves, self._ended = threading.Lock(), threading.Event()
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
-        self.predicates = PredicatePublisher(self.description)
-        self.grip = open_program(GripProgram, self.description, self._gripper_moved)
-        self.change = open_program(ChangerProgram, self.description, self._changer_moved)
+        judge = FrameJudge()
+        self.predicates = PredicatePublisher(self.description, judge=judge)
+        self.grip = open_program(GripProgram, self.description, self._gripper_moved, judge=judge)
+        self.change = open_program(ChangerProgram, self.description, self._changer_moved, judge=judge)
         for program in (self.grip, self.change):
             program.start()
 
@@ -148,7 +156,9 @@ class Tool:
 
     def deliver(self, frame: Frame) -> None:
         """A frame goes its way, as in the thread of the link."""
-        self.predicates.frame(frame)
+        self.predicates.frame(frame, self._pass_on)
+
+    def _pass_on(self, frame: Frame) -> None:
         self.grip.frame(frame)
         self.change.frame(frame)
 
@@ -172,33 +182,41 @@ class Tool:
 
     def from_frame(self) -> Counter[str]:
         """From the frame that confirms the first actuator to the line of the second."""
-        self.grip.command("grip")
-        while True:
+        self._accepted(self.grip.command("grip"))
+        for _ in range(MOST_FRAMES):
             time.sleep(PERIOD_S)
             frame = self.frame()
             with self._serves:
                 if sent := Count().of(lambda frame=frame: self.deliver(frame)):
                     return sent + self._arbiter_until_line()
+        raise SystemExit(f"No line followed a frame: {self.grip.status}.")
+
+    @staticmethod
+    def _accepted(answer: Answer) -> None:
+        if not answer.accepted:
+            raise SystemExit(f"The command was refused: {answer.reason}")
 
     def from_goal(self) -> Counter[str]:
         """From the command to the first line."""
-        count, told = Count(), threading.Event()
-        counted: list[Counter[str]] = []
+        count, answers = Count(), list[Answer]()
 
         def command() -> None:
-            counted.append(count.of(lambda: self.grip.command("grip")) or Counter())
-            told.set()
+            count.of(lambda: answers.append(self.grip.command("grip")))
 
         with self._serves:
-            threading.Thread(target=command).start()
-            while count.reached is None:
+            thread = threading.Thread(target=command)
+            thread.start()
+            while count.reached is None and thread.is_alive():
                 time.sleep(0.001)
+            if answers:
+                self._accepted(answers[0])
             found = self._arbiter_until_line()
-        told.wait()
-        return counted[0] + found
+        thread.join()
+        assert count.reached is not None
+        return count.reached + found
 
     def from_death(self) -> Counter[str]:
-        """From the closed socket of a program to the first line of its last will."""
+        """From the noticed death of a program to the first line of its last will."""
         self.grip.close()
         line = self.description.ordered[0][1].line
         with suppress(_DeathError), ArbiterClient(socket_path(self.description), "dying", [line]) as dying:
@@ -208,14 +226,14 @@ class Tool:
             self._serves.acquire()
             raise _DeathError
         try:
-            return self._arbiter_until_line()
+            return self._arbiter_until_line("declare_dead")
         finally:
             self._serves.release()
 
-    def _arbiter_until_line(self) -> Counter[str]:
+    def _arbiter_until_line(self, first: str = "") -> Counter[str]:
         """What the arbiter calls in the round in which it writes a line."""
         for _ in range(MOST_FRAMES):
-            self.chip.count = count = Count()
+            self.chip.count = count = Count(first)
             if found := count.of(lambda: self.arbiter.step(0.01)):
                 return found
         raise SystemExit("The arbiter has written no line.")

@@ -68,7 +68,7 @@ def measure_owner(blocks: int, hold_s: float, say: Callable[[str], None]) -> Own
     line = gripping[0]
     unwind = [LastWillStep(each) for each in reversed(gripping)]
     with ExitStack() as stack:
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="eehal-owner-")))
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="eehal-arbiter-")))
         lines = output_lines(description)
         chips = {name: VirtualChip.create(folder / name, lines).path for name in ("owned", "direct")}
         owner = stack.enter_context(_owner(chips["owned"], folder / "sock"))

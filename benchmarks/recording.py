@@ -14,6 +14,8 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 
+from calls import AT_REST
+
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.boundary import NULL_RECORDER, open_recorder
@@ -22,10 +24,6 @@ from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 
 FRAMES, WARM_UP, PERIOD_S = 150, 20, 0.02
-REST = {
-    "top": 0, "cylinder": 0, "supply": 600_000, "cylinder_extended": False, "cylinder_retracted": True, "locked": True,
-    "unlocked": False, "tool_present": True, "in_stand": True, "estop_ok": True,
-}  # fmt: skip
 
 
 class _Lines:
@@ -62,7 +60,7 @@ def block(*, recorded: bool) -> list[float]:
             told.clear()
             begun = time.perf_counter_ns()
             program.frame(
-                Frame(now_us(), number, number * 20, REST | {"bottom": -20_000 if number % 2 else 0})
+                Frame(now_us(), number, number * 20, AT_REST | {"bottom": -20_000 if number % 2 else 0})
             )
             if told.wait(PERIOD_S * 3 / 4) and number >= WARM_UP:
                 found.append((done[0] - begun) / 1000)

@@ -22,7 +22,7 @@ from table import print_latencies, print_owner, print_usage, print_verification
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError, RosError
-from end_effector_lab.demo import need_ros
+from end_effector_lab.demo import Ros1
 
 PARTS = {"core": "without ROS", "ros": "through ROS"}
 OTHERS = ("owner", "verification")
@@ -62,14 +62,13 @@ def _latencies(part: str, plan: latency.Plan) -> dict[str, Any] | None:
     where = PARTS[part]
     if part == "ros":
         try:
-            need_ros()
+            Ros1().check()
         except RosError as error:
             progress.print(f"{where}: left out. {error}")
             return None
     folder = Path(tempfile.mkdtemp(prefix="eehal-bench-"))
-    measure = latency.measure_ros if part == "ros" else latency.measure_core
     try:
-        result = measure(load(profile_path()), folder, plan, _say(where))
+        result = latency.measure(load(profile_path()), folder, plan, _say(where), ros=part == "ros")
     except BaseException:
         progress.print(f"{where}: the logs are in {folder}")
         raise

@@ -3,15 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from pathlib import Path
+from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
+from xdist.scheduler import LoadFileScheduling
 
 from end_effector_hal.description import Description, load, profile_path
+
+# how long an example takes says something of the machine only
+settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("untimed")
 
 _TCP_LEFT_OPEN = (
     "ignore:Exception ignored in. <socket.socket fd=[0-9]+, family=2:pytest.PytestUnraisableExceptionWarning"
 )
 """rospy leaves TCP sockets to the garbage collector, also while later tests of a worker run; ours are Unix sockets."""
+
+_LONGEST = (
+    "ros",
+    "test_jaw",
+    "test_contributing",
+    "test_end_effector",
+    "test_interlock_table",
+    "test_program",
+    "test_disk",
+)
+"""These groups begin first, so that no worker is left alone with one of them in the end."""
 
 
 @pytest.fixture(scope="session")
@@ -21,9 +40,37 @@ def verdin() -> Description:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    for item in items:
-        if item.get_closest_marker("wall") or item.get_closest_marker("ros"):
-            item.add_marker(pytest.mark.filterwarnings(_TCP_LEFT_OPEN))
+    real = [item for item in items if item.get_closest_marker("wall") or item.get_closest_marker("ros")]
+    for item in real:
+        item.add_marker(pytest.mark.filterwarnings(_TCP_LEFT_OPEN))
+    real.sort(
+        key=lambda item: (
+            _LONGEST.index(group) if (group := _group(item.nodeid)) in _LONGEST else len(_LONGEST)
+        )
+    )
+    chosen = set(real)
+    items[:] = [*real, *(item for item in items if item not in chosen)]
+
+
+def _group(name: str) -> str:
+    """What one worker runs of these tests, by the name of one of them: a file, or all that need a set of nodes.
+
+    Nodes take a quarter of a processor also while nobody asks them: one set of them, for as long as it is needed.
+    """
+    file = name.partition("::")[0]
+    return "ros" if "acceptance/ros1/" in file else Path(file).stem
+
+
+class Groups(LoadFileScheduling):
+    """As ``--dist loadfile``, with all that need a set of nodes in one worker."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return _group(nodeid)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Groups | None:
+    return Groups(config, log) if config.getoption("dist") == "loadfile" else None
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

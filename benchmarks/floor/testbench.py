@@ -5,15 +5,15 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import threading
 import tty
+from itertools import count
 from pathlib import Path
 
 from inotify_simple import INotify, flags
-from wire import GO, LAST_US, now_us, obey, rest_until
+from wire import GO, LAST_US, Notes, now_us, obey, rest_until
 
 PERIOD_US, PING_EACH = 20_000, 10
 FILLING = b"," + b"0" * 60  # a frame is about as long as one of the product
@@ -22,13 +22,13 @@ FILLING = b"," + b"0" * 60  # a frame is about as long as one of the product
 class Lines(threading.Thread):
     """Sees each line that is appended to a file."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, notes: Notes) -> None:
         super().__init__(daemon=True)
         path.touch()
+        self._notes = notes
         self._fd = os.open(path, os.O_RDONLY)
         self._inotify = INotify()
         self._inotify.add_watch(path, flags.MODIFY)
-        self.notes: list[dict[str, object]] = []
 
     def run(self) -> None:
         while True:
@@ -37,36 +37,31 @@ class Lines(threading.Thread):
             seen = now_us()
             for line in data.splitlines():
                 word, at = line.split()
-                self.notes.append({"edge": word.decode(), "at": int(at), "seen": seen})
+                self._notes.add(edge=word.decode(), at=int(at), seen=seen)
 
 
-def main(link: str, lines: str, notes: str) -> None:
+def main(link: str, lines: str, path: str) -> None:
     master, slave = os.openpty()
     tty.setraw(slave)
     os.symlink(os.ttyname(slave), link)
-    seen = Lines(Path(lines))
-    seen.start()
-    count = 0
+    notes, numbers = Notes(path), count(1)
+    Lines(Path(lines), notes).start()
 
     def run(words: list[str]) -> None:
-        nonlocal count
-        pings: list[dict[str, object]] = []
         due = (now_us() // PERIOD_US + 1) * PERIOD_US + int(words[2])
         end = due + round(float(words[1]) * 1e6)
         while due < end:
             rest_until(due)
-            count += 1
-            ping = count % PING_EACH == 0
-            frame = (GO if ping else b"$") + b"p%d" % count + FILLING + b"\n"
+            number = next(numbers)
+            ping = number % PING_EACH == 0
+            frame = (GO if ping else b"$") + b"p%d" % number + FILLING + b"\n"
             at = now_us()
             os.write(master, frame)
             if ping:
-                pings.append({"ping": f"p{count}", "at": at})
+                notes.add(ping=f"p{number}", at=at)
             due += PERIOD_US
         rest_until(end + LAST_US)
-        with open(notes, "a", encoding="utf-8") as file:
-            file.writelines(json.dumps(note) + "\n" for note in [*pings, *seen.notes])
-        seen.notes.clear()
+        notes.write()
 
     obey(run)
 

@@ -1,14 +1,17 @@
-"""What the programs of the floor have in common: a port to read, an owner to ask, words of the parent."""
+"""What the programs of the floor have in common: a port to read, an owner to ask, words and notes of the parent."""
 
 from __future__ import annotations
 
+import json
 import os
+import random
 import select
 import socket
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from itertools import count
 
 GO = b"!"
 """A frame that begins with it is passed on to the owner, like one that confirms; the others end at the reader."""
@@ -60,3 +63,36 @@ def obey(run: Callable[[list[str]], None]) -> None:
     for line in sys.stdin:
         run(line.split())
         print("done", flush=True)
+
+
+class Notes:
+    """JSON lines for the parent, kept until the end of a block."""
+
+    def __init__(self, path: str) -> None:
+        self._path, self._taken = path, list[dict[str, object]]()
+
+    def add(self, **fields: object) -> None:
+        self._taken.append(fields)
+
+    def write(self) -> None:
+        """When the last message of a block has gone through."""
+        taken, self._taken = self._taken, []
+        with open(self._path, "a", encoding="utf-8") as file:
+            file.writelines(json.dumps(note) + "\n" for note in taken)
+
+
+def give_goals(notes: Notes, give: Callable[[int], None]) -> None:
+    """Obey ``run SECONDS``: five goals a second, at random phases; each is noted."""
+    numbers = count(1)
+
+    def run(words: list[str]) -> None:
+        end = now_us() + round(float(words[1]) * 1e6)
+        while now_us() + 300_000 < end:
+            time.sleep(random.uniform(0.1, 0.3))
+            number, at = next(numbers), now_us()
+            give(number)
+            notes.add(goal=f"c{number}", at=at)
+        rest_until(end + LAST_US)
+        notes.write()
+
+    obey(run)

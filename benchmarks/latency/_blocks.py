@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from usage import Meter, Usage
@@ -15,15 +16,38 @@ from ._driven import Driven
 from ._floor import Floor
 from ._hardware import Hardware
 from ._matching import MatchError, Note, floor_latencies, product_latencies
-from ._plan import Plan
 from ._result import Result
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Counts of one phase.
+
+    Attributes:
+        blocks: pairs of product and floor.
+        cycles: grips and drops in a block; each gives 4 reactions, 2 commands, 6 states.
+        floor_s: length of a block of the floor, which makes 5 reactions and 5 commands a second.
+        losses: how many times a held part is lost.
+        hold_s: how long processor time and memory are measured while gripped.
+    """
+
+    blocks: int
+    cycles: int
+    floor_s: float
+    hold_s: float
+    losses: int
+
+
+FULL = Plan(blocks=8, cycles=4, floor_s=5.0, hold_s=20.0, losses=20)
+QUICK = Plan(blocks=2, cycles=2, floor_s=3.0, hold_s=5.0, losses=5)
+
 
 CYCLE_S = 2.0
 """A grip and a drop take at least as long."""
 LONGEST_S = 30.0
 
 
-def measure(
+def measure_blocks(
     hardware: Hardware, floor: Floor, client: Driven, notes: Path, plan: Plan, say: Callable[[str], None]
 ) -> Result:
     """Alternate; each block of the product begins and ends with nothing gripped."""
@@ -45,7 +69,7 @@ def measure(
         try:
             if failed:
                 raise MatchError(" ".join(failed))
-            pair = product_latencies(read(hardware.events), noted, lines), floor_latencies(floor_noted)
+            pair = product_latencies(read(hardware.saw), noted, lines), floor_latencies(floor_noted)
         except MatchError as error:
             # a machine that stands still for long makes readings stale: told, and not measured
             result.left_out.append(str(error))

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from end_effector_lab.demo._children import Children
+from end_effector_lab.processes import Children
 
 START_S = 30.0
 BENCHMARKS = Path(__file__).parents[1]

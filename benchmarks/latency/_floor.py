@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
-from end_effector_lab.demo._children import Children
+from end_effector_lab.processes import Children
 
 from ._driven import BENCHMARKS, Driven
 

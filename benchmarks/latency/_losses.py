@@ -34,7 +34,7 @@ def measure_losses(
     hardware.testbench.tell("scenario nominal")
     for text in failed:
         say(f"left out: {text}")
-    return loss_latencies(read(hardware.events), tail.new(), part.channel, -part.lost_kpa * 1000)
+    return loss_latencies(read(hardware.saw), tail.new(), part.channel, -part.lost_kpa * 1000)
 
 
 def loss_latencies(events: Iterable[Note], notes: Sequence[Note], channel: str, lost_pa: float) -> Latencies:

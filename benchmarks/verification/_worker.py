@@ -20,7 +20,33 @@ from end_effector_hal.verification.proof import prove, requirements_of
 from timed_automata import Network, load_network, make_network, read_document
 from timed_automata.explore import Explorer
 
-from ._fischer import fischer
+_MODEL = """<nta>
+<declaration>int[0, {count}] id;</declaration>
+<template><name>P</name><parameter>const int[1, {count}] pid</parameter>
+<declaration>clock x;</declaration>
+<location id="a"><name>Idle</name></location>
+<location id="b"><name>Request</name><label kind="invariant">x &lt;= 2</label></location>
+<location id="c"><name>Wait</name></location>
+<location id="d"><name>Critical</name></location>
+<init ref="a"/>
+<transition><source ref="a"/><target ref="b"/>
+<label kind="guard">id == 0</label><label kind="assignment">x = 0</label></transition>
+<transition><source ref="b"/><target ref="c"/>
+<label kind="guard">x &lt;= 2</label><label kind="assignment">x = 0, id = pid</label></transition>
+<transition><source ref="c"/><target ref="b"/>
+<label kind="guard">id == 0</label><label kind="assignment">x = 0</label></transition>
+<transition><source ref="c"/><target ref="d"/>
+<label kind="guard">x &gt; 2 &amp;&amp; id == pid</label></transition>
+<transition><source ref="d"/><target ref="a"/>
+<label kind="assignment">id = 0</label></transition>
+</template>
+<system>system P;</system>
+</nta>"""
+
+"""Fischer's protocol for mutual exclusion, written anew from the literature (Lamport 1987), in UPPAAL's format."""
+
+EXCLUSION = "A[] forall (i : int[1, {count}]) forall (j : int[1, {count}]) P(i).Critical && P(j).Critical imply i == j"
+
 
 ATTEMPTS, CONFIRM_MS, RESET_MS, GONE_MS = 3, 5000, 1000, 2000
 
@@ -51,8 +77,8 @@ def main(subject: str, size: str) -> None:
 
 
 def _fischer(count: int) -> Iterator[Task]:
-    text, query = fischer(count)
-    yield _task(make_network(read_document(text, "fischer.xml")), query, "mutual exclusion")
+    network = make_network(read_document(_MODEL.format(count=count).encode(), "fischer.xml"))
+    yield _task(network, EXCLUSION.format(count=count), "mutual exclusion")
 
 
 def _alone(count: int) -> Iterator[Task]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from end_effector_hal.description import ChangerEndings, Description, Endings, OwnEndings, load, profile_path
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.kinds.stanza import ChangerEndings, Endings, OwnEndings
 
 Stanza = Mapping[str, Any]
 

@@ -66,17 +66,18 @@ class Server:
 
     def __init__(self, clock: Clock) -> None:
         import rospy
-        from end_effector_msgs.msg import EndEffectorResult
 
+        from end_effector_hal.control.goals import Outcome
         from end_effector_hal.nodes.interface import TRIGGER_GRIP
+        from end_effector_hal.nodes.transport import ResultMessage
         from end_effector_hal.ros1.actions._action_server import GoalServer
 
         self.clock, self.goals, self.cancelled = clock, [], []
         self.server: Any = GoalServer(
             TRIGGER_GRIP,
-            self.goals.append,
-            self.cancelled.append,
-            lambda outcome, reason: EndEffectorResult(outcome=outcome, state=6, reason=reason),
+            lambda goal: self.goals.append(goal.handle),
+            lambda goal: self.cancelled.append(goal.handle) is None,
+            lambda outcome, reason: ResultMessage(outcome, Outcome(outcome).name, 6, "STAND_BY", reason),
             clock,  # type: ignore[arg-type]
         )
         self.server.status_list_timeout = rospy.Duration(5.0)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import threading
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -47,7 +48,8 @@ class Hal:
         import rospy
         from end_effector_msgs.msg import EndEffectorState, StepReport
 
-        from end_effector_hal.ros1.actions import _served_goals
+        from end_effector_hal.nodes.hal_main._served_goals import ServedGoals
+        from end_effector_hal.ros1.actions import action_server
         from end_effector_hal.ros1.actions._action_server import GoalServer
 
         def start(server: Any) -> None:
@@ -58,14 +60,20 @@ class Hal:
         monkeypatch.setattr(rospy.rostime, "_rostime_current", None)
         self.grip, self.tool_change = Node(), Node()
         monkeypatch.setattr(GoalServer, "start", start)
-        monkeypatch.setattr(
-            _served_goals,
-            "Commander",
-            lambda service: self.grip if service.server == "Grip" else self.tool_change,
-        )
         self.state = EndEffectorState(state=GRIPPING, steps=[StepReport(actuator="cylinder")])
-        self.goals = _served_goals.ServedGoals(lambda: self.state, logging.getLogger("tests.goals"))
-        self._servers = {server.ns: server for server in self.goals._servers}
+        log = logging.getLogger("tests.goals")
+        self._servers: dict[str, Any] = {}
+
+        def serve(action: Any, on_goal: Any, on_cancel: Any, result: Any) -> Any:
+            self._servers[action.name] = action_server(action, on_goal, on_cancel, result, log)
+            return self._servers[action.name]
+
+        node = SimpleNamespace(
+            log=log,
+            command_client=lambda service: self.grip if service.server == "Grip" else self.tool_change,
+            action_server=serve,
+        )
+        self.goals = ServedGoals(cast("Any", node), lambda: self.state)
 
     def send(self, goal_id: str = "a", action: str = "TriggerGrip") -> None:
         import rospy
@@ -83,7 +91,7 @@ class Hal:
     def accepted(self, goal_id: str = "a") -> None:
         def active() -> bool:
             return any(
-                goal.phase is Phase.RUNNING and goal.handle.get_goal_id().id == goal_id
+                goal.phase is Phase.RUNNING and goal.client.handle.get_goal_id().id == goal_id
                 for goal in self.goals._goals.open
             )
 

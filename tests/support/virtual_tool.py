@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from end_effector_hal.codecs import get_codec
-from end_effector_hal.control import Answer, Controller, Status, model_constants
+from end_effector_hal.control import Answer, Controller, Status, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_lab.testbench import Bench, SensorBoard, Sent
-from timed_automata import Network, load_network
+from timed_automata import Network
 
 
 class VirtualTool:
@@ -27,7 +27,7 @@ class VirtualTool:
     ) -> None:
         self.description = description
         self.codec = get_codec(description.link.codec)
-        network = network or load_network(description.automata_path, model_constants(description))
+        network = network or network_of(description)
         self.grip = controller(description, network, "grip")
         self.change = controller(description, network, "tool_change")
         self.at = 0

@@ -1,6 +1,6 @@
 """The line arbiter: the one process that owns the output lines, its interlocks, its journal and the last wills."""
 
-from .client import ArbiterClient, PredicateSender, WriteResult
+from .client import ArbiterClient, PredicateSender
 from .rules import Exclusion, LineArbiter, Need, Policy
 from .server import ArbiterServer, serve
 
@@ -12,6 +12,5 @@ __all__ = [
     "Need",
     "Policy",
     "PredicateSender",
-    "WriteResult",
     "serve",
 ]

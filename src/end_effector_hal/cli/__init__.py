@@ -2,7 +2,6 @@
 
 from ._figures import figures
 from ._main import main
-from ._path_name import PathName
-from ._signals import end_in_order
+from ._options import PathName, end_in_order
 
 __all__ = ["PathName", "end_in_order", "figures", "main"]

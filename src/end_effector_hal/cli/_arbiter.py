@@ -9,7 +9,7 @@ import click
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import tool_path
 
-from ._path_name import PathName
+from ._options import PathName
 
 
 @click.command()

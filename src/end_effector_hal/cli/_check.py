@@ -14,7 +14,7 @@ import click
 from end_effector_hal.description import Description, examine, profile_path
 from end_effector_hal.errors import Diagnostic, ReportedError
 
-from ._path_name import PathName
+from ._options import PathName
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -68,6 +68,16 @@ def save_all(figure: object, folder: Path, name: str) -> list[Path]:
     return [figures().save(figure, folder / f"{name}.{suffix}") for suffix in FORMATS]
 
 
-def draw_timeline(log: StatesLog, info: RunInfo, folder: Path) -> list[Path]:
-    """Draw the run of a model: ``timeline.png`` and ``timeline.svg``."""
-    return save_all(figures().timeline(log, None, info), folder, "timeline")
+class Drawing:
+    """Draws runs of a model; ``note`` says why there is no figure, where the extra for figures is not installed."""
+
+    def __init__(self) -> None:
+        self.note = ""
+
+    def __call__(self, log: StatesLog, info: RunInfo, folder: Path) -> list[Path]:
+        """``timeline.png`` and ``timeline.svg``; nothing, and the note, where nothing can be drawn."""
+        try:
+            return save_all(figures().timeline(log, None, info), folder, "timeline")
+        except MissingExtraError as error:
+            self.note = f"There is no figure. {error}"
+            return []

@@ -10,8 +10,7 @@ import click
 from end_effector_hal.description import profile_path, schema_path
 from end_effector_hal.errors import UsageError
 
-from ._path_name import PathName
-from .model import the_folder, write_whole
+from ._options import PathName, the_folder, write_whole
 
 
 @click.command(name="init")

@@ -10,7 +10,7 @@ import click
 
 from end_effector_hal.errors import UsageError
 
-from ._path_name import PathName
+from ._options import PathName
 
 if TYPE_CHECKING:
     from end_effector_hal.verification.replay import Review, SegmentEnd

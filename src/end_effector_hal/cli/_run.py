@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
@@ -15,16 +17,91 @@ import click
 
 from end_effector_hal.errors import NotReadyError, UsageError
 
-from ._path_name import PathName
-from ._signals import end_in_order
+from ._options import PathName, end_in_order
 
 if TYPE_CHECKING:
-    from end_effector_hal.control import Answer, Status
+    from end_effector_hal.control import Answer, Status, StepReport
+    from end_effector_hal.description import Description
+    from end_effector_hal.errors import ReportedError
     from end_effector_hal.recording import Recording
     from end_effector_hal.runtime import EndEffector, ScriptCommand
     from end_effector_hal.vocabulary import Command
 
-    from ._run_voice import Voice
+
+class Words:
+    """States and results on stdout, the rest on stderr."""
+
+    def state(self, ee: str, actuators: dict[str, str]) -> None:
+        """The labels of the figures."""
+        from end_effector_hal.vocabulary import display_name
+
+        click.echo(f"{ee}: {', '.join(f'{display_name(name)} {each}' for name, each in actuators.items())}")
+
+    def alarm(self, text: str, *, over: bool) -> None:
+        """One line each."""
+        click.echo(f"{'no longer' if over else 'alarm'}: {text}", err=True)
+
+    def result(self, name: str, succeeded: bool, reason: str, steps: Sequence[StepReport] = ()) -> None:
+        """With the reason in words."""
+        click.echo(f"{name}: {'succeeded' if succeeded else 'failed'}{f'. {reason}' if reason else ''}")
+
+    def error(self, error: ReportedError) -> None:
+        """The sentence."""
+        click.echo(str(error), err=True)
+
+
+class JsonLines:
+    """An object a line on stdout; ``event`` says what it is."""
+
+    def state(self, ee: str, actuators: dict[str, str]) -> None:
+        """The same labels."""
+        self._tell(event="state", end_effector=ee, actuators=actuators)
+
+    def alarm(self, text: str, *, over: bool) -> None:
+        """``over``: it is gone."""
+        self._tell(event="alarm", text=text, over=over)
+
+    def result(self, name: str, succeeded: bool, reason: str, steps: Sequence[StepReport] = ()) -> None:
+        """With the attempts and the time of each step."""
+        told = [asdict(step) for step in steps]
+        self._tell(event="result", command=name, succeeded=succeeded, reason=reason, steps=told)
+
+    def error(self, error: ReportedError) -> None:
+        """Its faults as everywhere."""
+        self._tell(event="error", faults=[fault.as_json() for fault in error.diagnostics])
+
+    def _tell(self, **content: object) -> None:
+        click.echo(json.dumps(content, ensure_ascii=False))
+
+
+Voice = Words | JsonLines
+
+
+class Changes:
+    """Tells each change of state and each new alarm once."""
+
+    def __init__(self, description: Description, voice: Voice) -> None:
+        self._description, self._voice = description, voice
+        self._last: tuple[str, dict[str, str]] | None = None
+        self._alarms: tuple[str, ...] = ()
+
+    def status(self, status: Status) -> None:
+        """One more."""
+        from end_effector_hal.kinds import kind_of
+
+        states = zip(self._description.ordered, status.actuators, strict=True)
+        actuators = {name: kind_of(part).states(state).label for (name, part), state in states}
+        if (now := (status.ee.label, actuators)) != self._last:
+            self._last = now
+            self._voice.state(*now)
+        for alarm in status.alarms:
+            if alarm not in self._alarms:
+                self._voice.alarm(alarm, over=False)
+        for alarm in self._alarms:
+            if alarm not in status.alarms:
+                self._voice.alarm(alarm, over=True)
+        self._alarms = status.alarms
+
 
 READY_S = 10.0
 RECORDING = "that records"
@@ -66,7 +143,7 @@ def command(
     from end_effector_hal.runtime import EndEffector, read_script
     from end_effector_hal.wires import be_steady
 
-    from ._run_voice import Changes, JsonLines, Words
+    from ._run import Changes, JsonLines, Words
 
     limits = RecordingLimits.of_megabytes(segment_mb, keep_mb)
     orders = read_script(script) if script is not None else None

@@ -5,20 +5,17 @@ from __future__ import annotations
 import json
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from end_effector_hal.cli.model import DESCRIPTION, MODEL, Source, open_source
-from end_effector_hal.errors import MissingExtraError
 
-from ._figures import draw_timeline
-from ._path_name import PathName
+from ._figures import Drawing
+from ._options import PathName
 
 if TYPE_CHECKING:
-    from end_effector_hal.recording import RunInfo, StatesLog
     from end_effector_hal.verification.proof import Finding, Proof
 
 _FAILED = 4
@@ -46,7 +43,7 @@ def command(description: Path | None, model: Path | None, as_json: bool, output:
     source = open_source(description, model)
     with _Progress() as progress:
         proof = prove(source.network, progress)
-    drawing = _Drawing()
+    drawing = Drawing()
     files = _write(source, proof, output, drawing) if output is not None else {}
     if as_json:
         click.echo(json.dumps(proof.document(), indent=2, ensure_ascii=False))
@@ -107,34 +104,12 @@ def _print_run(finding: Finding, files: list[Path]) -> None:
         click.echo(str(file))
 
 
-def _write(source: Source, proof: Proof, output: Path, draw: _Drawing) -> dict[str, list[Path]]:
+def _write(source: Source, proof: Proof, output: Path, draw: Drawing) -> dict[str, list[Path]]:
     from end_effector_hal.verification.proof import write_counterexample
 
     names = tuple(source.description.sequence) if source.description is not None else ()
-    info, refuted = _info(source), [finding for finding in proof.findings if finding.trace is not None]
+    info, refuted = source.run_info(), [finding for finding in proof.findings if finding.trace is not None]
     return {each.id: write_counterexample(each, output, info, draw, names) for each in refuted}
-
-
-def _info(source: Source) -> RunInfo:
-    from end_effector_hal.recording import RunInfo, run_info
-
-    if source.description is None:
-        return RunInfo(description=Path(source.name).name)
-    return replace(run_info(source.description), simulated=True)
-
-
-class _Drawing:
-    """Draws counterexamples; ``note`` says why there is no figure, where the extra for figures is not installed."""
-
-    def __init__(self) -> None:
-        self.note = ""
-
-    def __call__(self, log: StatesLog, info: RunInfo, folder: Path) -> list[Path]:
-        try:
-            return draw_timeline(log, info, folder)
-        except MissingExtraError as error:
-            self.note = f"There is no figure. {error}"
-            return []
 
 
 class _Progress:

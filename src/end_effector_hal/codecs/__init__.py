@@ -5,18 +5,29 @@ the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformanc
 `end_effector_hal.codecs.conformance`. Modbus devices need no class: see `end_effector_hal.codecs.modbus`.
 """
 
-from ._codec import Codec, Decoder, parity_of, resolution_of, shows_noise
-from ._declared import declared
+from ._answers import Counters, counters_of, frame_fault, weight
+from ._codec import (
+    Codec,
+    Decoder,
+    Device,
+    Polled,
+    PolledCodec,
+    PolledDecoder,
+    asks,
+    is_polled,
+    parity_of,
+    sequence_of,
+    shows_noise,
+)
 from ._ees1_ascii import Ees1Ascii
 from ._ees1_cobs import Ees1Cobs
 from ._legacy_nibble import LegacyNibble
 from ._match import load_tool, match_codec
-from ._polled import Device, Polled, PolledCodec, PolledDecoder, asks, is_polled
-from ._registry import codec_names, codec_of, get_codec
-from ._sequence import Sequence, sequence_of
+from ._registry import codec_names, codec_of, declared, get_codec
 
 __all__ = [
     "Codec",
+    "Counters",
     "Decoder",
     "Device",
     "Ees1Ascii",
@@ -25,17 +36,18 @@ __all__ = [
     "Polled",
     "PolledCodec",
     "PolledDecoder",
-    "Sequence",
     "asks",
     "codec_names",
     "codec_of",
+    "counters_of",
     "declared",
+    "frame_fault",
     "get_codec",
     "is_polled",
     "load_tool",
     "match_codec",
     "parity_of",
-    "resolution_of",
     "sequence_of",
     "shows_noise",
+    "weight",
 ]

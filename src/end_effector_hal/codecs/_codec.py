@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import builtins
 from collections.abc import Mapping
-from typing import Protocol
+from typing import ClassVar, NamedTuple, Protocol, TypeGuard
 
-from end_effector_hal.signals import Frame, Kind
+from end_effector_hal.signals import Frame, Kind, Value
 
 
 class Decoder(Protocol):
@@ -104,3 +104,101 @@ FINE_PA = 50
 def shows_noise(codec: Codec) -> bool:
     """Whether it counts finely enough to tell a frozen sensor from a living one."""
     return resolution_of(codec) <= FINE_PA
+
+
+class Polled(NamedTuple):
+    """What a call of `PolledDecoder.poll` leaves to do.
+
+    Attributes:
+        data: a request, to be sent now; b"": none yet.
+        frames: those that ended because an answer did not come.
+    """
+
+    data: bytes = b""
+    frames: tuple[Frame, ...] = ()
+
+
+class PolledDecoder(Decoder, Protocol):
+    """A decoder that asks. Sans-IO: whoever reads the port calls `poll` at ``due`` and sends what it returns."""
+
+    @property
+    def due(self) -> int:
+        """µs at which `poll` is to be called next: for the next request, or because an answer is overdue."""
+        ...
+
+    def poll(self, at: int) -> Polled:
+        """Time has come to ``at`` (µs); before ``due`` it does nothing."""
+        ...
+
+
+class Device(Protocol):
+    """The other end of a polled link, for a testbench."""
+
+    def answer(self, data: bytes, values: Mapping[str, Value]) -> bytes:
+        """The answers to the requests that end in ``data``, in order; None is answered as invalid.
+
+        Never raises, whatever the bytes; what is no request, or not for this device, is not answered.
+        """
+        ...
+
+
+class PolledCodec(Codec, Protocol):
+    """A codec whose `decoder` is a `PolledDecoder`; its `encode` gives all the answers of one cycle."""
+
+    def decoder(self) -> PolledDecoder:
+        """A new one, for one stream."""
+        ...
+
+    def device(self) -> Device:
+        """A new one, for one stream."""
+        ...
+
+
+def is_polled(codec: Codec) -> TypeGuard[PolledCodec]:
+    """Whether a codec has to ask."""
+    return hasattr(codec, "device")
+
+
+def asks(decoder: Decoder) -> TypeGuard[PolledDecoder]:
+    """Whether a decoder is that of a polled codec."""
+    return hasattr(decoder, "poll")
+
+
+class Sequence:
+    """Judges the sequence numbers and the device's clock of one stream; both wrap around.
+
+    A jump back by less than half of the range (of the number or of the clock) is a reboot of the device.
+
+    Args:
+        seq_bits, clock_bits: their width.
+    """
+
+    MEMORY: ClassVar = {"lost": int, "reboots": int, "_last": tuple[int, int] | None}
+    """What changes while frames come, for a recording that begins in the middle."""
+
+    def __init__(self, *, seq_bits: int, clock_bits: int) -> None:
+        self.lost = 0
+        self.reboots = 0
+        self._seq_mod, self._clock_mod = 1 << seq_bits, 1 << clock_bits
+        self._last: tuple[int, int] | None = None
+
+    def is_new(self, seq: int, device_ms: int) -> bool:
+        """Whether this frame is to be delivered; a repeated number is not."""
+        last, self._last = self._last, (seq, device_ms)
+        if last is None:
+            return True
+        step = (seq - last[0]) % self._seq_mod
+        clock_back = (device_ms - last[1]) % self._clock_mod >= self._clock_mod // 2
+        if step == 0 and not clock_back:
+            self._last = last
+            return False
+        if clock_back or step >= self._seq_mod // 2:
+            self.reboots += 1
+        else:
+            self.lost += step - 1
+        return True
+
+
+def sequence_of(codec: Codec) -> Sequence:
+    """For frames of a codec; 16 and 32 bits, unless it has other ``seq_bits`` and ``clock_bits``."""
+    return Sequence(seq_bits=getattr(codec, "seq_bits", 16), clock_bits=getattr(codec, "clock_bits", 32))

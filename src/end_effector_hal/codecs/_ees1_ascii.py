@@ -9,12 +9,10 @@ from __future__ import annotations
 
 import re
 from binascii import crc_hqx
-from collections.abc import Mapping
 
-from end_effector_hal.codecs import _ees1 as ees1
 from end_effector_hal.codecs._codec import Decoder
-from end_effector_hal.codecs._ees1_decoder import Ees1Decoder
-from end_effector_hal.signals import Frame, Kind, Value
+from end_effector_hal.codecs._ees1 import CLOCK_BITS, PRESSURES, SEQ_BITS, Ees1Codec, Ees1Decoder
+from end_effector_hal.signals import Frame, Value
 
 LONGEST = 96
 _LINE = re.compile(
@@ -23,13 +21,10 @@ _LINE = re.compile(
 )
 
 
-class Ees1Ascii:
+class Ees1Ascii(Ees1Codec):
     """The codec ``ees1-ascii``: four pressures and seven bits, 50 Hz at 115200 baud."""
 
     name = "ees1-ascii"
-    channels: Mapping[str, Kind] = ees1.CHANNELS
-    period_us = ees1.PERIOD_US
-    baudrate = ees1.BAUDRATE
 
     def decoder(self) -> Decoder:
         """A new decoder."""
@@ -37,19 +32,18 @@ class Ees1Ascii:
 
     def encode(self, frame: Frame) -> bytes:
         """One line; ``seq`` and ``device_ms`` wrap around, None counts as 0, a missing bit as false."""
-        values = frame.values
-        fields = [self._text(name, values.get(name)) for name in ees1.PRESSURES]
+        fields = [self._text(name, frame.values.get(name)) for name in PRESSURES]
         status = sum(1 << bit for bit, text in enumerate(fields) if not text)
-        seq, clock = (frame.seq or 0) % (1 << 16), (frame.device_ms or 0) % (1 << 32)
-        body = f"EES1,{seq},{clock},{','.join(fields)},{ees1.din_of(values):02X},{status:02X}".encode()
+        seq, clock = self._head(frame)
+        body = f"EES1,{seq},{clock},{','.join(fields)},{self._din(frame):02X},{status:02X}".encode()
         return b"$%s*%04X\r\n" % (body, crc_hqx(body, 0xFFFF))
 
     def _text(self, name: str, value: Value) -> str:
-        return "" if value is None else str(ees1.check_pressure(self.name, name, value))
+        return "" if value is None else str(self._pressure(name, value))
 
 
 class Ees1AsciiDecoder(Ees1Decoder):
-    """Keeps at most one unfinished line (96 bytes); every ``$`` begins anew, so that noise costs no frame."""
+    """Keeps at most one unfinished line (96 bytes); every ``$`` starts a new frame, so that noise costs none."""
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """The frames that end in ``data``."""
@@ -83,14 +77,9 @@ class Ees1AsciiDecoder(Ees1Decoder):
             self.errors["crc"] += 1
             return None
         _, seq, clock, *texts, din, status, _ = match.groups()
-        if int(seq) >= 1 << 16 or int(clock) >= 1 << 32:
+        if int(seq) >= 1 << SEQ_BITS or int(clock) >= 1 << CLOCK_BITS:
             self.errors["range"] += 1
             return None
-        if not self._is_new(int(seq), int(clock)):
-            return None
         invalid = int(status, 16)
-        values: dict[str, Value] = {
-            name: self._possible(int(text)) if text and not invalid >> i & 1 else None
-            for i, (name, text) in enumerate(zip(ees1.PRESSURES, texts, strict=True))
-        }
-        return Frame(at, int(seq), int(clock), values | ees1.bits_of(int(din, 16)))
+        pressures = [int(text) if text and not invalid >> i & 1 else None for i, text in enumerate(texts)]
+        return self._frame(at, int(seq), int(clock), pressures, int(din, 16))

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import struct
 from binascii import crc_hqx
-from collections.abc import Mapping
 
 from cobs import cobs
 
-from end_effector_hal.codecs import _ees1 as ees1
 from end_effector_hal.codecs._codec import Decoder
-from end_effector_hal.codecs._ees1_decoder import Ees1Decoder
-from end_effector_hal.signals import Frame, Kind, Value
+from end_effector_hal.codecs._ees1 import PRESSURES, Ees1Codec, Ees1Decoder
+from end_effector_hal.signals import Frame, Value
 
 VERSION, TYPE = 1, 1
 STEP_PA = 25
@@ -27,13 +25,10 @@ SIZE = _BODY.size + _CRC.size
 LONGEST = SIZE + 1
 
 
-class Ees1Cobs:
+class Ees1Cobs(Ees1Codec):
     """The codec ``ees1-cobs``: four pressures and seven bits, 50 Hz at 115200 baud."""
 
     name = "ees1-cobs"
-    channels: Mapping[str, Kind] = ees1.CHANNELS
-    period_us = ees1.PERIOD_US
-    baudrate = ees1.BAUDRATE
     resolution_pa = STEP_PA
 
     def decoder(self) -> Decoder:
@@ -42,16 +37,13 @@ class Ees1Cobs:
 
     def encode(self, frame: Frame) -> bytes:
         """One frame, pressures rounded to 25 Pa; ``seq`` and ``device_ms`` wrap around, None counts as 0."""
-        counts = [self._count(name, frame.values.get(name)) for name in ees1.PRESSURES]
+        counts = [self._count(name, frame.values.get(name)) for name in PRESSURES]
         status = sum(1 << bit for bit, count in enumerate(counts) if count == INVALID)
-        seq, clock = (frame.seq or 0) % (1 << 16), (frame.device_ms or 0) % (1 << 32)
-        body = _BODY.pack(VERSION, TYPE, seq, clock, *counts, ees1.din_of(frame.values), status)
+        body = _BODY.pack(VERSION, TYPE, *self._head(frame), *counts, self._din(frame), status)
         return b"\0%s\0" % cobs.encode(body + _CRC.pack(crc_hqx(body, 0xFFFF)))
 
     def _count(self, name: str, value: Value) -> int:
-        if value is None:
-            return INVALID
-        return round(ees1.check_pressure(self.name, name, value, HIGHEST_PA) / STEP_PA)
+        return INVALID if value is None else round(self._pressure(name, value, HIGHEST_PA) / STEP_PA)
 
 
 class Ees1CobsDecoder(Ees1Decoder):
@@ -61,14 +53,14 @@ class Ees1CobsDecoder(Ees1Decoder):
         """The frames that end in ``data``."""
         self.bytes += len(data)
         *parts, rest = (self._rest + data).split(b"\0")
-        frames = [frame for part in parts if part and (frame := self._frame(part, at))]
+        frames = [frame for part in parts if part and (frame := self._part(part, at))]
         # One byte too many is kept: it says that this is no frame, however the bytes came in pieces.
         self._rest = rest[: LONGEST + 1]
         self.errors["noise"] += len(rest) - len(self._rest)
         self.frames += len(frames)
         return frames
 
-    def _frame(self, part: bytes, at: int) -> Frame | None:
+    def _part(self, part: bytes, at: int) -> Frame | None:
         try:
             data = cobs.decode(part) if len(part) <= LONGEST else b""
         except cobs.DecodeError:
@@ -81,10 +73,8 @@ class Ees1CobsDecoder(Ees1Decoder):
             self.errors["crc"] += 1
             return None
         _, _, seq, clock, *counts, din, status = _BODY.unpack(body)
-        if not self._is_new(seq, clock):
-            return None
-        values: dict[str, Value] = {
-            name: None if status >> bit & 1 or count == INVALID else self._possible(count * STEP_PA)
-            for bit, (name, count) in enumerate(zip(ees1.PRESSURES, counts, strict=True))
-        }
-        return Frame(at, seq, clock, values | ees1.bits_of(din))
+        pressures = [
+            None if status >> bit & 1 or count == INVALID else count * STEP_PA
+            for bit, count in enumerate(counts)
+        ]
+        return self._frame(at, seq, clock, pressures, din)

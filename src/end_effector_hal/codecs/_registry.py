@@ -1,16 +1,98 @@
-"""Codecs by name: our own, and those that other distributions add by an entry point."""
+"""Codecs by name: our own, and those that other distributions add; what they declare is checked once."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from end_effector_hal.codecs._codec import Codec
-from end_effector_hal.codecs._declared import declared
+from end_effector_hal.codecs._codec import Codec, Decoder, Device, PolledCodec, PolledDecoder, is_polled
 from end_effector_hal.errors import UsageError
 from end_effector_hal.plugins import Plugins
+from end_effector_hal.signals import Frame, Kind
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
+
+
+MOST_CHANNELS = 64
+LONGEST_PERIOD_US = 600_000_000
+_CHANNEL = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_RESERVED = "none"
+"""A description writes it where there is no channel."""
+
+
+class DeclaredCodec:
+    """A codec whose declarations cannot change, fail or be of another type; its methods are those of the codec.
+
+    Args:
+        codec: somebody else's; reading its attributes may raise anything.
+
+    Raises:
+        UsageError: a declaration is not what `Codec` says.
+    """
+
+    def __init__(self, codec: Codec) -> None:
+        self._codec = codec
+        self.name = codec.name
+        self.channels: Mapping[str, Kind] = dict(codec.channels)
+        self.period_us, self.baudrate = codec.period_us, codec.baudrate
+        self.parity = getattr(codec, "parity", "N")
+        self.resolution_pa = getattr(codec, "resolution_pa", 1)
+        self.seq_bits, self.clock_bits = getattr(codec, "seq_bits", 16), getattr(codec, "clock_bits", 32)
+        if wrong := next(self._wrong(), ""):
+            raise UsageError(
+                f"the codec declares {wrong}.", todo="Its author's tests inherit CodecConformance."
+            )
+
+    def decoder(self) -> Decoder:
+        """A new one, for one stream."""
+        return self._codec.decoder()
+
+    def encode(self, frame: Frame) -> bytes:
+        """The bytes of a frame."""
+        return self._codec.encode(frame)
+
+    def _wrong(self) -> Iterator[str]:
+        if type(self.name) is not str or not 0 < len(self.name) <= 64 or not self.name.isprintable():
+            yield "a name that is no name"
+        if not 0 < len(self.channels) <= MOST_CHANNELS:
+            yield f"{len(self.channels)} channels, expected 1 to {MOST_CHANNELS}"
+        for channel, kind in self.channels.items():
+            if type(channel) is not str or not _CHANNEL.fullmatch(channel) or channel == _RESERVED:
+                yield "a channel that is no name: lower-case letters, digits and '_', a letter first, not 'none'"
+            if not isinstance(kind, Kind):
+                yield f"no Kind for the channel {channel}"
+        yield from self._number("period_us", 1, LONGEST_PERIOD_US)
+        yield from self._number("baudrate", 300, 4_000_000)
+        yield from self._number("seq_bits", 1, 64)
+        yield from self._number("clock_bits", 1, 64)
+        if self.parity not in ("N", "E", "O"):
+            yield "a parity that is not N, E or O"
+        if type(self.resolution_pa) not in (int, float) or not 0 < self.resolution_pa < 1e9:
+            yield "a resolution_pa that is no number above 0"
+
+    def _number(self, key: str, least: int, most: int) -> Iterator[str]:
+        value = getattr(self, key)
+        if type(value) is not int or not least <= value <= most:
+            yield f"a {key} that is no whole number from {least} to {most}"
+
+
+class DeclaredPolledCodec(DeclaredCodec):
+    """The same, of one that asks."""
+
+    _codec: PolledCodec
+    decoder: Callable[[], PolledDecoder]
+
+    def device(self) -> Device:
+        """A new one, for one stream."""
+        return self._codec.device()
+
+
+def declared(codec: Codec) -> Codec:
+    """The codec with its declarations checked and fixed; raises UsageError, or whatever it raises itself."""
+    return DeclaredPolledCodec(codec) if is_polled(codec) else DeclaredCodec(codec)
+
 
 GROUP = "end_effector_hal.codecs"
 OWN = {

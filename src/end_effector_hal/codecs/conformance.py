@@ -16,8 +16,9 @@ from typing import ClassVar
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from end_effector_hal.codecs._answers import counters_of, frame_fault, weight
 from end_effector_hal.codecs._codec import Codec, Decoder
-from end_effector_hal.codecs._declared import declared
+from end_effector_hal.codecs._registry import declared
 from end_effector_hal.signals import Frame, Kind, Value
 
 EXAMPLES = settings(suppress_health_check=[HealthCheck.differing_executors], deadline=None, max_examples=50)
@@ -162,7 +163,7 @@ class CodecConformance:
             decoder = self.codec.decoder()
             for _ in range(8):
                 decoder.feed(bytes([byte]) * self.longest_memory, 0)
-            assert kept(decoder) <= self.longest_memory
+            assert weight(decoder) <= self.longest_memory
 
 
 def check_declarations(codec: Codec) -> None:
@@ -176,24 +177,12 @@ def check_frames(codec: Codec, frames: object, fed: int) -> None:
     """A list of frames with what the channels say, in whole numbers that a message has room for."""
     assert type(frames) is list
     assert len(frames) <= fed
-    for frame in frames:
-        assert type(frame) is Frame
-        assert type(frame.at) is int
-        assert frame.seq is None or (type(frame.seq) is int and 0 <= frame.seq < 2**31)
-        assert frame.device_ms is None or (type(frame.device_ms) is int and 0 <= frame.device_ms < 2**63)
-        assert set(frame.values) <= set(codec.channels)
-        for channel, value in frame.values.items():
-            plain = bool if codec.channels[channel] is Kind.BIT else int
-            assert value is None or type(value) is plain, channel
-            assert value is None or abs(value) < 2**31, channel
+    assert [fault for each in frames if (fault := frame_fault(each, codec.channels, 0, 2**63))] == []
 
 
 def check_counters(decoder: Decoder) -> None:
     """Whole numbers, by names that can be shown."""
-    numbers = (decoder.bytes, decoder.frames, decoder.lost, decoder.reboots, *decoder.errors.values())
-    assert all(type(each) is int and each >= 0 for each in numbers)
-    assert all(type(kind) is str and kind.isprintable() and len(kind) <= 40 for kind in decoder.errors)
-    assert len(decoder.errors) <= 64
+    assert counters_of(decoder) is not None
 
 
 def damaged(data: st.DataObject, frame: bytes) -> bytes:
@@ -213,10 +202,3 @@ def pieces(data: st.DataObject, stream: bytes) -> list[bytes]:
 def fed(decoder: Decoder, chunks: Iterable[bytes]) -> list[Frame]:
     """All frames of some pieces."""
     return [frame for chunk in chunks for frame in decoder.feed(chunk, 0)]
-
-
-def kept(decoder: object) -> int:
-    """Bytes in the attributes of a decoder."""
-    names = (*getattr(decoder, "__dict__", ()), *getattr(decoder, "__slots__", ()))
-    parts = (getattr(decoder, name, None) for name in names)
-    return sum(len(part) for part in parts if isinstance(part, bytes | bytearray | list))

@@ -14,14 +14,14 @@ from typing import ClassVar
 from hypothesis import given
 from hypothesis import strategies as st
 
-from end_effector_hal.codecs._polled import PolledCodec, PolledDecoder
+from end_effector_hal.codecs._answers import weight
+from end_effector_hal.codecs._codec import PolledCodec, PolledDecoder
 from end_effector_hal.codecs.conformance import (
     EXAMPLES,
     check_counters,
     check_declarations,
     check_frames,
     damaged,
-    kept,
     pieces,
 )
 from end_effector_hal.signals import Frame, Kind, Value
@@ -171,4 +171,4 @@ class PolledCodecConformance:
             decoder.poll(decoder.due)
             for _ in range(8):
                 decoder.feed(bytes([byte]) * self.longest_memory, 0)
-            assert kept(decoder) <= self.longest_memory
+            assert weight(decoder, self.codec) <= self.longest_memory

@@ -3,6 +3,7 @@
 from ._constants import model_constants
 from ._controller import PROGRAMS, Controller
 from ._last_wills import GripLastWill, changer_will, maintenance_will
+from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
 
@@ -17,4 +18,5 @@ __all__ = [
     "changer_will",
     "maintenance_will",
     "model_constants",
+    "network_of",
 ]

@@ -39,7 +39,7 @@ def feedback(description: Description, senses: SensorSet) -> str:
 
 def changer_refusal(description: Description, command: str, status: Status, senses: SensorSet) -> str:
     """Why ``lock``, ``unlock``, ``arm`` or ``reset`` is not taken now."""
-    changer, state = description.tool_changer, ChangerState(status.changer)
+    changer, state = description.tool_changer, status.changer
     if changer is None:
         return "The tool has no tool changer."
     if state is ChangerState.FAULT:
@@ -62,7 +62,7 @@ def _fault(description: Description, status: Status) -> str:
 
 
 def _unlock_refusal(description: Description, changer: ToolChanger, status: Status, senses: SensorSet) -> str:
-    state, at_rest = ChangerState(status.changer), EndEffectorState(status.ee)
+    state, at_rest = status.changer, status.ee
     if state is not ChangerState.LOCKED:
         return f"An unlock is accepted when the tool changer is LOCKED; it is {state.name}."
     locks = description.interlocks

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import ClassVar
 
 from end_effector_hal.codecs import codec_of
 from end_effector_hal.description import Description
-from end_effector_hal.sensing import LOCKED, HoldMonitor, SensorSet, predicates_fitted
+from end_effector_hal.sensing import LOCKED, FrameJudge, HoldMonitor, SensorSet, predicates_fitted
 from end_effector_hal.signals import PART, Frame, memory_of, recall
 from end_effector_hal.vocabulary import Cause, EndEffectorState, ToolEvidence
 from timed_automata import Event, Execution, Network, Observation, Step
 
-from ._reasons import not_by_hand, refusal
+from ._reasons import no_maintenance, refusal
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status
 from ._status_builder import StatusBuilder
@@ -20,6 +20,7 @@ from ._status_builder import StatusBuilder
 FIRST_FRAME_US = 5_000_000
 """What was found active waits so long for the link before it counts as unproven: who reads it may start later."""
 PROGRAMS = ("grip", "tool_change")
+_COMMANDS = tuple(Event(name) for name in ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"))
 _AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
 
@@ -33,6 +34,7 @@ class Controller:
         network: its automata with its constants put in.
         program: ``grip`` or ``tool_change``: which of the executed processes this is.
         observe: is told of what the automata see and do.
+        judge: shared with all others in this process who get the same frames; default: its own.
     """
 
     MEMORY: ClassVar = {
@@ -51,11 +53,12 @@ class Controller:
         network: Network,
         program: str,
         observe: Callable[[Observation], None] | None = None,
+        judge: FrameJudge | None = None,
     ) -> None:
         self._description = description
         self._program = program
         codec = codec_of(description)
-        self._senses = SensorSet(description, codec)
+        self._senses = SensorSet(description, codec, judge)
         self._lock_fitted = LOCKED in predicates_fitted(description, codec)
         self._hold = HoldMonitor(description, self._senses, codec.period_us)
         processes = getattr(description.automata, program)
@@ -71,7 +74,7 @@ class Controller:
     def deadline(self) -> int | None:
         """µs of the next thing that happens by itself, or None."""
         due = (self._execution.deadline, self._senses.deadline(self._at), self._adopt_by)
-        return min((time for time in due if time is not None), default=None)
+        return min([time for time in due if time is not None], default=None)
 
     def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
         """Begin, with the lines' levels as they were found; adoption follows once the sensors are read.
@@ -109,7 +112,7 @@ class Controller:
                 statuses += self._receive(event, self._at, expired)
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
-        vented = self._senses.vented
+        vented = self._senses.now.vented
         events = self._senses.frame(frame)
         self._write_levels()
         held = self._telling.held
@@ -118,7 +121,7 @@ class Controller:
             statuses += self._receive(event, self._at, frame.at)
         if not self._telling.adopted and self._senses.conclusive:
             statuses += self._adopt(self._at)
-        told |= self._senses.vented is not vented
+        told |= self._senses.now.vented is not vented
         return statuses if statuses or not (events or told) else [self.status()]
 
     def _refuse_frame(self, at: int) -> list[Status]:
@@ -165,8 +168,8 @@ class Controller:
         return [*statuses, self.status()]
 
     def refuse_maintenance(self, *, active: bool) -> str:
-        """Why the line of an actuator may not be driven by hand now (IL-12); empty: it may."""
-        if refused := not_by_hand(EndEffectorState(self._telling.values["ee"]), held=self._telling.held):
+        """Why the line of an actuator may not be driven in maintenance now (IL-12); empty: it may."""
+        if refused := no_maintenance(EndEffectorState(self._telling.values["ee"]), held=self._telling.held):
             return refused
         needs_lock = active and self._description.interlocks.il_05 and self._lock_fitted
         if needs_lock and self._senses.tool is not ToolEvidence.LOCKED:
@@ -193,6 +196,17 @@ class Controller:
         self._at = at
         return statuses
 
+    def look_ahead(self) -> Iterator[object]:
+        """Work out beforehand what whatever comes next leads to, a little with each item; nothing is changed by it."""
+        takes = self._execution.inputs
+        events = [event for event in (*self._senses.events, *_COMMANDS) if event.channel in takes]
+        return self._execution.look_ahead(events)
+
+    @property
+    def discrete_state(self) -> object:
+        """Equal for equal locations and values: what `look_ahead` found for one holds for the other."""
+        return self._execution.state
+
     def status(self) -> Status:
         """The state as it is now."""
         return self._telling.status(self._at)
@@ -210,6 +224,7 @@ class Controller:
         """
         self._execution.resume(snapshot.execution)
         recall(self, snapshot.memory)
+        self._telling.know({})
 
     def _write_levels(self) -> None:
         if (levels := self._senses.levels) != self._levels:

@@ -45,13 +45,13 @@ def latched(state: EndEffectorState, reason: str) -> str:
     return " ".join(filter(None, (f"{state.name}:", reason, todo)))
 
 
-def not_by_hand(state: EndEffectorState, *, held: bool) -> str:
-    """Why outputs cannot be driven by hand in a state; empty: they can."""
+def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
+    """Why maintenance cannot drive outputs in a state; empty: it can."""
     if held:
-        return f"IL-12: a part is held ({_name(state)}): nothing is driven by hand, only a Drop releases it."
+        return f"IL-12: a part is held ({_name(state)}): no maintenance, only a Drop releases it."
     if state is EndEffectorState.STAND_BY:
         return ""
-    return f"IL-12: outputs are driven by hand in STAND_BY only; the end-effector is {_name(state)}."
+    return f"IL-12: maintenance is possible in STAND_BY only; the end-effector is {_name(state)}."
 
 
 def _present(description: Description, senses: SensorSet) -> str:
@@ -64,7 +64,7 @@ def _present(description: Description, senses: SensorSet) -> str:
 
 def refusal(description: Description, command: str, status: Status, senses: SensorSet, at: int) -> str:
     """Why a command is not taken now."""
-    state = EndEffectorState(status.ee)
+    state = status.ee
     if command == "grip":
         if state is not EndEffectorState.STAND_BY:
             return f"A grip is accepted in STAND_BY only; the end-effector is {_name(state)}."

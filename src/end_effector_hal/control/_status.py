@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from end_effector_hal.vocabulary import Cause, ChangerFault, ChangerState, Command, EndEffectorState, Evidence
+
 
 @dataclass(frozen=True, slots=True)
 class StepReport:
@@ -36,16 +38,17 @@ class Status:
     """Everything that can be said after one step; times in µs on the monotonic clock."""
 
     at: int
-    ee: int
-    command: int
+    ee: EndEffectorState
+    command: Command
     actuators: tuple[int, ...]
+    """The state of each in Table II; its kind has the words."""
     outputs: tuple[bool, ...]
-    evidence: tuple[int, ...]
+    evidence: tuple[Evidence, ...]
     step: int = -1
     attempt: int = 0
     attempts_allowed: int = 0
     deadline: int | None = None
-    cause: int = 0
+    cause: Cause = Cause.NONE
     cause_at: int = -1
     reason: str = ""
     lift_allowed: bool = False
@@ -54,10 +57,10 @@ class Status:
     """Actuators, by their place in the sequence, that the unwinding which runs leaves active, as declared."""
     secure: bool = False
     maintenance: bool = False
-    changer: int = 0
+    changer: ChangerState = ChangerState.UNKNOWN
     unlock_output: bool = False
-    changer_fault: int = 0
-    """Why the tool changer is FAULT; ``ChangerFault``."""
+    changer_fault: ChangerFault = ChangerFault.NONE
+    """Why the tool changer is FAULT."""
     vented: bool = False
     """Nothing is gripped, as IL-01 asks it."""
     armed: bool = False

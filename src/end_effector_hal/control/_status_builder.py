@@ -8,7 +8,7 @@ from typing import ClassVar
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.sensing import HoldMonitor, SensorSet
 from end_effector_hal.signals import PART
-from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.vocabulary import Cause, ChangerFault, ChangerState, Command, EndEffectorState
 from timed_automata import Execution, Step
 
 from ._changer_reasons import explain_changer
@@ -17,6 +17,12 @@ from ._status import Status
 from ._steps import StepLog
 
 CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
+# a lookup costs less than a conversion, and there is one for each status
+_STATES = {int(each): each for each in EndEffectorState}
+_COMMANDS = {int(each): each for each in Command}
+_CAUSES = {int(each): each for each in Cause}
+_CHANGER_STATES = {int(each): each for each in ChangerState}
+_CHANGER_FAULTS = {int(each): each for each in ChangerFault}
 _SCALARS = (
     "ee", "command", "cause", "cause_at", "changer", "changer_command", "changer_fault", "unlock_valve", "armed",
 )  # fmt: skip
@@ -65,6 +71,7 @@ class StatusBuilder:
         size = range(len(description.sequence))
         self._valves, self._states = [f"valve[{i}]" for i in size], [f"actuator[{i}]" for i in size]
         self._keeps = [f"kept[{i}]" for i in size]
+        self._per_actuator = {*self._valves, *self._states, *self._keeps}
         self._lines = [part.line for _, part in description.ordered]
         self._used = used_channels(description)
         self._allowed = [part.attempts for _, part in description.ordered]
@@ -79,6 +86,7 @@ class StatusBuilder:
         self._missed, self._worst_late_us = 0, 0
         self._outputs: tuple[bool, ...] = ()
         self._actuators: tuple[int, ...] = ()
+        self._kept: tuple[int, ...] = ()
         self._seen: tuple[int, int, bool] | None = None
         self.know({})
 
@@ -86,8 +94,10 @@ class StatusBuilder:
         """Values have changed, or whether the lines are adopted."""
         known = self.values
         known.update(values)
-        self._outputs = tuple([bool(known[name]) for name in self._valves])
-        self._actuators = tuple([known[name] for name in self._states])
+        if not values or not self._per_actuator.isdisjoint(values):
+            self._outputs = tuple([bool(known[name]) for name in self._valves])
+            self._actuators = tuple([known[name] for name in self._states])
+            self._kept = tuple([i for i, name in enumerate(self._keeps) if known[name]])
         self._active = (
             self._outputs if self.adopted else tuple([bool(self.found.get(n)) for n in self._lines])
         )
@@ -127,40 +137,42 @@ class StatusBuilder:
 
     def status(self, at: int) -> Status:
         """The state at ``at`` µs."""
-        values, ee, hold, steps = self.values, self.values["ee"], self._hold, self._steps
+        values, hold, steps = self.values, self._hold, self._steps
+        ee = _STATES[values["ee"]]
         self._look(at)
-        proven = ee == EndEffectorState.GRIPPED and all(
-            level == Evidence.CONFIRMED for level in self._evidence
-        )
+        proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed
         step, fault = steps.step, values["changer_fault"]
+        reason = self._why if self._left else self._reason
+        if fault and not reason:
+            reason = explain_changer(self._description, fault)
         return Status(
             at=at,
             ee=ee,
-            command=values[self._command],
+            command=_COMMANDS[values[self._command]],
             actuators=self._actuators,
             outputs=self._active,
-            evidence=self._evidence,
+            evidence=self._senses.now.evidence,
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
             attempts_allowed=self._allowed[step] if step >= 0 else 0,
             deadline=self._execution.deadline,
-            cause=self._cause,
+            cause=_CAUSES[self._cause],
             cause_at=self._cause_at,
-            reason=self._why or explain_changer(self._description, fault),
+            reason=reason,
             lift_allowed=proven and hold.allows_lift,
             held=self.held,
-            kept=tuple([i for i, name in enumerate(self._keeps) if values[name]]),
+            kept=self._kept,
             secure=proven and hold.secure,
-            changer=values["changer"],
+            changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),
-            changer_fault=fault,
-            vented=self._senses.vented,
+            changer_fault=_CHANGER_FAULTS[fault],
+            vented=self._senses.now.vented,
             armed=bool(values["armed"]),
             link_up=self._link_up,
             stale=self._stale,
             missed=self._missed,
             worst_late_us=self._worst_late_us,
-            refused_frames=self._senses.refused,
+            refused_frames=self._refused,
             alarms=self._alarms(),
             steps=steps.steps,
         )
@@ -170,10 +182,10 @@ class StatusBuilder:
         seen = (at, self._senses.looked, self.held)
         if seen != self._seen:
             self._seen, senses = seen, self._senses
-            self._evidence = tuple([int(level) for level in senses.evidence])
-            stale = senses.readings.stale(at)
-            self._link_up = senses.readings.link_up(at)
-            self._stale = tuple([channel for channel in stale if channel in self._used])
+            readings, self._refused = senses.now.readings, senses.refused
+            stale = readings.stale(at)
+            self._link_up = readings.link_up(at)
+            self._stale = tuple(filter(self._used.__contains__, stale))
             self._notices = senses.notices(at, held=self.held)
 
     def _alarms(self) -> tuple[str, ...]:
@@ -187,7 +199,7 @@ class StatusBuilder:
         alarms += self._hold.alarms
         if self.adopted:
             alarms += self._notices
-        if self._senses.supply.low and self._grips and not self.held:
+        if self._senses.now.supply.low and self._grips and not self.held:
             alarms.append(f"Low supply: under {self._description.supply.warn_kpa:g} kPa.")
         return tuple(alarms)
 

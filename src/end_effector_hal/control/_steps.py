@@ -37,7 +37,7 @@ class StepLog:
         """One more step of the automata, at a time in µs; ``again``: another attempt of what stays active."""
         gripping = ee == EndEffectorState.GRIPPING
         if gripping and self._ee != EndEffectorState.GRIPPING:
-            self.steps = tuple(StepReport(name) for name in self._names)
+            self.steps = tuple([StepReport(name) for name in self._names])
             self._begun = [None] * len(self._names)
         if gripping or self._ee == EndEffectorState.GRIPPING:
             for index, active in enumerate(outputs):

@@ -1,18 +1,63 @@
-"""One thing that is wrong with a description, and where."""
+"""One thing that is wrong with a description, and the place in its file."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import Diagnostic
+from end_effector_hal.vocabulary import escaped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from ._places import Place
+
+Keys = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A position, both counted from 1, and the text that stands there."""
+
+    line: int = 1
+    column: int = 1
+    text: str = ""
+
+    @property
+    def order(self) -> tuple[int, int]:
+        """Sorts places as they stand in the file."""
+        return self.line, self.column
+
+
+@dataclass(frozen=True)
+class Places:
+    """Positions of keys and values by their path, e.g. ``("actuators", "cylinder", "line")``."""
+
+    file: Path
+    name: str = ""
+    keys: dict[Keys, Place] = field(default_factory=dict)
+    values: dict[Keys, Place] = field(default_factory=dict)
+
+    def key(self, *path: str | int) -> Place:
+        """Where a key stands; an element of a sequence has none, there it is the value."""
+        return self.keys.get(path) or self.value(*path)
+
+    def value(self, *path: str | int) -> Place:
+        """Where a value stands, or the nearest stanza around it that is written."""
+        while path and path not in self.values:
+            path = path[:-1]
+            if path in self.keys:
+                return self.keys[path]
+        return self.values.get(path, Place())
+
+    def where(self, *path: str | int) -> str:
+        """``file:line:column`` of a value."""
+        place = self.value(*path)
+        return f"{self.name or self.file}:{place.line}:{place.column}"
+
 
 #: Stable codes; ``docs/description.md`` lists them.
 CODES = {
@@ -71,16 +116,11 @@ class Fault:
         found = f" ({self.found})" if self.found else ""
         expected = f", expected {self.expected}" if self.expected else ""
         hint = f"; {self.hint}" if self.hint else ""
-        return printable(f"{self.what}{found}{expected}{hint}")
+        return escaped(f"{self.what}{found}{expected}{hint}")
 
     def diagnostic(self, name: str) -> Diagnostic:
         """The fault of the file that is called so; as text ``file:line:column: message [code]``."""
         return Diagnostic(self.code, name, self.line, self.column, self.message)
-
-
-def printable(text: str) -> str:
-    """With escapes for what no terminal shows, so that a sentence stays one line."""
-    return "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
 
 
 def closest(word: object, candidates: Iterable[str]) -> str | None:

@@ -1,17 +1,19 @@
-"""Which keys a stanza may have, read from the model."""
+"""Which keys a stanza may have, and the values of a tree that are good while others are still broken."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection
+from dataclasses import dataclass, field
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
+from end_effector_hal.description.model import Description
 from end_effector_hal.kinds import get_kind, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Part
 
-from ._model import Description
+from ._fault import Keys, Places
 
 _KIND = re.compile(r"<\w+>")
 
@@ -70,9 +72,9 @@ def stanzas() -> dict[str, type[Part]]:
 
     def walk(path: str, model: type[Part]) -> None:
         found[path] = model
-        for key, field in fields_of(model).items():
+        for key, each in fields_of(model).items():
             below = f"{path}.{key}" if path else key
-            if part := part_in(field.annotation):
+            if part := part_in(each.annotation):
                 walk(below, part)
             elif below == "actuators":
                 for kind, actuator in actuator_stanzas().items():
@@ -80,3 +82,49 @@ def stanzas() -> dict[str, type[Part]]:
 
     walk("", Description)
     return found
+
+
+@dataclass(frozen=True)
+class Facts:
+    """A tree of values, the places of them, and the paths that already have a fault."""
+
+    tree: dict[str, Any]
+    places: Places
+    broken: set[Keys] = field(default_factory=set)
+
+    def written(self, *path: str | int) -> bool:
+        """Whether the key stands in the file."""
+        return path in self.places.values
+
+    def get(self, *path: str | int) -> Any:
+        """The value; the default if it is not written; None if it is broken or there is none."""
+        if any(path[:length] in self.broken for length in range(len(path) + 1)):
+            return None
+        value: Any = self.tree
+        for key in path:
+            if not isinstance(value, dict) or key not in value:
+                return self._default(path)
+            value = value[key]
+        return value
+
+    def _default(self, path: Keys) -> Any:
+        stanza = stanza_at(path[:-1], self._kind(path))
+        found = fields_of(stanza).get(str(path[-1])) if stanza else None
+        return None if found is None or found.is_required() else found.default
+
+    def _kind(self, path: Keys) -> str:
+        return (
+            str(self.tree["actuators"][path[1]]["kind"]) if path[0] == "actuators" and len(path) > 2 else ""
+        )
+
+    def names(self, *path: str | int) -> list[str]:
+        """The elements of a list that are texts, or the keys of a mapping; empty if it is broken."""
+        value = self.get(*path)
+        return [str(each) for each in value or ()]
+
+    def actuators(self) -> list[tuple[str, str]]:
+        """Name and kind of each actuator whose stanza can be read."""
+        stanzas = self.tree.get("actuators")
+        if not isinstance(stanzas, dict):
+            return []
+        return [(name, each["kind"]) for name, each in stanzas.items() if isinstance(each, dict)]

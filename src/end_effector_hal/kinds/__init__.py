@@ -4,12 +4,22 @@ A kind of your own is a subclass of `DeviceKind` with the stanza of its keys, an
 ``end_effector_hal.kinds``, and a test that inherits `end_effector_hal.kinds.conformance.KindConformance`.
 """
 
-from ._evidence import ChannelKey, ChannelReadings, Detector
-from ._hold import AlarmKind, HoldFinding, HoldWatch
 from ._kind import DeviceKind
-from ._range import COMPRESSED_AIR, PressureRange, below_ambient_kpa
+from ._parts import (
+    COMPRESSED_AIR,
+    AlarmKind,
+    ChannelKey,
+    ChannelReadings,
+    Detector,
+    HoldFinding,
+    HoldWatch,
+    JointRule,
+    Pair,
+    PressureRange,
+    Quote,
+    below_ambient_kpa,
+)
 from ._registry import get_kind, kind_names, kind_of, recorded_kind, usable_kinds
-from ._rules import JointRule, Pair, Quote
 
 __all__ = [
     "COMPRESSED_AIR",

@@ -9,10 +9,16 @@ from typing import Any, ClassVar, Generic, TypeVar
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import TableState
 
-from ._evidence import ChannelKey, ChannelReadings, Detector
-from ._hold import HoldWatch
-from ._range import COMPRESSED_AIR, PressureRange
-from ._rules import JointRule, Pair
+from ._parts import (
+    COMPRESSED_AIR,
+    ChannelKey,
+    ChannelReadings,
+    Detector,
+    HoldWatch,
+    JointRule,
+    Pair,
+    PressureRange,
+)
 from .stanza import Actuator, Hold, Supply
 
 Stanza = TypeVar("Stanza", bound=Actuator)

@@ -16,8 +16,8 @@ from typing import Any, ClassVar
 from end_effector_hal.signals import Kind, Value, memory_of, recall
 from end_effector_hal.vocabulary import ACTIVE, INACTIVE, PENDING, Evidence
 
-from ._checked import checked
 from ._kind import DeviceKind
+from ._registry import checked
 from .stanza import NO_CHANNEL, Actuator, Hold, Supply
 
 PERIOD_US = 20_000

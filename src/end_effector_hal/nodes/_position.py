@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from math import nan
 from typing import Any
 
 from end_effector_hal.codecs import get_codec
@@ -25,6 +26,7 @@ from .report import OK, WARN, Health, publish_health
 from .transport import (
     ChangerPlace,
     CylinderPlace,
+    CylinderPositionMessage,
     FrameMessage,
     MessageHeader,
     NodeTransport,
@@ -38,6 +40,8 @@ _CYLINDER = {
     Evidence.PARTIAL: CylinderPlace.BETWEEN,
     Evidence.CONFIRMED: CylinderPlace.EXTENDED,
 }
+_FRACTIONS: dict[IntEnum, float] = {CylinderPlace.RETRACTED: 0.0, CylinderPlace.EXTENDED: 1.0}
+"""Of the stroke, where a switch proves it."""
 _CHANGER = {
     (True, False): ChangerPlace.LOCKED,
     (False, True): ChangerPlace.UNLOCKED,
@@ -57,14 +61,22 @@ class PositionNode:
         self._lock = threading.Lock()
         order = {name: index for index, name in enumerate(description.sequence)}
         self._outputs = [
-            _Output(name, node.publisher(topic), CylinderPlace, self._cylinder(order[name]))
+            _Output(
+                name, node.publisher(topic), CylinderPlace, self._cylinder(order[name]), _cylinder_message
+            )
             for name, topic in position_topics(description).items()
         ]
         if changer := description.tool_changer:
             publish = node.publisher(POSITION_TOOL_CHANGER)
             self._outputs += [
-                _Output("tool_changer", publish, ChangerPlace, self._tool_changer(changer)),
-                _Output("tool_stand", node.publisher(POSITION_TOOL_STAND), ToolPlace, self._stand(changer)),
+                _Output("tool_changer", publish, ChangerPlace, self._tool_changer(changer), _message),
+                _Output(
+                    "tool_stand",
+                    node.publisher(POSITION_TOOL_STAND),
+                    ToolPlace,
+                    self._stand(changer),
+                    _message,
+                ),
             ]
         self._known: dict[str, IntEnum] = {}
         node.subscribe(SENSOR_FRAME, self._on_frame)
@@ -90,7 +102,7 @@ class PositionNode:
             before = self._known.get(output.name)
             if every or before != position:
                 self._known[output.name] = position
-                output.publish(PositionMessage(position, MessageHeader(at)))
+                output.publish(output.message(position, at))
                 old = before if before is not None else output.places(0)
                 if old is not position:
                     self._log.info("%s: %s -> %s", output.name, old.name, position.name)
@@ -131,3 +143,12 @@ class _Output:
     publish: Callable[[Any], None]
     places: type[IntEnum]
     read: Callable[[int], int]
+    message: Callable[[IntEnum, int], PositionMessage | CylinderPositionMessage]
+
+
+def _message(place: IntEnum, at_us: int) -> PositionMessage:
+    return PositionMessage(place, place.name, MessageHeader(at_us))
+
+
+def _cylinder_message(place: IntEnum, at_us: int) -> CylinderPositionMessage:
+    return CylinderPositionMessage(place, place.name, _FRACTIONS.get(place, nan), MessageHeader(at_us))

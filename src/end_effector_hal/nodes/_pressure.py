@@ -8,7 +8,7 @@ from typing import Any
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.runtime import PredicatePublisher
-from end_effector_hal.sensing import SensorSet
+from end_effector_hal.sensing import FrameJudge, SensorSet
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState
@@ -40,10 +40,11 @@ class PressureNode:
             (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
         ]
         link = description.link
-        self._senses = SensorSet(description, get_codec(link.codec))
+        judge = FrameJudge()
+        self._senses = SensorSet(description, get_codec(link.codec), judge)
         self._lock = threading.Lock()
         self._silent = False
-        self._predicates = PredicatePublisher(description)
+        self._predicates = PredicatePublisher(description, judge=judge)
         node.on_close(self._predicates.close)
         self._predicates.start()
         self._reader = LinkReader(
@@ -55,8 +56,7 @@ class PressureNode:
         node.every(STATE_HZ, self._tick)
 
     def _on_frame(self, frame: Frame) -> None:
-        self._predicates.frame(frame)
-        self._frame(frame_to_message(frame))
+        self._predicates.frame(frame, lambda frame: self._frame(frame_to_message(frame)))
         with self._lock:
             if not self._senses.accepts(frame, now_us()):
                 return

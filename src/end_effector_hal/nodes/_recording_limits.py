@@ -20,5 +20,5 @@ def _number(node: NodeTransport, parameter: Parameter, default: str) -> float:
         return float(text)
     except ValueError:
         raise UsageError(
-            f"The parameter ~{parameter.name} is {text[:40]!r}, expected are megabytes."
+            f"The parameter {parameter.name} is {text[:40]!r}, expected are megabytes."
         ) from None

@@ -14,7 +14,7 @@ _NODES = {
     PRESSURE: ("_pressure", "PressureNode"),
     POSITION: ("_position", "PositionNode"),
     DATA_LOGGER: ("data_logger", "DataLogger"),
-    SUPERVISOR: ("_supervisor", "run_supervisor"),
+    SUPERVISOR: ("supervisor", "run_supervisor"),
 }
 
 

@@ -4,14 +4,11 @@ from ._limits import RecordingLimits
 from ._recording import Recording, content_hash, product_version, run_info
 from ._run import RunInfo, read_run
 from .story import (
-    Attempt,
     AttemptOutcome,
     Grip,
     GripDecision,
     Moment,
-    Release,
     ReleaseCause,
-    Reset,
     Story,
     read_story,
 )
@@ -27,14 +24,12 @@ from .tables import (
     read_pressures,
     read_states,
 )
-from .trace import Entry, Gap, Opening, Record, TraceFile, TraceWriter, read_trace
+from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 
 __all__ = [
     "AlarmRow",
     "AlarmsWriter",
-    "Attempt",
     "AttemptOutcome",
-    "Entry",
     "Gap",
     "Grip",
     "GripDecision",
@@ -45,9 +40,7 @@ __all__ = [
     "Record",
     "Recording",
     "RecordingLimits",
-    "Release",
     "ReleaseCause",
-    "Reset",
     "RunInfo",
     "StatesLog",
     "StatesRow",

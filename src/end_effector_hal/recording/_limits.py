@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import errno
 import logging
 import os
 import re
-import stat
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._files import is_written
 
 _log = logging.getLogger("end_effector_hal.recording")
 MEGABYTE = 1_000_000
@@ -88,40 +87,6 @@ def make_room(folder: Path, limits: RecordingLimits) -> tuple[str, ...]:
     return tuple(removed)
 
 
-def lock(fd: int) -> bool:
-    """Show that this file is being written; the lock ends with its process. False: somebody else writes it."""
-    try:
-        import fcntl
-
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except (ImportError, OSError):
-        return True  # a system or a file system without these locks
-    return True
-
-
-def is_written(path: Path) -> bool:
-    """Whether a process writes a segment now; raises OSError."""
-    fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
-    try:
-        return not lock(fd)
-    finally:
-        os.close(fd)
-
-
-def next_number(folder: Path, stem: str, suffix: str) -> int:
-    """One more than the highest number of ``stem-N.suffix`` that is there; ``stem.suffix`` itself is number 1."""
-    pattern = re.compile(rf"{re.escape(stem)}(?:-(\d{{1,9}}))?{re.escape(suffix)}", re.ASCII)
-    found = (pattern.fullmatch(path.name) for path in folder.iterdir())
-    return 1 + max((int(match[1] or 1) for match in found if match), default=0)
-
-
-def numbered(folder: Path, stem: str, suffix: str, number: int) -> Path:
-    """``stem.suffix``, ``stem-2.suffix``, …"""
-    return folder / f"{stem}{'' if number == 1 else f'-{number}'}{suffix}"
-
-
 def _note(folder: Path, name: str, size: int) -> None:
     path = folder / REMOVED
     row = f"{datetime.now(UTC).isoformat(timespec='seconds')},{name},{size}\n"
@@ -138,19 +103,3 @@ def _note(folder: Path, name: str, size: int) -> None:
 
 def _mb(count: int) -> str:
     return f"{count / MEGABYTE:g} MB"
-
-
-def still_there(path: Path, fd: int) -> None:
-    """Raises OSError when this open file does not stand at its path any more: what is written to it is lost."""
-    found, own = os.stat(path), os.fstat(fd)
-    if (found.st_dev, found.st_ino) != (own.st_dev, own.st_ino):
-        raise OSError(errno.ENOENT, "another file stands in its place")
-
-
-def read_file(path: str | Path) -> bytes:
-    """All of a regular file; raises OSError, also for what would be waited for, such as a pipe."""
-    if not stat.S_ISREG(os.stat(path).st_mode):
-        if Path(path).is_dir():
-            raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
-        raise OSError(errno.EINVAL, "this is no file")
-    return Path(path).read_bytes()

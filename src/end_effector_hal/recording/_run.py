@@ -18,7 +18,7 @@ KINDS = {
     "start_us": int,
     "gaps": list,
 }
-_WITHIN = {"actuators": str, "limits": dict}
+_WITHIN = {"actuators": str, "limits": dict, "gaps": str}
 
 
 @dataclass(frozen=True)
@@ -95,36 +95,26 @@ def read_run(path: str | Path) -> RunInfo:
         return RunInfo(note=_not_read(path, f"not JSON: {error}"))
     if not isinstance(content, dict):
         return RunInfo(note=_not_read(path, "not an object"))
-    texts = [key for key, kind in KINDS.items() if kind is str]
-    wrong = [key for key in KINDS if not _is_usable(key, content.get(key))]
-    actuators, limits = content.get("actuators"), content.get("limits")
-    simulated, start_us, gaps = (content.get(key) for key in ("simulated", "start_us", "gaps"))
-    return RunInfo(
-        **{key: value for key in texts if isinstance(value := content.get(key), str)},
-        ros=content.get("ros") is True,
-        actuators=_only(actuators, _WITHIN["actuators"]),
-        limits=_only(limits, _WITHIN["limits"]),
-        simulated=simulated if isinstance(simulated, bool) else None,
-        start_us=start_us if isinstance(start_us, int) else None,
-        gaps=tuple(gap for gap in gaps if isinstance(gap, str)) if isinstance(gaps, list) else (),
-        note=_not_read(path, f"of another type than it should be: {', '.join(wrong)}") if wrong else "",
-    )
+    found = {key: _usable(key, value) for key, value in content.items() if key in KINDS and value is not None}
+    wrong = [key for key, value in found.items() if value is None or _len(value) != _len(content[key])]
+    note = _not_read(path, f"of another type than it should be: {', '.join(wrong)}") if wrong else ""
+    return RunInfo(**{key: value for key, value in found.items() if value is not None}, note=note)
 
 
-def _is_usable(key: str, value: object) -> bool:
-    if value is None:
-        return True
-    whole = isinstance(value, KINDS[key])
-    return whole and (key not in _WITHIN or len(_only(value, _WITHIN[key])) == len(value))  # type: ignore[arg-type]
+def _usable(key: str, value: object) -> Any:
+    """The value, or what can be used of its elements; None: nothing can."""
+    if not isinstance(value, KINDS[key]):
+        return None
+    if isinstance(value, dict):
+        return {name: item for name, item in value.items() if isinstance(item, _WITHIN[key])}
+    if isinstance(value, list):
+        return tuple(item for item in value if isinstance(item, _WITHIN[key]))
+    return value
+
+
+def _len(value: object) -> int:
+    return len(value) if isinstance(value, dict | list | tuple) else 1
 
 
 def _not_read(path: Path, why: str) -> str:
     return f"{path} is left out as far as it cannot be read: {why}."
-
-
-def _only(value: object, kind: type) -> dict[str, Any]:
-    return (
-        {key: item for key, item in value.items() if isinstance(item, kind)}
-        if isinstance(value, dict)
-        else {}
-    )

@@ -13,25 +13,28 @@ from typing import Any, Self
 import rospy
 
 from end_effector_hal.control import Answer
+from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
-from end_effector_hal.nodes.interface import DESCRIPTION, Parameter, Service, Topic, load_for_nodes
+from end_effector_hal.nodes.interface import DESCRIPTION, Action, Parameter, Service, Topic, load_for_nodes
+from end_effector_hal.nodes.process import Ticker, node_log
 from end_effector_hal.nodes.transport import (
+    ActionClient,
+    ActionServer,
+    ClientGoal,
     CommandClient,
-    GoalClient,
-    GoalService,
-    StateMessage,
+    Commander,
+    ResultMessage,
     UnknownSenders,
 )
 from end_effector_hal.wires import be_steady, now_us
 
-from ._logging import node_log
 from ._name_taken import node_name, private_parameter, refuse_taken_name
-from ._ticker import Ticker
+from ._rosout import write_line
 from ._tool_named import tool_named
-from .actions import goal_client, serve_goals
+from .actions import action_client, action_server
 from .connections import (
-    Commander,
+    CommandService,
     KnownPublishers,
     answer_of,
     caller_of,
@@ -70,7 +73,7 @@ class RosNode:
         except rospy.ROSInitException as error:
             raise UsageError(f"{error}.", todo="Private parameters are given as _name:=value.") from None
         self.name = rospy.get_name().lstrip("/")
-        self.log, self._log_handler = node_log(name)
+        self.log, self._log_handler = node_log(name, write_line)
         self.unknown_senders = UnknownSenders(lambda alarm: self.log.warning("%s", alarm), now_us)
         self._ended = threading.Event()
         self._closing = False
@@ -144,15 +147,21 @@ class RosNode:
 
     def command_client(self, service: Service) -> CommandClient:
         """A client that gives commands to another node."""
-        return Commander(service)
+        return Commander(service.server, lambda: CommandService(service))
 
-    def serve_goals(self, state: Callable[[], StateMessage]) -> GoalService:
-        """Serve the four actions."""
-        return serve_goals(state, self.log)
+    def action_server(
+        self,
+        action: Action,
+        on_goal: Callable[[ClientGoal], None],
+        on_cancel: Callable[[ClientGoal], bool],
+        result: Callable[[Outcome, str], ResultMessage],
+    ) -> ActionServer:
+        """Serve an action."""
+        return action_server(action, on_goal, on_cancel, result, self.log)
 
-    def goal_client(self, say: Callable[[str], None], patience_s: float) -> GoalClient:
-        """A client of the four actions."""
-        return goal_client(say, patience_s)
+    def action_client(self, action: Action) -> ActionClient:
+        """A client of an action."""
+        return action_client(action)
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call back at a rate, in a thread of its own."""

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from end_effector_hal.errors import ReportedError, RosError
+from end_effector_hal.errors import RosError
 from end_effector_hal.nodes import start_node
+from end_effector_hal.nodes.process import guarded
 
 _ROS_PACKAGES = ("genpy", "rospy", "actionlib", "diagnostic_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 
 
 def run(name: str) -> None:
     """Run a node of the table, and exit with its code."""
-    sys.exit(_guarded(Path(sys.argv[0]).name, lambda: _run_node(name)))
+    sys.exit(guarded(Path(sys.argv[0]).name, lambda: _run_node(name)))
 
 
 def _run_node(name: str) -> int:
@@ -42,24 +43,14 @@ def run_line_owner() -> None:
 
     from ._tool_named import tool_named
 
-    sys.exit(_guarded("line_owner", lambda: run_arbiter(load_tool(tool_named(sys.argv, lambda _: "")))))
+    sys.exit(guarded("line_owner", lambda: run_arbiter(load_tool(tool_named(sys.argv, lambda _: "")))))
 
 
 def check_launch(argv: Sequence[str]) -> int:
     """The check of the launch file before it starts anything; see `_launch_check`. Returns the exit code."""
     from ._launch_check import launch_check
 
-    return _guarded("end_effector.launch", lambda: launch_check(argv))
-
-
-def _guarded(name: str, body: Callable[[], int | None]) -> int:
-    try:
-        return int(body() or 0)
-    except ReportedError as error:
-        print(f"{name}: {error}", file=sys.stderr)  # noqa: T201 there is no logger before a node is up
-        return error.exit_code
-    except KeyboardInterrupt:
-        return 130
+    return guarded("end_effector.launch", lambda: launch_check(argv))
 
 
 def _import_ros() -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from end_effector_hal.control import PROGRAMS, Controller, model_constants
+from end_effector_hal.control import PROGRAMS, Controller, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ModelError, ReportedError
-from timed_automata import Network, load_network
+from timed_automata import Network
 
 
 def load_automata(description: Description) -> Network:
@@ -15,7 +15,7 @@ def load_automata(description: Description) -> Network:
         ModelError: the UPPAAL file is not valid, or does not fit the description; with its place.
     """
     try:
-        network = load_network(description.automata_path, model_constants(description))
+        network = network_of(description)
         for program in PROGRAMS if description.tool_changer else PROGRAMS[:1]:
             Controller(description, network, program)
     except ReportedError as error:

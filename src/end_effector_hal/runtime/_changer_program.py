@@ -7,6 +7,7 @@ from typing import ClassVar, Protocol
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 
 from ._latest_status import Listener
@@ -34,9 +35,10 @@ class ChangerProgram(Program):
         on_status: Listener | None = None,
         recorder: Recorder = NULL_RECORDER,
         clock: Callable[[], int] = now_us,
+        judge: FrameJudge | None = None,
     ) -> None:
         self._fault = SensorFault(lines)
-        super().__init__(description, lines, on_status, recorder, clock)
+        super().__init__(description, lines, on_status, recorder, clock, judge)
 
     def command(self, name: str) -> Answer:
         """Give a command and wait for the decision of the automaton; an unlock first waits for its proof."""

@@ -15,8 +15,9 @@ from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
+from end_effector_hal.vocabulary import ChangerState, Command
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth, LinkReader
 
@@ -63,18 +64,19 @@ class EndEffector:
         self._audience = Audience(self._audience_changed)
         self._told: tuple[str, ...] = ()
         self._lock = threading.Lock()
+        judge = FrameJudge()
         with ExitStack() as undo:
             self._grip = open_program(
-                GripProgram, description, self._gripper_moved, traces=traces, limits=limits
+                GripProgram, description, self._gripper_moved, traces=traces, limits=limits, judge=judge
             )
             undo.callback(self._grip.close)
             self._change = open_program(
-                ChangerProgram, description, self._changer_moved, traces=traces, limits=limits
+                ChangerProgram, description, self._changer_moved, traces=traces, limits=limits, judge=judge
             )
             undo.callback(self._change.close)
             self._goals = GoalRunner({"grip": self._grip, "tool_change": self._change}, lambda: self.status)
             codec = codec_of(description)
-            self._predicates = PredicatePublisher(description, codec)
+            self._predicates = PredicatePublisher(description, codec, judge=judge)
             self._reader = LinkReader(
                 description.link.port,
                 codec,
@@ -125,7 +127,7 @@ class EndEffector:
         self.close()
 
     def __repr__(self) -> str:
-        state, changer = EndEffectorState(self.status.ee), ChangerState(self.status.changer)
+        state, changer = self.status.ee, self.status.changer
         return f"<EndEffector {self.description.name}: {state.name}, changer {changer.name}>"
 
     @property
@@ -214,7 +216,7 @@ class EndEffector:
         return self._change.command("arm")
 
     def set_actuator(self, name: str, active: bool) -> Answer:
-        """Drive one actuator by hand; raises UsageError for an unknown name."""
+        """Drive one actuator in maintenance; raises UsageError for an unknown name."""
         if name not in self.description.actuators:
             known = ", ".join(self.description.sequence)
             raise UsageError(f"{name!r} is no actuator of {self.description.name}.", todo=f"It has {known}.")
@@ -249,7 +251,9 @@ class EndEffector:
             self._publish(self._merged(self._grip.status, now_us()))
 
     def _frame_came(self, frame: Frame) -> None:
-        self._predicates.frame(frame)
+        self._predicates.frame(frame, self._pass_on)
+
+    def _pass_on(self, frame: Frame) -> None:
         for unit in self._units:
             unit.frame(frame)
         self._audience.frame(frame)

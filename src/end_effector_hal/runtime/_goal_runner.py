@@ -125,7 +125,7 @@ class GoalRunner:
         for todo, goal in effects:
             if todo is Todo.SAY_ENDED and goal.ending is not None:
                 ending, status = goal.ending, self._tool()
-                state = EndEffectorState(status.ee)
+                state = status.ee
                 if ending.seconds is None:
                     goal.result = Refused(ending.outcome, state, ending.reason)
                 else:

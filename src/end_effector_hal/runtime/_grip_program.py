@@ -52,7 +52,7 @@ class GripProgram(Program):
 
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:
         if name == "grip" and self._maintenance.active:
-            why = "a grip is refused while outputs are driven by hand."
+            why = "a grip is refused during maintenance."
             return Answer(False, f"IL-12: {why} {self._maintenance.notice}"), []
         return super()._decide(name)
 

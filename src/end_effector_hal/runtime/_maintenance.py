@@ -1,4 +1,4 @@
-"""Maintenance: outputs driven by hand, under a lease (IL-12)."""
+"""Maintenance: single outputs driven with services, under a lease (IL-12)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Maintenance:
         if not self._lines:
             return ""
         who = ", ".join(self._names[line] for line in self.lines)
-        return f"Maintenance: {who} active by hand, deactivated {self._lease_s:g} s after the last call."
+        return f"Maintenance: {who} active, deactivated {self._lease_s:g} s after the last call."
 
     @property
     def lines(self) -> list[str]:

@@ -40,7 +40,7 @@ def proof(
     if latest.wait(lambda status: status.evidence[index] == wanted, limit_s):
         proven = "active" if active else "inactive"
         return Answer(True, f"{display_name(name)} is {proven}, proven by its sensor.")
-    shown = Evidence(latest.status.evidence[index]).name
+    shown = latest.status.evidence[index].name
     left = f" It stays active for {description.maintenance.lease_s:g} s at most." if active else ""
     what = f"its line is written, but its sensor does not prove it within {limit_s:g} s (it says {shown})"
     return Answer(False, f"{display_name(name)}: {what}.{left}")

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.sensing import FrameJudge
 
 from ._arbiter import connect_arbiter
 from ._latest_status import Listener
@@ -24,6 +25,7 @@ def open_program(
     patience_s: float = 5.0,
     traces: str | Path | None = None,
     limits: RecordingLimits | None = None,
+    judge: FrameJudge | None = None,
 ) -> P:
     """A program that is not started yet; it keeps its lease at the owner only while it works.
 
@@ -35,6 +37,7 @@ def open_program(
         traces: the folder that gets its trace; None: nothing is recorded. One that cannot be written is an alarm: a
             full disk is no reason not to hold a part.
         limits: of that folder.
+        judge: shared with all others in this process who get the same frames.
 
     Raises:
         ArbiterError: there is no line arbiter.
@@ -45,7 +48,7 @@ def open_program(
         recorder = NULL_RECORDER
         if traces is not None:
             recorder = open_recorder(traces, description, program.NAME, limits=limits)
-        opened = program(description, lines, on_status, recorder)
+        opened = program(description, lines, on_status, recorder, judge=judge)
         lines.attend(alive=lambda: opened.alive, on_lost=opened.arbiter_lost, on_faults=opened.faults_changed)
     except BaseException:  # Ctrl-C, too: who leaves in order has not died
         lines.close(())

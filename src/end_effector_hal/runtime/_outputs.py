@@ -132,7 +132,7 @@ class Outputs:
         return same and not (gripping and declared_dead)
 
     def drive(self, line: str, active: bool, will: tuple[LastWillStep, ...]) -> None:
-        """Write one line by hand; raises WireError."""
+        """Write one line in maintenance; raises WireError."""
         if self.lost:
             raise ArbiterError(self.alarm)
         self._end({line: active}, lambda: self._lines.ask({line: active}, will)())
@@ -143,7 +143,7 @@ class Outputs:
         self.alarm = f"The line arbiter was lost: {error}"
 
     def let_go(self, lines: Sequence[str], at: int) -> None:
-        """Deactivate lines that were driven by hand; tried again until it is done."""
+        """Deactivate lines that maintenance has activated; tried again until it is done."""
         self._ask({**self._undone, **dict.fromkeys(lines, False)}, (), at)
         self.finish()
 

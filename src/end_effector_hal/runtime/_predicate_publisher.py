@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from end_effector_hal.arbiter import PredicateSender
 from end_effector_hal.codecs import Codec, get_codec
 from end_effector_hal.description import Description, socket_path
-from end_effector_hal.sensing import Predicates
+from end_effector_hal.sensing import FrameJudge, Predicates
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
 
@@ -21,21 +21,27 @@ REPEAT_US = 50_000
 class PredicatePublisher:
     """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
 
-    Call `frame` before the frame goes to anybody else: then the owner knows of it before any command that
-    follows from it. A link that is slower than that is repeated by a thread, for as long as its readings are fresh.
+    Whoever gets the frames gets them through `frame`: then the owner knows of each before any command that follows
+    from it. What is only repeated comes after them: no line waits for it. A link that is slower than that is repeated
+    by a thread, for as long as its readings are fresh.
 
     Args:
         description: the tool; its owner need not run yet.
         codec: of its link; default: the one that it names.
         clock: µs.
+        judge: shared with those in this process who get the same frames.
     """
 
     def __init__(
-        self, description: Description, codec: Codec | None = None, clock: Callable[[], int] = now_us
+        self,
+        description: Description,
+        codec: Codec | None = None,
+        clock: Callable[[], int] = now_us,
+        judge: FrameJudge | None = None,
     ) -> None:
         codec = codec or get_codec(description.link.codec)
         self._sender = PredicateSender(socket_path(description))
-        self._predicates = Predicates(description, codec)
+        self._predicates = Predicates(description, codec, judge)
         needs = arbiter_policy(description).needs.values()
         self._needed = {need.predicate for needed in needs for need in needed}
         self._repeats = bool(self._needed) and codec.period_us > REPEAT_US // 2
@@ -52,12 +58,24 @@ class PredicatePublisher:
             self._thread = threading.Thread(target=self._repeat, name="predicates", daemon=True)
             self._thread.start()
 
-    def frame(self, frame: Frame) -> None:
-        """One frame of the link; never blocks."""
+    def frame(self, frame: Frame, pass_on: Callable[[Frame], None] = lambda _: None) -> None:
+        """One frame of the link; never blocks.
+
+        Args:
+            frame: as it came.
+            pass_on: called with it once the owner was told what it changes.
+        """
+        proven: Mapping[str, bool] = {}
         if self._needed:
             with self._lock:
-                if proven := self._predicates.frame(frame, self._clock()):
+                proven = self._needed_of(self._predicates.frame(frame, self._clock()))
+                if proven and proven != self._sent:
                     self._send(proven, frame.at)
+                    proven = {}
+        pass_on(frame)
+        if proven and frame.at >= self._due:
+            with self._lock:
+                self._send(proven, frame.at)
 
     def close(self) -> None:
         """Send nothing any more."""
@@ -71,9 +89,13 @@ class PredicatePublisher:
         while not self._ended.wait(REPEAT_US / 1e6):
             with self._lock:
                 at = self._clock()
-                self._send(self._predicates.advance(at), at)
+                proven = self._needed_of(self._predicates.advance(at))
+                if proven != self._sent or at >= self._due:
+                    self._send(proven, at)
+
+    def _needed_of(self, proven: Mapping[str, bool]) -> dict[str, bool]:
+        return {name: holds for name, holds in proven.items() if name in self._needed}
 
     def _send(self, proven: Mapping[str, bool], at: int) -> None:
-        needed = {name: holds for name, holds in proven.items() if name in self._needed}
-        if (needed != self._sent or at >= self._due) and self._sender.send(needed, at):
-            self._sent, self._due = needed, at + REPEAT_US * 4 // 5
+        if self._sender.send(proven, at):
+            self._sent, self._due = proven, at + REPEAT_US * 4 // 5

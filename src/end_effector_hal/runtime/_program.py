@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import ClassVar
 
-from end_effector_hal.control import Answer, Status, model_constants
+from end_effector_hal.control import Answer, Status, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
-from timed_automata import load_network
 
 from ._latest_status import LatestStatus, Listener
 from ._output_mapping import OutputMapping
@@ -26,12 +27,14 @@ from .boundary import NULL_RECORDER, Recorder
 
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
+ACTIVATING = ("grip", "unlock")
+"""Commands that begin with an activation; the others only deactivate, and are carried out as soon as they can be."""
 DECLARED_DEAD = (
     "The line arbiter declared this program dead and executed its last will; the program has restarted."
 )
 
 
-class Program:
+class Program(ABC):
     """What :class:`GripProgram` and :class:`ChangerProgram` have in common; all methods are thread-safe.
 
     Rule 1: The automata decide in the thread that brings an event, and the write to the line arbiter is sent there.
@@ -47,6 +50,7 @@ class Program:
         on_status: called with each status.
         recorder: of the boundary.
         clock: µs.
+        judge: shared with all others in this process who get the same frames; default: its own.
     """
 
     NAME: ClassVar[str]
@@ -58,16 +62,19 @@ class Program:
         on_status: Listener | None = None,
         recorder: Recorder = NULL_RECORDER,
         clock: Callable[[], int] = now_us,
+        judge: FrameJudge | None = None,
     ) -> None:
-        self._description, self._clock = description, clock
-        self._network = load_network(description.automata_path, model_constants(description))
+        self._description, self._clock, self._judge = description, clock, judge
+        self._network = network_of(description)
         self._recorder, self._lines = recorder, recorder.lines(lines)
         self._peer: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
+        self._ahead_of: object = None
+        self._ahead: Iterator[object] = iter(())
         self._reset()
-        self._worker = SerialWorker(self._due, self._time_passed, recorder.flush, clock)
+        self._worker = SerialWorker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
         self._latest = LatestStatus(self._controller.status(), on_status)
         recorder.attend(lambda: self._worker.submit(lambda: self._reaction([])))
         self._thread = threading.Thread(target=self._run, name=f"program {self.NAME}", daemon=True)
@@ -128,9 +135,9 @@ class Program:
 
     # What differs between programs.
 
+    @abstractmethod
     def _mapping(self) -> OutputMapping:
         """The outputs of the program, for a controller that has not begun."""
-        raise NotImplementedError
 
     def _fault_found(self) -> bool:
         """Whether the line arbiter keeps a sensor fault of this program; raises WireError."""
@@ -155,6 +162,8 @@ class Program:
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:
         if not self._begun:
             return Answer(False, f"The lines are not adopted yet. {self._obstacle}".rstrip()), []
+        if self._outputs.lost and name in ACTIVATING:
+            return Answer(False, "Nothing can be activated while the line arbiter is lost."), []
         answer, statuses = self._controller.command(name, self._clock())
         if answer.accepted:
             self._why = self._outputs.refused = ""
@@ -175,6 +184,13 @@ class Program:
 
     def _publish_one(self, status: Status) -> None:
         self._latest.publish(status)
+
+    def _prepare(self) -> bool:
+        """Have the automata look a little further ahead of where they stand."""
+        state = self._controller.discrete_state
+        if state != self._ahead_of:
+            self._ahead_of, self._ahead = state, self._controller.look_ahead()
+        return next(self._ahead, None) is not None
 
     # Jobs: in whatever thread has the turn, and nothing here waits.
 
@@ -222,7 +238,7 @@ class Program:
             follow_up()
 
     def _reset(self) -> None:
-        self._controller = self._recorder.controller(self._description, self._network, self.NAME)
+        self._controller = self._recorder.controller(self._description, self._network, self.NAME, self._judge)
         self._outputs = Outputs(self._lines, self._mapping())
         self._begun = False
         self._begin_at: int | None = None

@@ -10,6 +10,8 @@ Rule 4: What was submitted before the worker began starts after its beginning; w
 Rule 5: What is due is done by the thread of the worker, after the jobs that were submitted before.
 Rule 6: A job that fails ends the worker with its error; whoever submitted it does not see the error.
 Rule 7: A question that could not start within 2 s never starts: its asker has gone on.
+Rule 8: The worker's thread prepares what may come, piece by piece, while it has nothing else to do. Jobs do not wait
+    for that: it has no turn, and changes nothing that they see.
 """
 
 from __future__ import annotations
@@ -39,6 +41,7 @@ class SerialWorker:
         time_passed: the job for that.
         done: called after each job with its follow-up, in either thread.
         clock: µs.
+        prepare: does a piece of what is prepared; returns whether there is more.
     """
 
     def __init__(
@@ -47,7 +50,9 @@ class SerialWorker:
         time_passed: Job,
         done: Callable[[], None],
         clock: Callable[[], int] = now_us,
+        prepare: Callable[[], bool] = lambda: False,
     ) -> None:
+        self._prepare = prepare
         self._due, self._time_passed, self._done, self._clock = due, time_passed, done, clock
         self._turn = threading.Lock()
         self._jobs: deque[Job] = deque()
@@ -104,6 +109,8 @@ class SerialWorker:
         """The worker's thread: begins with ``first`` and returns after `end`."""
         self.begin(first)
         while not self._ended:
+            while self._bell.empty() and self._patience() != 0 and self._prepare():
+                pass
             with suppress(queue.Empty):
                 self._bell.get(timeout=self._patience())
             self.work()

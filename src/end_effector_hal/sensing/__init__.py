@@ -1,8 +1,10 @@
 """What the sensors prove: detectors, rules of the link, predicates, the watch over a held part; sans-IO."""
 
+from ._frame_judge import FrameJudge
 from ._hold_monitor import HoldMonitor
 from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
 from ._sensor_set import SensorSet
+from ._sensor_state import SensorState
 from ._stand import ToolPlace, tool_place
 
 __all__ = [
@@ -10,9 +12,11 @@ __all__ = [
     "LOCKED",
     "NOTHING_GRIPPED",
     "PARKED",
+    "FrameJudge",
     "HoldMonitor",
     "Predicates",
     "SensorSet",
+    "SensorState",
     "ToolPlace",
     "predicates_fitted",
     "tool_place",

@@ -26,11 +26,8 @@ class AlarmLog:
 
     def __init__(self) -> None:
         self._alarms: dict[tuple[AlarmKind, str], Alarm] = {}
-
-    @property
-    def texts(self) -> tuple[str, ...]:
+        self.texts: tuple[str, ...] = ()
         """All of them, in words."""
-        return tuple(alarm.text for alarm in self._alarms.values())
 
     @property
     def listed(self) -> list[tuple[str, Alarm]]:
@@ -40,6 +37,7 @@ class AlarmLog:
     @listed.setter
     def listed(self, alarms: list[tuple[str, Alarm]]) -> None:
         self._alarms = {(alarm.kind, who): alarm for who, alarm in alarms}
+        self._changed()
 
     def active(self, kind: AlarmKind) -> bool:
         """Whether there is one of a kind that is not over."""
@@ -51,6 +49,7 @@ class AlarmLog:
         if known is not None and not known.over:
             return False
         self._alarms[kind, who] = Alarm(kind, known.at if known else at, text)
+        self._changed()
         return True
 
     def end(self, kind: AlarmKind, who: str, text: str) -> bool:
@@ -59,12 +58,18 @@ class AlarmLog:
         if known is None or known.over:
             return False
         self._alarms[kind, who] = replace(known, text=f"Over: {text}", over=True)
+        self._changed()
         return True
 
     def acknowledge(self) -> None:
         """Forget what is over."""
         self._alarms = {key: alarm for key, alarm in self._alarms.items() if not alarm.over}
+        self._changed()
 
     def clear(self) -> None:
         """Forget everything: what it was about has ended."""
         self._alarms.clear()
+        self._changed()
+
+    def _changed(self) -> None:
+        self.texts = tuple([alarm.text for alarm in self._alarms.values()])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import attrgetter
 from typing import ClassVar
 
 from end_effector_hal.description import Description
@@ -13,6 +14,7 @@ from end_effector_hal.vocabulary import Evidence, display_name
 from ._alarms import AlarmLog
 from ._sensor_set import SensorSet
 
+_SECURE = attrgetter("secure")
 KEPT = "outputs stay as they are, only a Drop releases"
 
 
@@ -46,9 +48,11 @@ class HoldMonitor:
     @property
     def secure(self) -> bool:
         """Whether everything is confirmed by a fresh reading, and secure where its kind knows more than that."""
-        return all(level is Evidence.CONFIRMED for level in self._senses.evidence) and all(
-            watch.secure for watch in self._vacuums.values()
-        )
+        return self._senses.now.confirmed and self._watched_secure
+
+    @property
+    def _watched_secure(self) -> bool:
+        return all(map(_SECURE, self._vacuums.values()))
 
     @property
     def allows_lift(self) -> bool:
@@ -57,9 +61,9 @@ class HoldMonitor:
 
     def sample(self, at: int, *, held: bool) -> bool:
         """Look at the newest sample, at ``at`` µs; True when there is something new to tell."""
-        before = (self.secure, self.alarms)
+        now, was_secure, told = self._senses.now, self._watched_secure, self._log.texts
         for watch in self._vacuums.values():
-            watch.sample(self._senses.readings, at, held=self._since is not None)
+            watch.sample(now.readings, at, held=self._since is not None)
         if not held:
             self._since = None
         else:
@@ -67,11 +71,12 @@ class HoldMonitor:
             for index, name in enumerate(self._names):
                 self._readable(index, name, at)
             for index, watch in self._vacuums.items():
-                if self._senses.evidence[index] is Evidence.CONFIRMED:
+                if now.evidence[index] is Evidence.CONFIRMED:
                     name = self._names[index]
                     self._log_findings(name, watch.findings(display_name(name), self._since, at), at)
             self._supply(at)
-        return (self.secure, self.alarms) != before
+        newly_secure = now.confirmed and self._watched_secure is not was_secure
+        return newly_secure or self._log.texts != told
 
     def acknowledge(self) -> None:
         """An operator has seen it: what is over is forgotten, what is not stays."""
@@ -92,13 +97,13 @@ class HoldMonitor:
 
     def _readable(self, index: int, name: str, at: int) -> None:
         who = display_name(name)
-        if self._senses.evidence[index] is Evidence.UNKNOWN:
+        if self._senses.now.evidence[index] is Evidence.UNKNOWN:
             self._log.raise_(AlarmKind.STALE, name, f"No reading: {who} is held and not known; {KEPT}.", at)
         else:
             self._log.end(AlarmKind.STALE, name, f"{who} had no valid reading for a while; it is read again.")
 
     def _supply(self, at: int) -> None:
-        supply, warn = self._senses.supply, f"{self._description.supply.warn_kpa:g} kPa"
+        supply, warn = self._senses.now.supply, f"{self._description.supply.warn_kpa:g} kPa"
         if supply.low and supply.kpa is not None:
             text = f"Low supply: under {warn} while a part is held ({supply.kpa:.0f} kPa)."
             self._log.raise_(AlarmKind.SUPPLY, "", text, at)

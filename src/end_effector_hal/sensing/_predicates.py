@@ -8,6 +8,7 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ToolEvidence
 
+from ._frame_judge import FrameJudge
 from ._sensor_set import SensorSet
 
 LOCKED = "locked"
@@ -39,11 +40,16 @@ def predicates_fitted(description: Description, codec: Codec) -> frozenset[str]:
 class Predicates:
     """Sans-IO: frames and time in, what is proven out; without a fresh reading nothing is.
 
-    It has detectors of its own, so that it does not depend on the programs whose lines it guards.
+    It does not depend on the programs whose lines it guards: it gets each frame before they do, and looks at it itself.
+
+    Args:
+        description: the tool.
+        codec: of its link.
+        judge: shared with those in this process who get the same frames.
     """
 
-    def __init__(self, description: Description, codec: Codec) -> None:
-        self._senses = SensorSet(description, codec)
+    def __init__(self, description: Description, codec: Codec, judge: FrameJudge | None = None) -> None:
+        self._senses = SensorSet(description, codec, judge)
         self._fitted = predicates_fitted(description, codec)
         self._e_stop = description.e_stop.channel if description.e_stop else None
 
@@ -65,11 +71,11 @@ class Predicates:
         return self._said(at)
 
     def _said(self, at: int) -> dict[str, bool]:
-        senses = self._senses
+        now = self._senses.now
         all_said = {
-            LOCKED: senses.tool is ToolEvidence.LOCKED,
-            NOTHING_GRIPPED: senses.vented,
-            PARKED: senses.parked,
-            E_STOP_CLOSED: bool(senses.readings.get(self._e_stop, at)),
+            LOCKED: now.tool is ToolEvidence.LOCKED,
+            NOTHING_GRIPPED: now.vented,
+            PARKED: now.parked,
+            E_STOP_CLOSED: bool(now.readings.get(self._e_stop, at)),
         }
         return {name: holds for name, holds in all_said.items() if name in self._fitted}

@@ -65,7 +65,8 @@ class Readings:
 
     def stale(self, at: int) -> tuple[str, ...]:
         """Channels that the codec carries and that have no valid reading now."""
-        return tuple(channel for channel in self.carried if self.get(channel, at) is None)
+        oldest, read_at = at - self.stale_us, self._at
+        return tuple([channel for channel in self.carried if read_at.get(channel, oldest) <= oldest])
 
     def fresh(self, at: int) -> bool:
         """Whether a frame has come so lately that what it carries is not stale."""
@@ -77,7 +78,7 @@ class Readings:
 
     def deadline(self, at: int) -> int | None:
         """µs when the next reading turns stale or the link goes down, if nothing comes."""
-        ends = [then + self.stale_us for then in self._at.values()]
+        ends = {then + self.stale_us for then in self._at.values()}
         if self._last_frame is not None:
-            ends.append(self._last_frame + self.down_us)
-        return min((end for end in ends if end > at), default=None)
+            ends.add(self._last_frame + self.down_us)
+        return min([end for end in ends if end > at], default=None)

@@ -1,4 +1,4 @@
-"""All detectors of a tool: frames and time in, events of the model out."""
+"""Frames and time in, events of the model out."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ from typing import ClassVar
 from end_effector_hal.codecs import Codec
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.signals import PART, Frame, StampGate
+from end_effector_hal.signals import INLINE, PART, Frame, StampGate
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
-from ._link_rules import LinkRules
+from ._frame_judge import FrameJudge
 from ._readings import Readings
+from ._sensor_state import SensorState
 from ._supply_detector import SupplyDetector
-from ._tool_detector import ToolDetector
-from ._vented_detector import VentedDetector
 
 _EVIDENCE_CHANNELS = {
     Evidence.UNKNOWN: "stale",
@@ -24,66 +23,89 @@ _EVIDENCE_CHANNELS = {
     Evidence.CONFIRMED: "confirmed",
 }
 # Of what one frame shows, nothing is decided before it is known what else it has undone.
-_RANK = (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE, Evidence.CONFIRMED)
+_RANK = {Evidence.UNKNOWN: 0, Evidence.PARTIAL: 1, Evidence.GONE: 2, Evidence.CONFIRMED: 3}
 
 
 class SensorSet:
-    """Stands between samples and events: a level each, and an event at each change of one."""
+    """Stands between samples and events: a level each, and an event at each change of one.
 
-    MEMORY: ClassVar = {
-        "readings": PART,
-        "_rules": PART,
-        "_stamps": PART,
-        "_detectors": PART,
-        "_tool": PART,
-        "_vented": PART,
-        "supply": PART,
-        "_noticed": tuple[str, ...],
-        "_was_clear": bool,
-        "evidence": list[Evidence],
-        "tool": ToolEvidence,
-        "vented": bool,
-        "parked": bool,
-        "looked": int,
-    }
+    Args:
+        description: the tool.
+        codec: of its link.
+        judge: shared with all others in this process who get the same frames; None: there are no others.
+    """
 
-    def __init__(self, description: Description, codec: Codec) -> None:
-        self.readings = Readings(description.link, codec)
-        self._rules = LinkRules(description, codec, self.readings.stale_us)
-        self._stamps = StampGate("Sensor frames", old_us=self.readings.stale_us, in_order=True)
+    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[str, ...], "looked": int}
+
+    def __init__(self, description: Description, codec: Codec, judge: FrameJudge | None = None) -> None:
+        self.now = SensorState(description, codec)
+        """What the sensors prove."""
+        self._judge = judge
+        self._stamps = StampGate("Sensor frames", old_us=self.now.readings.stale_us, in_order=True)
         self._wanted = tuple(name for name in used_channels(description) if name in codec.channels)
         self._channels = {
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }
         self._noticed: tuple[str, ...] = ()
-        self._detectors = tuple(
-            kind_of(part).detector(part, description.supply) for _, part in description.ordered
-        )
-        changer = description.tool_changer
-        self._tool = ToolDetector(changer) if changer else None
-        self._stand = (changer.stand_bit, changer.present_bit) if changer else None
-        bits = (changer.locked_bit, changer.unlocked_bit) if changer and description.interlocks.il_05 else ()
-        self._lock_bits = bits if all(bit in codec.channels for bit in bits) else ()
-        self._was_clear = False
-        self._vented = VentedDetector(description, codec)
-        self.supply = SupplyDetector(description.supply)
-        self.evidence = [Evidence.UNKNOWN] * len(self._detectors)
-        self.tool = ToolEvidence.UNCLEAR
-        self.vented, self.parked = False, False
         self.looked = 0
         """How often something may have changed."""
+        self._evidence_events = tuple(
+            {
+                level: Event(f"{channel}[{index}]", {f"evidence[{index}]": int(level)})
+                for level, channel in _EVIDENCE_CHANNELS.items()
+            }
+            for index in range(len(self.now.evidence))
+        )
+        self._tool_events = {
+            level: Event(f"tool_is[{int(level)}]", {"tool": int(level)}) for level in ToolEvidence
+        }
+
+    @property
+    def readings(self) -> Readings:
+        """The newest reading of each channel."""
+        return self.now.readings
+
+    @property
+    def supply(self) -> SupplyDetector:
+        """The supply pressure."""
+        return self.now.supply
+
+    @property
+    def evidence(self) -> tuple[Evidence, ...]:
+        """Of each actuator, in sequence order."""
+        return self.now.evidence
+
+    @property
+    def tool(self) -> ToolEvidence:
+        """What the bits of the tool changer prove."""
+        return self.now.tool
+
+    @property
+    def vented(self) -> bool:
+        """Whether nothing is gripped, as IL-01 asks it."""
+        return self.now.vented
+
+    @property
+    def parked(self) -> bool:
+        """Whether the tool is in its stand, or there is none (IL-02)."""
+        return self.now.parked
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Every event that a frame or its absence can lead to."""
+        evidence = (event for of_level in self._evidence_events for event in of_level.values())
+        return (*evidence, *self._tool_events.values())
 
     @property
     def levels(self) -> dict[str, int]:
         """Levels of the model that have no event: they are asked for when a command comes."""
-        return {"supply_ok": int(self.supply.ok), "vented": int(self.vented), "parked": int(self.parked)}
+        now = self.now
+        return {"supply_ok": int(now.supply.ok), "vented": int(now.vented), "parked": int(now.parked)}
 
     @property
     def conclusive(self) -> bool:
         """Whether every actuator is proven to be there or gone: enough to adopt."""
-        return all(level in (Evidence.GONE, Evidence.CONFIRMED) for level in self.evidence) and (
-            self._tool is None or self.tool is not ToolEvidence.UNCLEAR
-        )
+        return self.now.conclusive
 
     @property
     def refused(self) -> int:
@@ -104,37 +126,46 @@ class SensorSet:
         """The events of one frame that was accepted: what is lost before what is gone before what is confirmed,
         then by the sequence.
         """
-        judged = self._rules.judge(frame)
         events: list[Event] = []
-        if judged.rebooted:
-            self.readings.forget()
-            events = self._sample(frame.at)
-        self.readings.take(judged.frame)
-        for channel in judged.doubted:
-            self.readings.forget(channel)
-        return events + self._sample(frame.at)
+        if self._judge is None:  # nobody else looks at the state: it need not be copied
+            evidence, tool = self.now.evidence, self.now.tool
+            for _ in self.now.take(frame):
+                events += self._changed_from(evidence, tool)
+                evidence, tool = self.now.evidence, self.now.tool
+            return events
+        for state in self._judge.after(self.now, frame):
+            evidence, tool, self.now = self.now.evidence, self.now.tool, state
+            events += self._changed_from(evidence, tool)
+        return events
 
     def advance(self, at: int) -> list[Event]:
         """The events of readings that turned stale; call it at :meth:`deadline`."""
-        self.readings.idle()
-        return self._sample(at)
+        evidence, tool = self.now.evidence, self.now.tool
+        if self._judge is None:
+            self.now.wait(at)
+        else:
+            self.now = self.now.idle(at)
+        return self._changed_from(evidence, tool)
 
     def deadline(self, at: int) -> int | None:
         """µs of the next change without any frame."""
-        due = (self.readings.deadline(at), self._rules.deadline(at), self._stamps.deadline(at))
-        return min((time for time in due if time is not None), default=None)
+        due, ends = self.now.deadline(at), self._stamps.deadline(at)
+        return due if ends is None else ends if due is None else min(due, ends)
 
     def notices(self, at: int, *, held: bool) -> tuple[str, ...]:
         """What is wrong with the readings at ``at`` µs, in words.
 
         A link that is down, and an actuator of a held part without evidence, are told elsewhere.
         """
-        said = [*self.refusals(at), *self._rules.notices(at)]
-        if not self.readings.link_up(at):
+        said, readings = [*self.refusals(at), *self.now.doubts(at)], self.now.readings
+        if not readings.link_up(at):
+            return tuple(said)
+        stale = readings.stale(at)
+        lacking = [name for name in self._wanted if name in stale] if stale else []
+        if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
         unknown = self._unknown()
         told = {channel for name in unknown for channel in self._channels[name]} if held else set()
-        lacking = [name for name in self._wanted if self.readings.get(name, at) is None]
         if missing := [name for name in lacking if name not in told]:
             said.append(f"No valid reading of {', '.join(missing)}.")
         if not held and (anew := [name for name in unknown if not self._channels[name] & set(lacking)]):
@@ -148,42 +179,17 @@ class SensorSet:
 
     def _unknown(self) -> list[str]:
         """Actuators without evidence."""
-        pairs = zip(self._channels, self.evidence, strict=True)
+        pairs = zip(self._channels, self.now.evidence, strict=True)
         return [name for name, level in pairs if level is Evidence.UNKNOWN]
 
-    def _sample(self, at: int) -> list[Event]:
+    def _changed_from(self, evidence: tuple[Evidence, ...], tool: ToolEvidence) -> list[Event]:
+        """The events that say what is otherwise than it was."""
+        now, events = self.now, list[Event]()
         self.looked += 1
-        self.supply.sample(self.readings, at)
-        tool = self._tool.sample(self.readings, at) if self._tool else self.tool
-        self._was_clear = self._was_clear or tool is not ToolEvidence.UNCLEAR
-        too_early = self._was_clear and tool is ToolEvidence.UNCLEAR and self._lock_is_read(at)
-        events: list[tuple[int, Event]] = []
-        for index, detector in enumerate(self._detectors):
-            level = detector.sample(self.readings, at)
-            if level is Evidence.CONFIRMED and too_early:
-                # what follows a confirmation needs the lock (IL-05): after silence it is proven a little later
-                level = self.evidence[index]
-            if level is not self.evidence[index]:
-                self.evidence[index] = level
-                event = Event(f"{_EVIDENCE_CHANNELS[level]}[{index}]", {f"evidence[{index}]": int(level)})
-                events.append((_RANK.index(level), event))
-        said = [event for _, event in sorted(events, key=lambda each: each[0])]
-        if tool is not self.tool:
-            self.tool = tool
-            said.append(Event(f"tool_is[{int(tool)}]", {"tool": int(tool)}))
-        self.vented = self._vented.sample(self.readings, self.evidence, at)
-        self.parked = self._is_parked(at)
-        return said
-
-    def _lock_is_read(self, at: int) -> bool:
-        """Whether there are fresh readings of what IL-05 asks."""
-        return bool(self._lock_bits) and all(
-            self.readings.get(bit, at) is not None for bit in self._lock_bits
-        )
-
-    def _is_parked(self, at: int) -> bool:
-        """IL-02: in its stand, or there is none; without a fresh reading, neither."""
-        if self._stand is None:
-            return False
-        in_stand, present = (self.readings.get(bit, at) for bit in self._stand)
-        return in_stand is not None and (bool(in_stand) or present is False)
+        if now.evidence != evidence:
+            changed = [i for i, level in enumerate(now.evidence) if level is not evidence[i]]
+            changed.sort(key=lambda i: _RANK[now.evidence[i]])
+            events = [self._evidence_events[i][now.evidence[i]] for i in changed]
+        if now.tool is not tool:
+            events.append(self._tool_events[now.tool])
+        return events

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.description import Supply
+from end_effector_hal.kinds.stanza import Supply
 
 from ._readings import Readings
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 from end_effector_hal.codecs import Codec
@@ -30,11 +31,11 @@ class VentedDetector:
                 self._others.append(index)
         self._low = [Streak() for _ in self._vacuums]
 
-    def sample(self, readings: Readings, evidence: list[Evidence], at: int) -> bool:
+    def sample(self, readings: Readings, evidence: Sequence[Evidence], at: int) -> bool:
         """Whether it is so at ``at`` µs, with the evidence that goes with the same readings."""
         if self._changer is None:
             return False
-        vented = all(evidence[index] is Evidence.GONE for index in self._others)
+        vented = not [index for index in self._others if evidence[index] is not Evidence.GONE]
         for channel, low in zip(self._vacuums, self._low, strict=True):
             value = readings.get(channel, at)
             if value is None or readings.arrived(channel):

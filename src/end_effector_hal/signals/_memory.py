@@ -2,20 +2,24 @@
 
 A recording that begins in the middle needs it. Each class names in ``MEMORY`` the attributes that change while it
 works, with their types; everything else follows from the description. `PART` stands for objects that have a memory of
-their own: one, None, or a list, tuple or dict of them that is the same for the same description.
+their own: one, None, or a list, tuple or dict of them that is the same for the same description. `INLINE` is a `PART`
+whose memory stands among that of the object that has it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
 from end_effector_hal.errors import UsageError
 
 PART: Any = object()
+INLINE: Any = object()
+_CHANGED_IN_PLACE = (list, dict, deque, set)
 
 
 class Remembers(Protocol):
@@ -24,12 +28,60 @@ class Remembers(Protocol):
     MEMORY: ClassVar[dict[str, Any]]
 
 
+T = TypeVar("T", bound=Remembers)
+
+
 def memory_of(thing: Remembers) -> dict[str, Any]:
     """Plain data, the same for the same memory."""
     return {
-        name: _told(getattr(thing, name)) if kind is PART else _plain(kind, getattr(thing, name))
-        for name, kind in thing.MEMORY.items()
+        name: _told(getattr(owner, name)) if kind is PART else _plain(kind, getattr(owner, name))
+        for owner, name, kind in _remembered(thing)
     }
+
+
+def clone(thing: T) -> T:
+    """Another object that remembers the same: what one of the two goes through, the other does not.
+
+    What is in no memory is shared by both.
+    """
+    new = _copied(thing)
+    todo: list[Any] = [new]
+    while todo:
+        each = todo.pop()
+        for name, kind in each.MEMORY.items():
+            value = getattr(each, name)
+            if kind is not PART and kind is not INLINE:
+                if type(value) in _CHANGED_IN_PLACE:
+                    setattr(each, name, value.copy())
+            elif value is not None:
+                if isinstance(value, dict):
+                    fresh: Any = dict(zip(value, map(_copied, value.values()), strict=True))
+                    todo += fresh.values()
+                elif isinstance(value, list | tuple):
+                    fresh = type(value)(map(_copied, value))
+                    todo += fresh
+                else:
+                    fresh = _copied(value)
+                    todo.append(fresh)
+                setattr(each, name, fresh)
+    return new
+
+
+def _copied(thing: T) -> T:
+    """Another object with the very same parts."""
+    kind = type(thing)
+    new = kind.__new__(kind)
+    vars(new).update(vars(thing))
+    return new
+
+
+def same_memory(one: Remembers, other: Remembers) -> bool:
+    """Whether two objects of the same description remember the same."""
+    return all(
+        _same(getattr(one, name), getattr(other, name)) if kind is PART or kind is INLINE
+        else getattr(one, name) == getattr(other, name)
+        for name, kind in one.MEMORY.items()
+    )  # fmt: skip
 
 
 def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
@@ -38,11 +90,12 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
     Raises:
         UsageError: that is no memory of such an object; it may remember a part of it.
     """
-    found = _same_keys(memory, thing.MEMORY, where)
-    for name, kind in thing.MEMORY.items():
+    remembered = list(_remembered(thing))
+    found = _same_keys(memory, [name for _, name, _ in remembered], where)
+    for owner, name, kind in remembered:
         place = f"{where}.{name.lstrip('_')}"
         if kind is PART:
-            _recall_part(getattr(thing, name), found[name], place)
+            _recall_part(getattr(owner, name), found[name], place)
             continue
         try:
             value = _adapter(kind).validate_python(found[name])
@@ -50,7 +103,26 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
             raise UsageError(
                 f"A recorded state cannot be read: {place}: {error.errors()[0]['msg']}."
             ) from None
-        setattr(thing, name, value)
+        setattr(owner, name, value)
+
+
+def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, Any]]:
+    """Each attribute that is remembered, with the object that has it, and its type."""
+    for name, kind in thing.MEMORY.items():
+        if kind is INLINE:
+            yield from _remembered(getattr(thing, name))
+        else:
+            yield thing, name, kind
+
+
+def _same(one: Any, other: Any) -> bool:
+    if one is None or other is None:
+        return one is other
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, Mapping):
+        return one.keys() == other.keys() and all(_same(each, other[key]) for key, each in one.items())
+    return same_memory(one, other)
 
 
 def _told(part: Any) -> Any:

@@ -9,8 +9,6 @@ from end_effector_hal.recording import StatesLog, StatesRow
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 from timed_automata import Network, State, Trace
 
-__all__ = ["has_states", "states_of"]
-
 
 def has_states(network: Network) -> bool:
     """Whether a network has the variables that a recording is made of: ``ee``, ``command``, ``actuator[]``."""

@@ -12,7 +12,7 @@ from ._tables import (
     TableState,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, hint, is_name, printable
+from ._text import LONGEST_SENTENCE, escaped, hint, is_name, printable
 from ._time import to_s, to_us
 
 __all__ = [
@@ -33,6 +33,7 @@ __all__ = [
     "TableState",
     "ToolEvidence",
     "display_name",
+    "escaped",
     "hint",
     "is_name",
     "printable",

@@ -28,7 +28,7 @@ class LastWillStep(NamedTuple):
 
     def as_json(self) -> dict[str, object]:
         """As it stands in a message."""
-        return self._asdict()
+        return {"line": self.line, "level": self.level, "after_us": self.after_us}
 
 
 LastWill = tuple[LastWillStep, ...]
@@ -41,9 +41,11 @@ def read_last_will(steps: object) -> LastWill:
     Raises:
         UsageError: it is not valid; says which step and why.
     """
-    if not isinstance(steps, Iterable) or isinstance(steps, str | Mapping):
-        raise UsageError("a last will must be a list of steps.")
-    will = tuple(_step(i, step) for i, step in enumerate(steps))
+    if not isinstance(steps, list | tuple):
+        if not isinstance(steps, Iterable) or isinstance(steps, str | Mapping):
+            raise UsageError("a last will must be a list of steps.")
+        steps = list(steps)
+    will = tuple([_step(i, step) for i, step in enumerate(steps)])
     if len(will) > MOST_STEPS:
         raise UsageError(f"a last will has at most {MOST_STEPS} steps, this one has {len(will)}.")
     if any(a.after_us > b.after_us for a, b in pairwise(will)):
@@ -53,7 +55,7 @@ def read_last_will(steps: object) -> LastWill:
 
 def _step(i: int, given: Any) -> LastWillStep:
     try:
-        step = LastWillStep(**given) if isinstance(given, Mapping) else LastWillStep(*given)
+        step = LastWillStep(**given) if isinstance(given, dict | Mapping) else LastWillStep(*given)
     except TypeError:
         raise UsageError(f"step {i} of the last will is not {{line, level, after_us}}.") from None
     if not isinstance(step.line, str):

@@ -22,6 +22,11 @@ def printable(text: str, longest: int = LONGEST_SENTENCE) -> str:
     return "".join(each if each.isprintable() else " " if each.isspace() else "?" for each in text)
 
 
+def escaped(text: str) -> str:
+    """The text with escapes for what cannot be shown: for what was written by the reader, who is to find it."""
+    return "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
+
+
 def hint(word: str, known: Iterable[str]) -> str:
     """For a sentence about a name that is not known: " (did you mean …?)"; empty if no known one is near."""
     close = get_close_matches(word, [each for each in known if each], n=1)

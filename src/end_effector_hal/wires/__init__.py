@@ -1,7 +1,7 @@
 """The wires of an end-effector: lines (binary outputs) and links (sensor frames)."""
 
-from ._claim import Claim, program_name
-from ._clock import now_us
-from ._steady import be_steady
+from ._claim import Claim
+from ._clock import be_steady, now_us
+from ._processes import Holder, holders_of, program_name
 
-__all__ = ["Claim", "be_steady", "now_us", "program_name"]
+__all__ = ["Claim", "Holder", "be_steady", "holders_of", "now_us", "program_name"]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from end_effector_hal.errors import LineBusyError, WireError
 from end_effector_hal.vocabulary import printable
+from end_effector_hal.wires._processes import program_name
 
 
 class Claim:
@@ -60,17 +61,3 @@ class Claim:
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
-
-
-def program_name(pid: int | str = "self") -> str:
-    """How a process was called, for people; "?" when it has gone."""
-    try:
-        words = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
-    except OSError:
-        return "?"
-    text = [word.decode(errors="replace") for word in words if word]
-    if text and Path(text[0]).name.startswith("python") and len(text) > 1:
-        text = text[1:]
-    if text[:1] == ["-c"]:  # its code says nothing to people
-        text = ["python -c", *text[2:]]
-    return printable(" ".join([Path(text[0]).name, *text[1:3]]), 80) if text else "?"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import BoardError
-from end_effector_lab.demo import EEHAL, Child, Children
+from end_effector_lab.processes import EEHAL, Child, Children
 
 from ._root import write_root
 

@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import BoardError, UsageError
-from end_effector_hal.recording import read_run, read_states
-from end_effector_lab.demo import DemoScenario, Report, draw, fresh_folder, judge, replayed
+from end_effector_lab.demo import DemoScenario, Report, fresh_folder, report_on
 from end_effector_lab.testbench import edges_of, open_inputs
 
 from ._machine import run_board
 
 TOOL = "/opt/end-effector/tool/end_effector.yaml"
 PORTS = ("/dev/verdin-uart1", "/dev/ttymxc0")
-
-
-@dataclass(frozen=True)
-class Played:
-    """``report``: as of the demo; ``said``: by the job on the board."""
-
-    report: Report
-    said: str
 
 
 def need_its_wires(description: Description) -> None:
@@ -53,7 +44,7 @@ def play_on_board(
     ros: bool,
     figures: bool = True,
     while_running: Callable[[], None] = lambda: None,
-) -> Played:
+) -> Report:
     """Play it, bring the recording home, judge it by the pins that the testbench saw.
 
     Args:
@@ -96,15 +87,5 @@ def play_on_board(
     # links among its logs name places on the board
     shutil.copytree(recorded, folder, symlinks=True, dirs_exist_ok=True)
     shutil.rmtree(recorded)
-    return Played(
-        replace(judged(scenario, description, folder, figures=figures), seconds=ended.seconds), ended.output
-    )
-
-
-def judged(scenario: DemoScenario, description: Description, folder: Path, *, figures: bool) -> Report:
-    """The report on a recording that was brought home, by the pins that the testbench saw."""
-    log, info = read_states(folder / "states.csv"), read_run(folder)
-    if log.rows and figures:
-        draw(folder, log, info)
-    report = judge(scenario, description, log, info, edges_of(folder / "events"))
-    return replace(report, findings=(*report.findings, replayed(folder)), folder=folder)
+    report = report_on(scenario, description, folder, edges_of(folder / "events"), figures=figures)
+    return replace(report, seconds=ended.seconds)

@@ -6,16 +6,15 @@ import json
 import os
 import time
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from rich.console import Console
-from rich.status import Status
+
+from end_effector_lab.demo import StatusLine
 
 TAIL = 4096
 
 
-class BoardProgress:
+class BoardProgress(StatusLine):
     """One line that changes on a terminal, else one at the begin and one at the end.
 
     Args:
@@ -25,34 +24,20 @@ class BoardProgress:
     """
 
     def __init__(self, console: Console, title: str, events: Path) -> None:
-        self._console, self._title, self._events = console, title, events
-        self._begun = time.monotonic()
-        self._line: Status | None = None
+        super().__init__(console, title, "the emulated board starts")
+        self._events = events
 
-    def __enter__(self) -> Self:
-        text = f"{self._title}: the emulated board starts"
-        if self._console.is_terminal:
-            self._line = self._console.status(text)
-            self._line.start()
-        else:
-            self._console.print(text, highlight=False)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._line is not None:
-            self._line.stop()
-        self._console.print(self.text(), highlight=False)
+    def __exit__(self, *_: object) -> None:
+        super().__exit__()
+        self.console.print(f"{self.title}: {self.text()}", highlight=False)
 
     def update(self) -> None:
         """Show it as it is now."""
-        if self._line is not None:
-            self._line.update(self.text())
+        self.show(self.text())
 
     def text(self) -> str:
-        """For example ``nominal: 12.3 s of the board's time in 40 s``."""
-        return f"{self._title}: {self.board_s():.1f} s of the board's time in {time.monotonic() - self._begun:.0f} s"
+        """For example ``12.3 s of the board's time in 40 s``."""
+        return f"{self.board_s():.1f} s of the board's time in {time.monotonic() - self.begun:.0f} s"
 
     def board_s(self) -> float:
         """How long the board has run, in its own time."""

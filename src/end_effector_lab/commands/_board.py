@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from end_effector_hal.cli import PathName, end_in_order
 
-from ._demo import chosen, console, figures_wanted, json_option, no_figures_option, only_option
+from ._demo import chosen, console, figures_wanted, json_option, no_figures_option, only_option, tell
 
 
 @click.command("board", short_help="a scenario on an emulated Verdin, without hardware")
@@ -50,7 +49,6 @@ def command(
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
     from end_effector_lab.board import BoardProgress, board_parts, need_its_wires, play_on_board
-    from end_effector_lab.demo import print_table
 
     end_in_order()
     loaded = load_tool(description or profile_path())
@@ -66,7 +64,7 @@ def command(
     for scenario in picked:
         folder = output / f"board-{scenario.name}"
         with BoardProgress(progress, scenario.name, folder / "events") as shown:
-            played = play_on_board(
+            report = play_on_board(
                 scenario,
                 loaded,
                 parts,
@@ -75,10 +73,5 @@ def command(
                 figures=figures,
                 while_running=shown.update,
             )
-        reports.append(played.report)
-    if as_json:
-        click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
-    else:
-        print_table(console(), reports)
-    if not all(report.ok for report in reports):
-        raise click.exceptions.Exit(1)
+        reports.append(report)
+    tell(reports, as_json=as_json)

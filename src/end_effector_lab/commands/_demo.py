@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 from collections.abc import Sequence
 from functools import partial
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from end_effector_hal.description import Description
-    from end_effector_lab.demo import DemoScenario
+    from end_effector_lab.demo import DemoScenario, Report
 
 WIDTH = 120
 NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
@@ -37,6 +38,12 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print the re
 @click.command("demo", short_help="the three scenarios of the paper, with their figures")
 @click.argument("description", required=False, type=PathName())
 @click.option("--no-ros", is_flag=True, help="The same core, testbench and wires, without ROS.")
+@click.option(
+    "--ros",
+    type=click.Choice(["1", "2"]),
+    help="Which generation of ROS; default: the one of this environment.",
+)
+@click.option("--five", is_flag=True, help="ROS 2: a process for each node, as the paper draws them.")
 @click.option(
     "--all", "everything", is_flag=True, help="Also a cancel, a release that fails, unlock and lock."
 )
@@ -59,6 +66,8 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print the re
 def command(
     description: Path | None,
     no_ros: bool,
+    ros: str | None,
+    five: bool,
     everything: bool,
     only: tuple[str, ...],
     own_wires: bool,
@@ -68,16 +77,22 @@ def command(
 ) -> None:
     """Play the paper's three scenarios (Figs. 7, 8 and 9) and draw what was recorded.
 
-    For each of them a virtual chip, the line arbiter and the testbench are started, and with ROS a master, the
-    nodes of the launch file and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
+    For each of them a virtual chip, the line arbiter and the testbench are started, and with ROS the nodes, the
+    DataLogger and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
     the tool itself) is at their other end already. DESCRIPTION: default is the shipped tool. Exit code 1: a
     scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
-    from end_effector_lab.demo import print_table, run_demo, unplayable
+    from end_effector_lab.demo import Ros1, Ros2, WithoutRos, run_demo, unplayable
 
     end_in_order()
+    if no_ros and (ros or five):
+        raise UsageError("--no-ros goes with neither --ros nor --five.")
+    generation = ros or ("2" if five or importlib.util.find_spec("rclpy") else "1")
+    if five and generation == "1":
+        raise UsageError("--five is for ROS 2; in ROS 1 the nodes are five processes always.")
+    drive = WithoutRos() if no_ros else Ros2(five=five) if generation == "2" else Ros1()
     loaded = load_tool(description or profile_path())
     picked = chosen(loaded, only, everything=everything)
     if own_wires and len({scenario.bench for scenario in picked}) > 1:
@@ -92,12 +107,19 @@ def command(
             loaded,
             picked,
             output,
-            ros=not no_ros,
+            drive=drive,
             progress=progress,
             own_wires=own_wires,
             figures=figures_wanted(no_figures, progress),
         )
     )
+    tell(reports, as_json=as_json)
+
+
+def tell(reports: Sequence[Report], *, as_json: bool) -> None:
+    """Print the reports; the command ends with 1 when one of the scenarios did not tell its story."""
+    from end_effector_lab.demo import print_table
+
     if as_json:
         click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
     else:

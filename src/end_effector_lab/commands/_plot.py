@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -11,21 +10,8 @@ import click
 
 from end_effector_hal.cli import PathName, figures
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import (
-    Moment,
-    PressuresLog,
-    StatesLog,
-    Story,
-    read_alarms,
-    read_pressures,
-    read_run,
-    read_states,
-    read_story,
-)
-from end_effector_hal.verification.replay import missed_moments
-from end_effector_lab.figures import paper, save, timeline
-
-STYLES = ("timeline", "paper")
+from end_effector_hal.recording import read_story
+from end_effector_lab.figures import STYLES, RecordedRun, save
 
 
 @click.command("plot", short_help="draw a recorded run")
@@ -47,18 +33,13 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
         )
         raise UsageError("There is no recording here.", where=str(recording), todo=todo)
     styles = STYLES if style == "both" else (style,)
-    log = read_states(states)
-    info = read_run(states.parent)
+    run = RecordedRun.read(states)
     targets = {name: _targets(states, name, styles, output) for name in styles}
-    alarms = read_alarms(states.with_name("alarms.csv"))
-    pressures, notes = _pressures(states.with_name("pressures.csv"))
-    missed, more = missed_moments(states.parent)
     files: list[Path] = []
     for name, paths in targets.items():
-        figure = timeline(log, pressures, info, alarms, missed) if name == "timeline" else paper(log, info)
+        figure = run.figure(name)
         files += [save(figure, path) for path in paths]
-    notes = [note for note in (log.note, info.note, *info.gaps, *notes, *more) if note]
-    _report(log, read_story(log, info), missed, files, notes, as_json)
+    _report(run, files, as_json)
 
 
 def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | None) -> list[Path]:
@@ -77,25 +58,8 @@ def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | N
     return [output / f"{style}.{suffix}" for suffix in ("png", "svg")]
 
 
-def _pressures(path: Path) -> tuple[PressuresLog | None, list[str]]:
-    """A damaged file of pressures is reported and does not stop the figure of the states."""
-    if not path.exists():
-        return None, []
-    try:
-        pressures = read_pressures(path)
-    except UsageError as error:
-        return None, [f"{error} The pressures are not drawn."]
-    return pressures, [pressures.note]
-
-
-def _report(
-    log: StatesLog,
-    story: Story,
-    missed: Sequence[Moment],
-    files: list[Path],
-    notes: list[str],
-    as_json: bool,
-) -> None:
+def _report(run: RecordedRun, files: list[Path], as_json: bool) -> None:
+    story = read_story(run.log, run.info)
     if as_json:
         answer = {
             "verdict": story.verdict,
@@ -105,17 +69,17 @@ def _report(
                 {**asdict(release), "ended": release.ended.name if release.ended is not None else None}
                 for release in story.releases
             ],
-            "missed": [{"time_s": moment.time_s, "text": moment.text} for moment in missed],
-            "rows": len(log.rows),
+            "missed": [{"time_s": moment.time_s, "text": moment.text} for moment in run.missed],
+            "rows": len(run.log.rows),
             "files": [str(file) for file in files],
-            "notes": notes,
+            "notes": list(run.notes),
         }
         click.echo(json.dumps(answer, indent=2, ensure_ascii=False))
         return
     click.echo(story.verdict)
-    for moment in missed:
+    for moment in run.missed:
         click.echo(f"At {moment.time_s:.3f} s: {moment.text}")
     for file in files:
         click.echo(str(file))
-    for note in notes:
+    for note in run.notes:
         click.echo(f"Note: {note}", err=True)

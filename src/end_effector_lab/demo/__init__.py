@@ -1,37 +1,30 @@
 """The demo: the paper's scenarios played, recorded, judged and drawn, on real ROS or without it."""
 
-from ._child import Child
-from ._children import Children
-from ._demo import fresh_folder, run_demo
-from ._finding import LATEST_S, Finding, Measure
+from ._demo import fresh_folder, report_on, run_demo
+from ._drive import Drive, WithoutRos
 from ._judge import judge
-from ._pictures import draw
-from ._replayed import replayed
+from ._progress import StatusLine
 from ._report import Report
-from ._ros import need_ros
-from ._scenario import DemoScenario, Expected, Order
-from ._scenarios import culprit_of, scenarios, unplayable
+from ._ros1 import Ros1
+from ._ros2 import Ros2
+from ._scenario import DemoScenario, culprit_of, scenarios, unplayable
 from ._table import print_table
-from ._world import EEHAL
+from ._world import World
 
 __all__ = [
-    "EEHAL",
-    "LATEST_S",
-    "Child",
-    "Children",
     "DemoScenario",
-    "Expected",
-    "Finding",
-    "Measure",
-    "Order",
+    "Drive",
     "Report",
+    "Ros1",
+    "Ros2",
+    "StatusLine",
+    "WithoutRos",
+    "World",
     "culprit_of",
-    "draw",
     "fresh_folder",
     "judge",
-    "need_ros",
     "print_table",
-    "replayed",
+    "report_on",
     "run_demo",
     "scenarios",
     "unplayable",

@@ -12,17 +12,16 @@ from rich.console import Console
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import read_run, read_states, run_info
+from end_effector_hal.recording import run_info
+from end_effector_hal.wires.lines import Edge
+from end_effector_lab.figures import STYLES, RecordedRun, save
 
-from ._answers import answered
-from ._core import play_core
+from ._drive import Drive
 from ._judge import judge
-from ._pictures import draw
 from ._progress import Progress
-from ._replayed import replayed
 from ._report import Report
-from ._ros import need_ros, play_ros
 from ._scenario import DemoScenario
+from ._traces import answered, replayed
 from ._wires import read_edges
 from ._world import DESCRIPTION, LINES, World
 
@@ -32,7 +31,7 @@ def run_demo(
     scenarios: Sequence[DemoScenario],
     output: Path,
     *,
-    ros: bool,
+    drive: Drive,
     progress: Console,
     own_wires: bool = False,
     figures: bool = True,
@@ -43,7 +42,7 @@ def run_demo(
         description: the tool; it gets virtual lines and a pty, unless ``own_wires``.
         scenarios: what to play.
         output: gets a folder for each.
-        ros: through ROS, or through `EndEffector` in this process.
+        drive: how the tool is driven.
         progress: where the progress is shown.
         own_wires: on the lines and the port of the description; who stands at their other end plays the scenario.
         figures: draw them.
@@ -52,26 +51,40 @@ def run_demo(
         RosError: ROS is asked for and not there.
         ReportedError: a process does not start, or a folder cannot be written.
     """
-    if ros:
-        need_ros()
+    drive.check()
     for number, scenario in enumerate(scenarios, start=1):
         folder = fresh_folder(output / scenario.name)
         begun = time.monotonic()
-        info = run_info(description, scenario=scenario.bench, ros=ros)
+        info = run_info(description, scenario=scenario.bench, ros=drive.ros)
         title = f"[{number}/{len(scenarios)}] {scenario.name}"
         with (
             Progress(progress, title, folder / "states.csv", info),
             World(description, scenario.bench, folder, own_wires=own_wires) as world,
         ):
             info.write(folder)
-            (play_ros if ros else play_core)(scenario, world, folder)
-        log, info = read_states(folder / "states.csv"), read_run(folder)
-        if log.rows and figures:
-            draw(folder, log, info)
+            drive.play(world, scenario.script, scenario.longest_s(world.description))
         edges = None if own_wires else read_edges(folder / LINES)
-        report = judge(scenario, description, log, info, edges)
-        findings = (*report.findings, answered(folder), replayed(folder))
-        yield replace(report, findings=findings, folder=folder, seconds=time.monotonic() - begun)
+        report = report_on(scenario, description, folder, edges, figures=figures)
+        yield replace(report, seconds=time.monotonic() - begun)
+
+
+def report_on(
+    scenario: DemoScenario,
+    description: Description,
+    folder: Path,
+    edges: Sequence[Edge] | None,
+    *,
+    figures: bool,
+) -> Report:
+    """The report on a recording and its traces, which is drawn if ``figures``; see `judge`."""
+    run = RecordedRun.read(folder / "states.csv")
+    if run.log.rows and figures:
+        for style in STYLES:
+            figure = run.figure(style)
+            for suffix in ("png", "svg"):
+                save(figure, folder / f"{style}.{suffix}")
+    report = judge(scenario, description, run.log, run.info, edges)
+    return replace(report, findings=(*report.findings, answered(folder), replayed(folder)), folder=folder)
 
 
 def fresh_folder(folder: Path) -> Path:

@@ -2,66 +2,107 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from rich.console import Console
 from rich.status import Status
 
+from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import recorded_kind
-from end_effector_hal.recording import RunInfo
-from end_effector_hal.vocabulary import display_name
+from end_effector_hal.recording import RunInfo, StatesLog, StatesRow, read_states
+from end_effector_hal.vocabulary import EndEffectorState, display_name
 
-from ._last_state import last_row
+
+def last_row(path: Path) -> tuple[StatesLog, StatesRow] | None:
+    """The recording and its newest whole row; None: nothing is there yet."""
+    if not path.exists() or os.path.getsize(path) == 0:
+        return None
+    try:
+        log = read_states(path)
+    except UsageError:
+        return None  # its header is being written
+    return (log, log.rows[-1]) if log.rows else None
+
+
+def last_state(path: Path) -> EndEffectorState | None:
+    """The newest state of the end-effector; None: nothing is there yet."""
+    found = last_row(path)
+    return found[1].end_effector if found else None
+
 
 PERIOD_S = 0.2
 
 
-class Progress:
-    """Follows the recording of one scenario while it is played.
+class StatusLine:
+    """A line that changes, where the console is a terminal; elsewhere it is printed once.
 
     Args:
         console: where it is shown.
-        title: such as ``[1/3] nominal``.
+        title: what it begins with, such as ``[1/3] nominal``.
+        begin: what it says at first.
+    """
+
+    def __init__(self, console: Console, title: str, begin: str) -> None:
+        self.console, self.title, self._begin = console, title, begin
+        self._line: Status | None = None
+        self.begun = time.monotonic()
+
+    def __enter__(self) -> Self:
+        text = f"{self.title}: {self._begin}"
+        if self.console.is_terminal:
+            self._line = self.console.status(text)
+            self._line.start()
+        else:
+            self.console.print(text, highlight=False)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._line is not None:
+            self._line.stop()
+
+    def show(self, text: str) -> bool:
+        """Change it; False where that is not possible."""
+        if self._line is None:
+            return False
+        self._line.update(f"{self.title}: {text}")
+        return True
+
+
+class Progress(StatusLine):
+    """Follows the recording of one scenario while it is played.
+
+    Args:
+        console, title: see `StatusLine`.
         states: the recording.
         info: kinds of its actuators, for their words.
     """
 
     def __init__(self, console: Console, title: str, states: Path, info: RunInfo) -> None:
-        self._console, self._title, self._states, self._info = console, title, states, info
-        self._line: Status | None = None
-        self._end = threading.Event()
         self._doing = "starting"
+        super().__init__(console, title, self._doing)
+        self._states, self._info = states, info
+        self._end = threading.Event()
         self._thread = threading.Thread(target=self._follow, name="progress", daemon=True)
-        self._begun = time.monotonic()
 
     def __enter__(self) -> Self:
-        if self._console.is_terminal:
-            self._line = self._console.status(f"{self._title}: starting")
-            self._line.start()
-        else:
-            self._console.print(f"{self._title}: starting", highlight=False)
+        super().__enter__()
         self._thread.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._end.set()
         self._thread.join()
-        if self._line is not None:
-            self._line.stop()
+        super().__exit__()
 
     def _follow(self) -> None:
         while not self._end.wait(PERIOD_S):
             doing = self.describe()
-            if self._line is not None:
-                self._line.update(f"{self._title}: {doing}  {time.monotonic() - self._begun:.0f} s")
-            elif doing != self._doing:
-                self._console.print(f"{self._title}: {doing}", highlight=False)
+            if not self.show(f"{doing}  {time.monotonic() - self.begun:.0f} s") and doing != self._doing:
+                self.console.print(f"{self.title}: {doing}", highlight=False)
             self._doing = doing
 
     def describe(self) -> str:

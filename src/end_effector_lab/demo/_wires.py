@@ -12,7 +12,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import StatesLog
 from end_effector_hal.wires.lines import ChipLog, Edge
 
-from ._finding import Finding
+from ._report import Finding
 
 
 class Switch(NamedTuple):

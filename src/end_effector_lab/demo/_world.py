@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from contextlib import suppress
 from pathlib import Path
 from tempfile import mkdtemp
-from types import TracebackType
 from typing import Self
 
 from ruamel.yaml import YAML
 
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import ArbiterError, LinkError, UsageError
-
-from ._children import Children
+from end_effector_lab.processes import EEHAL, Children
 
 DESCRIPTION = "end_effector.yaml"
 LINES = "lines.log"
 START_S = 60.0  # a limit, for small and busy machines
-EEHAL = (sys.executable, "-c", "from end_effector_hal.cli import main; main()")
 
 
 class World:
@@ -31,17 +27,32 @@ class World:
         bench: scenario of the testbench.
         folder: receives the logs and the description that is used.
         own_wires: leave lines and link as they are; who stands at their other end plays the scenario.
+        events: the testbench writes edges and frames into this file of the folder; empty: it does not.
+
+    Attributes:
+        folder: of the run.
+        place: for sockets and ptys; it goes with the world.
+        description_path: the description that is used, in the folder.
+        description: the same, loaded.
+        children: what was started.
+        arbiter, testbench: two of them.
     """
 
     def __init__(
-        self, description: Description, bench: str, folder: Path, *, own_wires: bool = False
+        self,
+        description: Description,
+        bench: str,
+        folder: Path,
+        *,
+        own_wires: bool = False,
+        events: str = "",
     ) -> None:
-        self._bench, self._folder, self._own_wires = bench, folder, own_wires
+        self.folder, self._bench, self._own_wires, self._events = folder, bench, own_wires, events
         # a socket's path may be 108 bytes long only: not in the run folder
-        self._place = Path(mkdtemp(prefix="eehal-demo-"))
-        self.chip = self._place / "chip"
-        self.socket = self._place / "owner.sock"
-        self.port = self._place / "uart"
+        self.place = Path(mkdtemp(prefix="eehal-demo-"))
+        self.chip = self.place / "chip"
+        self.socket = self.place / "owner.sock"
+        self.port = self.place / "uart"
         self.children = Children()
         self.description_path = folder / DESCRIPTION
         self.description = (
@@ -59,9 +70,7 @@ class World:
             raise
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._end()
 
     def choose(self, bench: str) -> None:
@@ -73,24 +82,27 @@ class World:
         )
 
     def _start(self) -> None:
-        path = str(self.description_path)
+        path, start = str(self.description_path), self.children.start
         if not self._own_wires:
-            self._start_testbench(path)
-        owner = self.children.start(
-            "line arbiter", [*EEHAL, "arbiter", path], log=self._folder / "owner.log", failed=ArbiterError
+            more = ["--events", str(self.folder / self._events)] if self._events else []
+            self.testbench = start(
+                "testbench",
+                [*EEHAL, "testbench", path, "--scenario", self._bench, *more],
+                log=self.folder / "testbench.log",
+                failed=LinkError,
+                commands=True,
+            )
+            self.testbench.wait_until(
+                lambda: "ready:" in self.testbench.text(), timeout_s=START_S, what="it was ready"
+            )
+        self.arbiter = start(
+            "line arbiter",
+            [*EEHAL, "arbiter", path],
+            log=self.folder / "owner.log",
+            failed=ArbiterError,
+            outlives_us=True,
         )
-        owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
-
-    def _start_testbench(self, path: str) -> None:
-        testbench = self.children.start(
-            "testbench",
-            [*EEHAL, "testbench", path, "--scenario", self._bench],
-            log=self._folder / "testbench.log",
-            failed=LinkError,
-            commands=True,
-        )
-        testbench.wait_until(lambda: "ready:" in testbench.text(), timeout_s=START_S, what="it was ready")
-        self.testbench = testbench
+        self.arbiter.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 
     def _written(self) -> Description:
         """The description as every process of this run reads it."""
@@ -110,5 +122,5 @@ class World:
     def _end(self) -> None:
         self.children.end()
         with suppress(OSError):
-            shutil.move(self.chip, self._folder / LINES)
-        shutil.rmtree(self._place, ignore_errors=True)
+            shutil.move(self.chip, self.folder / LINES)
+        shutil.rmtree(self.place, ignore_errors=True)

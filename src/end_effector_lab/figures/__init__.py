@@ -1,6 +1,5 @@
 """The figures of runs and of automata; matplotlib is imported only when one is drawn."""
 
-from ._draw import paper, save, timeline
-from .automata import draw_template
+from ._draw import STYLES, RecordedRun, draw_template, paper, save, timeline
 
-__all__ = ["draw_template", "paper", "save", "timeline"]
+__all__ = ["STYLES", "RecordedRun", "draw_template", "paper", "save", "timeline"]

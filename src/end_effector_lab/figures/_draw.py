@@ -2,15 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import AlarmRow, Moment, PressuresLog, RunInfo, StatesLog
+from end_effector_hal.recording import (
+    AlarmRow,
+    Moment,
+    PressuresLog,
+    RunInfo,
+    StatesLog,
+    read_alarms,
+    read_pressures,
+    read_run,
+    read_states,
+)
+from end_effector_hal.verification.replay import missed_moments
+from timed_automata import Template
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+STYLES = ("timeline", "paper")
+
+
+@dataclass(frozen=True)
+class RecordedRun:
+    """All of a recording that figures show.
+
+    Attributes:
+        missed: what the monitor would have decided, and the program did not.
+        notes: what could not be read, in sentences.
+    """
+
+    log: StatesLog
+    info: RunInfo
+    alarms: Sequence[AlarmRow]
+    pressures: PressuresLog | None
+    missed: Sequence[Moment]
+    notes: tuple[str, ...]
+
+    @classmethod
+    def read(cls, states: Path) -> RecordedRun:
+        """Read ``states.csv`` and what stands beside it; raises UsageError when the states cannot be read."""
+        log, info = read_states(states), read_run(states.parent)
+        alarms = read_alarms(states.with_name("alarms.csv"))
+        pressures, note = _pressures(states.with_name("pressures.csv"))
+        missed, more = missed_moments(states.parent)
+        notes = tuple(note for note in (log.note, info.note, *info.gaps, note, *more) if note)
+        return cls(log, info, alarms, pressures, missed, notes)
+
+    def figure(self, style: str) -> Figure:
+        """In one of `STYLES`; raises UsageError for a recording without a row."""
+        if style == "paper":
+            return paper(self.log, self.info)
+        return timeline(self.log, self.pressures, self.info, self.alarms, self.missed)
+
+
+def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
+    """A damaged file of pressures is reported and does not stop the figure of the states."""
+    if not path.exists():
+        return None, ""
+    try:
+        pressures = read_pressures(path)
+    except UsageError as error:
+        return None, f"{error} The pressures are not drawn."
+    return pressures, pressures.note
 
 
 def timeline(
@@ -27,7 +86,7 @@ def timeline(
     Raises UsageError for a recording without a row.
     """
     _need_rows(log)
-    from end_effector_lab.figures._timeline import draw
+    from ._timeline import draw
 
     return draw(log, pressures, info or RunInfo(), alarms, moments)
 
@@ -38,14 +97,29 @@ def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:
     Raises UsageError for a recording without a row.
     """
     _need_rows(log)
-    from end_effector_lab.figures._paper import draw
+    from ._paper import draw
 
     return draw(log, info or RunInfo())
 
 
+def draw_template(template: Template, constants: Mapping[str, object] | None = None) -> Figure:
+    """A template where its file says: locations, edges through their nails, labels in UPPAAL's colours.
+
+    Args:
+        template: of a document.
+        constants: by name; those that the template mentions are told under its name.
+
+    Raises:
+        UsageError: it would be too large to be drawn.
+    """
+    from .automata import draw
+
+    return draw(template, constants or {})
+
+
 def save(figure: Figure, path: str | Path) -> Path:
     """Save as PNG or SVG, by the suffix; the same figure gives the same bytes. Raises UsageError."""
-    from end_effector_lab.figures._save import write
+    from ._save import write
 
     return write(figure, Path(path))
 

@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from end_effector_hal.recording import RunInfo, Story
-from end_effector_lab.figures._labels import height_of, width_of, wrapped
-from end_effector_lab.figures._page import EDGE_IN, WIDTH_IN
-from end_effector_lab.figures._style import FILLS, MUTED, plain
+
+from ._labels import height_of, packed, width_of, wrapped
+from ._page import EDGE_IN, WIDTH_IN
+from ._style import FILLS, MUTED, plain
 
 TITLE, SUBTITLE, LEGEND = 13.5, 9.5, 9.5
 _SWATCH_IN = 0.14
@@ -25,23 +26,21 @@ class Heading:
 
     @property
     def subtitle_at(self) -> float:
-        """The upper edge of the subtitle."""
         return EDGE_IN + height_of(TITLE) * len(self.title) + 0.06
 
     @property
     def legend_at(self) -> float:
-        """The middle of the legend."""
         return self.subtitle_at + height_of(SUBTITLE) * len(self.subtitle) + 0.25
 
     @property
     def height_in(self) -> float:
-        """Where the events begin."""
         return self.legend_at + 0.3
 
 
 def heading_of(story: Story, info: RunInfo, width: float) -> Heading:
     """The heading of a recording; no line wider than ``width`` inches."""
-    return Heading(wrapped(story.verdict, TITLE, "bold", width), _packed(sources(info), width))
+    title = wrapped(story.verdict, TITLE, "bold", width)
+    return Heading(title, packed(sources(info), "  ·  ", SUBTITLE, "normal", width))
 
 
 def sources(info: RunInfo) -> list[str]:
@@ -60,17 +59,6 @@ def sources(info: RunInfo) -> list[str]:
         "simulated" if simulated else "not simulated",
     ]
     return [part.strip() for part in parts if part]
-
-
-def _packed(parts: list[str], width: float) -> list[str]:
-    lines: list[str] = []
-    for part in parts:
-        longer = f"{lines[-1]}  ·  {part}" if lines else part
-        if lines and width_of(longer, SUBTITLE) <= width:
-            lines[-1] = longer
-        else:
-            lines.append(part)
-    return lines
 
 
 def draw_heading(figure: Figure, heading: Heading, left: float) -> None:

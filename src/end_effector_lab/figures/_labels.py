@@ -38,7 +38,6 @@ class Box:
     y1: float
 
     def meets(self, other: Box) -> bool:
-        """Whether the two share any area."""
         return self.x0 < other.x1 and other.x0 < self.x1 and self.y0 < other.y1 and other.y0 < self.y1
 
     def meets_line(self, start: Point, end: Point) -> bool:
@@ -55,7 +54,6 @@ class Box:
         return enter < leave
 
     def within(self, outer: Box) -> bool:
-        """Whether it lies inside of another."""
         return outer.x0 <= self.x0 and self.x1 <= outer.x1 and outer.y0 <= self.y0 and self.y1 <= outer.y1
 
 
@@ -77,7 +75,6 @@ class Sheet:
         return range(int(low // self._COLUMN_IN), int(high // self._COLUMN_IN) + 1)
 
     def free(self, box: Box) -> bool:
-        """Whether nothing is there."""
         columns = self._columns(box.x0, box.x1)
         if any(box.meets(other) for column in columns for other in self._boxes.get(column, ())):
             return False
@@ -98,12 +95,10 @@ class Sheet:
         return any(_cross(start, end, *line) for c in columns for line in self._lines.get(c, {}).values())
 
     def take(self, box: Box) -> None:
-        """Words stand there."""
         for column in self._columns(box.x0, box.x1):
             self._boxes.setdefault(column, []).append(box)
 
     def take_line(self, start: Point, end: Point) -> None:
-        """A line runs there."""
         key = tuple(round(value * 100) for value in (*start, *end))
         for column in self._columns(start[0], end[0]):
             self._lines.setdefault(column, {}).setdefault(key, (start, end))
@@ -136,13 +131,18 @@ def spread(wanted: Sequence[float], heights: Sequence[float], low: float, high: 
 
 def wrapped(text: str, size: float, weight: str, width: float) -> list[str]:
     """The text in lines no wider than ``width``; a single word may be wider."""
+    return packed(text.split(), " ", size, weight, width)
+
+
+def packed(parts: Iterable[str], between: str, size: float, weight: str, width: float) -> list[str]:
+    """Parts in lines no wider than ``width``, with ``between`` between two on a line; a single part may be wider."""
     lines: list[str] = []
-    for word in text.split():
-        longer = f"{lines[-1]} {word}" if lines else word
+    for part in parts:
+        longer = f"{lines[-1]}{between}{part}" if lines else part
         if lines and width_of(longer, size, weight) <= width:
             lines[-1] = longer
         else:
-            lines.append(word)
+            lines.append(part)
     return lines
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from matplotlib.axes import Axes
 
 from end_effector_hal.recording import PressuresLog, StatesLog
-from end_effector_lab.figures._labels import width_of, wrapped
-from end_effector_lab.figures._style import plain
+
+from ._labels import width_of, wrapped
+from ._style import plain
 
 WIDTH_IN, EDGE_IN = 12.27, 0.2
 NAME = 10.5
@@ -28,14 +29,18 @@ class Page:
         return (at_s - self.start_s) / (self.end_s - self.start_s) * self.width
 
     def seconds(self, x: float) -> float:
-        """The other way round."""
         return self.start_s + x / self.width * (self.end_s - self.start_s)
+
+
+def span_of(log: StatesLog) -> tuple[float, float]:
+    """From where a figure begins to the last row, seconds; zero is shown unless the first row is far from it."""
+    first, last = log.rows[0].time_s, log.rows[-1].time_s
+    return 0.0 if first <= 0.25 * last else first, last
 
 
 def page_of(log: StatesLog, pressures: PressuresLog | None, words_in: float) -> Page:
     """The page for a recording; ``words_in``: inches of the words right of the pressures."""
-    first, last = log.rows[0].time_s, log.rows[-1].time_s
-    start = 0.0 if first <= 0.25 * last else first
+    start, last = span_of(log)
     end = last + max(0.04 * (last - start), 0.1)
     if pressures is not None and pressures.samples:
         end = max(end, min(pressures.times_s[-1], end + 0.5 * (end - start)))

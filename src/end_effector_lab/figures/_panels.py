@@ -11,8 +11,9 @@ from matplotlib.ticker import MaxNLocator
 from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import PressuresLog, RunInfo
 from end_effector_hal.vocabulary import display_name
-from end_effector_lab.figures._labels import height_of, spread, width_of
-from end_effector_lab.figures._style import BAND, BAND_INK, CURVES, SUPPLY
+
+from ._labels import height_of, spread, width_of
+from ._style import BAND, BAND_INK, CURVES, SUPPLY
 
 HEIGHT_IN = 1.1
 TEXT = 9.0

@@ -10,7 +10,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from end_effector_hal.errors import UsageError
-from end_effector_lab.figures._style import drawing
+
+from ._style import drawing
 
 DPI = 120
 

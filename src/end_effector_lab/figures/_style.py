@@ -72,7 +72,6 @@ def kind_of(state: TableState) -> str:
 
 
 def fill_of(state: TableState) -> str:
-    """The colour of a state."""
     return FILLS.get(kind_of(state), NOTHING)
 
 

@@ -10,15 +10,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from end_effector_hal.recording import AlarmRow, Moment, PressuresLog, RunInfo, StatesLog, read_story
-from end_effector_lab.figures._bars import draw_lane
-from end_effector_lab.figures._events import FOOT_IN, ROW_IN, Event, place_events
-from end_effector_lab.figures._heading import draw_heading, heading_of
-from end_effector_lab.figures._lanes import GAP_IN, Lane, lanes_of, write_lane
-from end_effector_lab.figures._marks import draw_events, line_of, lined
-from end_effector_lab.figures._page import EDGE_IN, WIDTH_IN, Page, page_of
-from end_effector_lab.figures._panels import HEIGHT_IN, Panel, draw_panel, labels_width, panels_of
-from end_effector_lab.figures._save import DPI
-from end_effector_lab.figures._style import RULE, drawing
+
+from ._events import FOOT_IN, ROW_IN, Event, draw_events, line_of, lined, place_events
+from ._heading import draw_heading, heading_of
+from ._lanes import GAP_IN, Lane, draw_lane, lanes_of, write_lane
+from ._page import EDGE_IN, WIDTH_IN, Page, page_of
+from ._panels import HEIGHT_IN, Panel, draw_panel, labels_width, panels_of
+from ._save import DPI
+from ._style import RULE, drawing
 
 _PANEL_GAP_IN, _AXIS_IN = 0.16, 0.62
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
+from random import Random
 
 from end_effector_hal.description import Description
 from end_effector_hal.description import ToolChanger as Changer
@@ -11,13 +11,92 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Kind, Value
 
-from ._noise import Noise
-from ._parse import TOOL_CHANGER, device_physics, parse_scenario
-from ._scenario import Scenario
-from ._station import Station
-from ._wire import disturbed
+from ._scenario import TOOL_CHANGER, Effect, Scenario, device_physics, did_you_mean, parse_scenario
 from .physics import Device, Plant, Supply, Valve
 
+
+class Noise:
+    """Numbers that depend on the seed and on what they are for, never on how often somebody asked.
+
+    Args:
+        seed: any integer.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
+
+    def normal(self, what: str, at: int) -> float:
+        """A standard normal number for ``what`` at ``at`` (µs)."""
+        return self.random(f"{what} {at}").gauss(0.0, 1.0)
+
+    def between(self, what: str, low: int, high: int) -> int:
+        """A whole number in ``low..high`` that belongs to ``what``."""
+        return self.random(what).randint(low, high)
+
+    def random(self, what: str) -> Random:
+        """A generator of its own for ``what``."""
+        return Random(f"{self._seed} {what}")
+
+
+class Station:
+    """Turns the level of a line into what the device's valve does, under an :class:`Effect`.
+
+    Args:
+        device: what the line drives.
+        active: level at the start, which has stood long enough for the device to have settled.
+        effect: what is wrong with it.
+    """
+
+    def __init__(self, device: Device, *, active: bool = False, effect: Effect | None = None) -> None:
+        self.device = device
+        self.active = active
+        self.effect = effect or Effect()
+        self.due: int | None = None  # µs, when what is held will be lost
+        self._activations = 0
+        self._works = active
+        device.leak(self.effect.leak_l_min, self.effect.leak_grows_l_min_s)
+        device.settle(active)
+        self._expect_loss(device.now)
+
+    def line(self, active: bool, at: int) -> None:
+        """The line has this level from ``at`` (µs) on."""
+        if active == self.active:
+            return
+        self.active = active
+        if active:
+            self._activations += 1
+            self._works = self._activations > self.effect.dead_activations
+        self._drive(at)
+
+    def suffer(self, effect: Effect, at: int) -> None:
+        """Have another fault from ``at`` (µs) on; an activation that had its effect keeps it."""
+        self.effect, self._activations = effect, 0
+        if self.active and not self._works:
+            self._activations = 1
+            self._works = effect.dead_activations < 1
+        self.device.leak(effect.leak_l_min, effect.leak_grows_l_min_s)
+        self._drive(at)
+
+    def lose(self) -> None:
+        """Lose what is held; it was ``due``."""
+        if self.due is not None:
+            self.device.lose(self.due)
+            self.due = None
+
+    def _drive(self, at: int) -> None:
+        if self.active:
+            self.device.command(self._works, at)
+        elif not (self.effect.stuck and self._works):
+            self.device.command(False, at)
+            self._works = False
+        self._expect_loss(at)
+
+    def _expect_loss(self, at: int) -> None:
+        after = self.effect.lost_after_us
+        self.due = at + after if after is not None and self.active and self._works else None
+
+
+LONGEST_BURST = 16
 NOISE_KPA = 0.1
 BOOT_US = 300_000
 
@@ -88,9 +167,9 @@ class Bench:
         """
         station = self._by_line.get(name)
         if station is None:
-            close = get_close_matches(name, self._by_line, n=1)
-            todo = f"Did you mean {close[0]!r}?" if close else f"There are: {', '.join(self._by_line)}."
-            raise UsageError(f"nothing hangs on a line named {name!r}.", todo=todo)
+            raise UsageError(
+                f"nothing hangs on a line named {name!r}.", todo=did_you_mean(name, self._by_line)
+            )
         self._advance(at)
         station.line(level, at)
 
@@ -205,3 +284,30 @@ class Bench:
     def _supply_kpa(self) -> float:
         kpa = self.scenario.supply_kpa
         return self._description.supply.nominal_kpa if kpa is None else kpa
+
+
+def disturbed(data: bytes, scenario: Scenario, random: Random, *, babble: bool = False) -> bytes:
+    """``data`` as it arrives; ``babble``: as many random bytes instead of it."""
+    if babble:
+        return random.randbytes(len(data))
+    if scenario.bursts and random.random() < scenario.bursts:
+        data = _burst(data, random)
+    if scenario.noise:
+        data = bytes(b ^ random.randint(1, 255) if random.random() < scenario.noise else b for b in data)
+    if scenario.flips:
+        data = bytes(b ^ _flips(scenario.flips, random) for b in data)
+    if scenario.dropped:
+        data = bytes(b for b in data if random.random() >= scenario.dropped)
+    if scenario.doubled:
+        data = b"".join(bytes([b]) * (1 + (random.random() < scenario.doubled)) for b in data)
+    return data
+
+
+def _burst(data: bytes, random: Random) -> bytes:
+    length = random.randint(2, LONGEST_BURST)
+    start = random.randrange(max(1, len(data) - length))
+    return data[:start] + random.randbytes(len(data[start : start + length])) + data[start + length :]
+
+
+def _flips(rate: float, random: Random) -> int:
+    return sum(1 << bit for bit in range(8) if random.random() < rate)

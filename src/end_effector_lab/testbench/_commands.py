@@ -1,13 +1,48 @@
-"""What can be told to a running testbench, on its standard input."""
+"""What a running testbench is told on standard input, and what it says on standard output."""
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 
 from end_effector_hal.errors import UsageError
 
-from ._voice import Voice
+
+class Voice:
+    """Says a line at a time, at once; when nobody reads any more it goes on in silence.
+
+    Args:
+        as_json: each line is a JSON object.
+    """
+
+    def __init__(self, *, as_json: bool = False) -> None:
+        self._as_json = as_json
+
+    def say(self, text: str, **fields: object) -> None:
+        """``text`` for people, ``fields`` for programs."""
+        line = json.dumps(fields, separators=(",", ":")) if self._as_json else text
+        self._write(line, 1)
+
+    def refuse(self, text: str) -> None:
+        """To standard error (with JSON: ``{"refused": …}`` to standard output)."""
+        if self._as_json:
+            self._write(json.dumps({"refused": text}), 1)
+        else:
+            self._write(f"refused: {text}", 2)
+
+    def _write(self, line: str, fd: int) -> None:
+        stream = sys.stdout if fd == 1 else sys.stderr
+        if stream is None:  # it was closed when the program was started
+            return
+        try:
+            stream.write(line + "\n")
+            stream.flush()
+        except OSError:  # the buffer keeps its content: let it go where it does no harm
+            silence = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(silence, fd)
+            os.close(silence)
 
 
 class Commands:
@@ -21,20 +56,6 @@ class Commands:
 
     def __init__(self, voice: Voice, choose: Callable[[str], None], end: Callable[[], None]) -> None:
         self._voice, self._choose, self._end = voice, choose, end
-        self._rest = b""
-
-    def read(self, fd: int) -> bool:
-        """Obey what is there; False at its end."""
-        try:
-            data = os.read(fd, 4096)
-        except OSError:  # a terminal in which another program is in front
-            return False
-        *lines, self._rest = (self._rest + data).split(b"\n")
-        if not data:
-            lines, self._rest = [self._rest], b""
-        for line in lines:
-            self.obey(line.decode(errors="replace").strip())
-        return bool(data)
 
     def obey(self, line: str) -> None:
         """One command; an empty one does nothing."""
@@ -50,3 +71,16 @@ class Commands:
                 raise UsageError(f"there is no command {line!r}.", todo="There are: scenario TEXT, quit.")
         except UsageError as error:
             self._voice.refuse(str(error))
+
+
+def lines_of(fd: int) -> Iterator[str]:
+    """The lines that come, until their end; the last may lack its end."""
+    data, rest = b"-", b""
+    while data:
+        try:
+            data = os.read(fd, 4096)
+        except OSError:  # a terminal in which another program is in front
+            return
+        *lines, rest = (rest + data).split(b"\n")
+        for line in lines if data else [rest]:
+            yield line.decode(errors="replace").strip()

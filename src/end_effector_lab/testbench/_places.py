@@ -6,13 +6,9 @@ from end_effector_hal.codecs import codec_of, parity_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 
-from ._gpio_inputs import GpioInputs
-from ._inputs import LineInputs, VirtualInputs
-from ._parse import TOOL_CHANGER
 from ._ports import Port, PtyPort, SerialPort
-from ._qemu_inputs import QemuInputs
-from ._sim_inputs import GpioSimInputs
-from .virtio_gpio import VirtioGpioInputs
+from ._scenario import TOOL_CHANGER
+from .inputs import GpioInputs, GpioSimInputs, LineInputs, QemuInputs, VirtioGpioInputs, VirtualInputs
 
 RPI3 = {TOOL_CHANGER: "GPIO19", "bottom": "GPIO16", "cylinder": "GPIO26", "top": "GPIO20"}
 """Board pins 35 to 38 of a Raspberry Pi, by the channel that proves the actuator on the line."""

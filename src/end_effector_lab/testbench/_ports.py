@@ -62,11 +62,9 @@ class SerialPort:
         self._serial: serial.Serial | None = None
 
     def open(self) -> None:
-        """Open the device; raises LinkError."""
         self._serial = open_port(self.text, self._baudrate, parity=self._parity, write_timeout_s=0.5)
 
     def send(self, data: bytes) -> int:
-        """Send; see `Port.send`."""
         if self._serial is not None:
             try:
                 self._serial.write(data)
@@ -77,7 +75,6 @@ class SerialPort:
         return len(data) * _BITS_PER_BYTE * 1_000_000 // self._baudrate
 
     def receive(self, wait_s: float) -> bytes:
-        """Receive; see `Port.receive`."""
         if self._serial is None:
             return b""
         try:
@@ -86,7 +83,6 @@ class SerialPort:
             raise LinkError(f"the port has gone: {error}.", where=self.text) from error
 
     def close(self) -> None:
-        """Close the device."""
         if self._serial is not None:
             self._serial.close()
 
@@ -103,7 +99,6 @@ class PtyPort:
         self._pair: PtyPair | None = None
 
     def open(self) -> None:
-        """Make pty and link; raises LinkError."""
         with suppress(OSError):  # then the pair says why
             Path(self.text).parent.mkdir(parents=True, exist_ok=True)
         self._pair = PtyPair(self.text)
@@ -115,11 +110,9 @@ class PtyPort:
         return 0
 
     def receive(self, wait_s: float) -> bytes:
-        """Receive; see `Port.receive`."""
         return self._pair.read() if self._pair is not None and _readable(self._pair.fileno(), wait_s) else b""
 
     def close(self) -> None:
-        """Remove link and pty."""
         if self._pair is not None:
             self._pair.close()
 

@@ -37,7 +37,6 @@ class TextFile:
             raise self._error(error) from error
 
     def close(self) -> None:
-        """End the file."""
         with suppress(OSError):  # said already
             self._file.close()
 
@@ -55,11 +54,9 @@ class Events(TextFile):
     """
 
     def line(self, name: str, level: bool, at: int, seen: int) -> None:
-        """An edge."""
         self._entry(at=at, seen=seen, line=name, level=int(level))
 
     def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
-        """A frame."""
         self._entry(at=at, frame=seq, sent=sent, values=dict(values))
 
     def _entry(self, **fields: object) -> None:
@@ -84,7 +81,6 @@ class Record(TextFile):
     _start: int | None = None
 
     def frame(self, at: int, values: Mapping[str, Value]) -> None:
-        """A row."""
         if self._start is None:
             self._start = at
             self.write(",".join(["time_s", *values]))

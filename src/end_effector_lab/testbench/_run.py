@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-import selectors
 import signal
 import sys
-from collections.abc import Callable, Iterator
+import threading
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
+from functools import partial
 from pathlib import Path
+from queue import SimpleQueue
 from types import FrameType
 
 from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.signals import Value
 
-from ._clock import clock_of
-from ._commands import Commands
-from ._inputs import LineInputs
-from ._mail import Mail
+from ._commands import Commands, Voice, lines_of
 from ._ports import Port
 from ._records import Events, Record
-from ._testbench import Testbench
-from ._voice import Voice
+from ._testbench import Testbench, Watcher
+from .inputs import LineInputs
 
 _ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
@@ -29,27 +30,17 @@ def run_testbench(
     inputs: LineInputs,
     port: Port,
     *,
-    scenario: str = "nominal",
-    seed: int = 0,
-    verbose: bool = False,
-    as_json: bool = False,
-    events: str | Path | None = None,
-    record: str | Path | None = None,
+    scenario: str,
+    seed: int,
+    verbose: bool,
+    as_json: bool,
+    events: Path | None,
+    record: Path | None,
 ) -> None:
-    """Run until SIGTERM, SIGINT, SIGHUP or the command ``quit``; in the main thread.
+    """Run a `Testbench` until SIGTERM, SIGINT, SIGHUP or the command ``quit``; in the main thread.
 
-    Says ``ready: …`` when lines are seen and frames sent; reads commands from standard input (`Commands`).
-
-    Args:
-        description: of the tool; its link names the codec.
-        inputs: where the lines are seen.
-        port: where the frames go.
-        scenario: what goes wrong.
-        seed: of the chance in it.
-        verbose: say each edge.
-        as_json: say everything as JSON.
-        events: file for edges and frames, JSON lines (`Events`).
-        record: file for what the sensors really showed, CSV (`Record`).
+    Says ``ready: …`` when lines are seen and frames sent, and each edge if ``verbose``; reads commands from standard
+    input (`Commands`), and writes the files of `Events` and `Record`.
 
     Raises:
         UsageError: something that was given cannot be used.
@@ -59,12 +50,9 @@ def run_testbench(
     with ExitStack() as stack:
         written = stack.enter_context(closing(Events(events))) if events else None
         recorded = stack.enter_context(closing(Record(record))) if record else None
-        mail = stack.enter_context(closing(Mail(voice if verbose else None, written, recorded)))
+        mail = Mail(voice if verbose else None, written, recorded)
         stack.enter_context(_signals(mail.end))
-        bench = Testbench(
-            description, inputs, port, scenario=scenario, seed=seed, watcher=mail, clock=clock_of(inputs)
-        )
-        with bench:
+        with Testbench(description, inputs, port, scenario=scenario, seed=seed, watcher=mail) as bench:
             hertz = 1e6 / bench.codec.period_us
             voice.say(
                 f"ready: {description.name}, scenario {scenario}, lines {inputs.text}, port {port.text}, "
@@ -76,24 +64,18 @@ def run_testbench(
                 codec=bench.codec.name,
                 hertz=hertz,
             )
-            _serve(mail, Commands(voice, bench.choose, mail.end))
+            commands = Commands(voice, bench.choose, mail.end)
+            threading.Thread(target=_listen, args=(commands, mail), name="commands", daemon=True).start()
+            mail.serve()
         mail.deliver()
         if mail.error:
             raise mail.error
 
 
-def _serve(mail: Mail, commands: Commands) -> None:
-    """Deliver mail and obey standard input, until the end."""
-    with selectors.PollSelector() as selector:
-        selector.register(mail, selectors.EVENT_READ)
-        if sys.stdin is not None:
-            selector.register(sys.stdin.fileno(), selectors.EVENT_READ, commands)
-        while not mail.ended:
-            for key, _ in selector.select():
-                if key.data is None:
-                    mail.deliver()
-                elif not commands.read(key.fd):
-                    selector.unregister(key.fd)
+def _listen(commands: Commands, mail: Mail) -> None:
+    """Have each line of standard input obeyed."""
+    for line in lines_of(sys.stdin.fileno()) if sys.stdin is not None else ():
+        mail.post(partial(commands.obey, line))
 
 
 @contextmanager
@@ -110,3 +92,55 @@ def _signals(end: Callable[[], None]) -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+class Mail(Watcher):
+    """What is told in the threads is done in the main one: a slow terminal or disk holds up no frame.
+
+    Args:
+        voice: says each edge; None: it does not.
+        events: written on each edge and frame.
+        record: written on each frame.
+    """
+
+    def __init__(self, voice: Voice | None, events: Events | None, record: Record | None) -> None:
+        self._voice, self._events, self._record = voice, events, record
+        self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self.ended = False
+        self.error: ReportedError | None = None
+
+    def line(self, name: str, level: bool, at: int, seen: int) -> None:
+        if events := self._events:
+            self.post(lambda: events.line(name, level, at, seen))
+        if voice := self._voice:
+            text = f"{at / 1e6:.6f} {name} {'active' if level else 'inactive'}"
+            self.post(lambda: voice.say(text, at=at, line=name, level=level))
+
+    def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
+        if events := self._events:
+            self.post(lambda: events.frame(at, seq, values, sent))
+        if record := self._record:
+            self.post(lambda: record.frame(at, values))
+
+    def failed(self, error: ReportedError) -> None:
+        self.error = error
+        self.end()
+
+    def end(self) -> None:
+        """End the program; may be called in a signal handler."""
+        self.ended = True
+        self.post(lambda: None)
+
+    def post(self, task: Callable[[], None]) -> None:
+        """Have something done in the main thread."""
+        self._queue.put(task)
+
+    def serve(self) -> None:
+        """Do what is posted, in its order, until the end."""
+        while not self.ended:
+            self._queue.get()()
+
+    def deliver(self) -> None:
+        """Do what has been posted and is not done yet."""
+        while not self._queue.empty():
+            self._queue.get()()

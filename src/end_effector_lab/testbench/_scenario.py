@@ -1,71 +1,230 @@
-"""What goes wrong, as data."""
+"""What goes wrong, as data; the faults that a scenario can name, a row each; and how its text is read."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from typing import Any
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+
+from .physics import ACTUATOR, CHANGER, LEAKS, PRESSURE, Device, ToolChanger, physics_of
 
 NEVER = 10**9
 
 
 @dataclass(frozen=True)
 class Effect:
-    """What is wrong with one device."""
+    """What is wrong with one device; `FAULTS` says what it means. Times count from the choice of the scenario."""
 
     dead_activations: int = 0
-    """So many activations, counted from the choice of the scenario, have no effect."""
     stuck: bool = False
-    """Its valve does not close again."""
     leak_l_min: float = 0.0
-    """Leak at 60 kPa of vacuum."""
+    """At 60 kPa of vacuum."""
     leak_grows_l_min_s: float = 0.0
-    """So much more of it with each second of suction."""
     lost_after_us: int | None = None
-    """What is held is lost so long after the activation; the line stays active."""
+    """After the activation; the line stays active."""
     invalid: bool = False
-    """Its pressure is marked as invalid on the link."""
     shows_kpa: float | None = None
-    """Its sensor shows this gauge pressure, whatever is there."""
     frozen_after_us: int | None = None
-    """So long after the choice of the scenario its sensor stays at what it shows."""
     swapped: bool = False
-    """Its sensor is exchanged with that of the next actuator of the sequence."""
     locked_shows: bool | None = None
-    """The tool changer's sensor of "locked" shows this, whatever is there."""
     unlocked_shows: bool | None = None
-    """The same of "unlocked"."""
     stand_shows: bool | None = None
-    """The same of the tool's stand."""
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """What is wrong with a whole bench; made of text by :func:`parse_scenario`."""
+    """What is wrong with a whole bench, as for `Effect`; made of text by `parse_scenario`. Shares are of 1."""
 
     text: str = "nominal"
     effects: Mapping[str, Effect] = field(default_factory=dict)
     silent_after_us: int | None = None
-    """The link falls silent so long after the choice of the scenario."""
     babble_after_us: int | None = None
-    """So long after the choice of the scenario the link carries nothing but random bytes."""
     reboot_after_us: int | None = None
-    """So long after the choice of the scenario the device that sends restarts, once."""
     noise: float = 0.0
-    """Share of the bytes on the link that are changed."""
     flips: float = 0.0
-    """Share of the bits on the link that are turned over."""
     bursts: float = 0.0
-    """Share of the frames on the link of which up to sixteen bytes in a row are changed."""
     dropped: float = 0.0
-    """Share of the bytes on the link that are lost."""
     doubled: float = 0.0
-    """Share of the bytes on the link that come twice."""
     supply_kpa: float | None = None
-    """Regulated supply pressure; ``None``: the description's nominal one."""
+    """Regulated; None: the description's nominal one."""
     tool_present: bool = True
     in_stand: bool = True
     estop_ok: bool = True
 
     def effect(self, device: str) -> Effect:
-        """What is wrong with a device."""
         return self.effects.get(device, Effect())
+
+
+ANY = ACTUATOR, CHANGER
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number in a fault's text, with its limits; ``default``: it may be left out; ``whole``: no fraction."""
+
+    name: str
+    low: float
+    high: float
+    default: float | None = None
+    whole: bool = False
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A kind of fault.
+
+    Args:
+        name: as it stands in a scenario, ``name[:actuator][:number]``.
+        meaning: a phrase for people.
+        changes: field of :class:`Effect` (or of :class:`Scenario`) and value, from the number.
+        on: traits of devices, one of which it takes; empty: it concerns the whole bench.
+        number: what else is to be given.
+    """
+
+    name: str
+    meaning: str
+    changes: Callable[[float], Mapping[str, object]]
+    on: tuple[str, ...] = ()
+    number: Number | None = None
+
+    @property
+    def usage(self) -> str:
+        """``leak:<actuator>[:<l_min>]``."""
+        text = self.name + (":<actuator>" if self.on else "")
+        if self.number is None:
+            return text
+        return text + (
+            f"[:<{self.number.name}>]" if self.number.default is not None else f":<{self.number.name}>"
+        )
+
+
+RATE = Number("rate", 0, 1)
+BIT = Number("bit", 0, 1, whole=True)
+
+
+def _micros(seconds: float) -> int:
+    return round(seconds * 1e6)
+
+
+FAULTS: tuple[Fault, ...] = (
+    Fault("nominal", "nothing is wrong", lambda _: {}),
+    Fault("fails-once", "its first activation has no effect", lambda _: {"dead_activations": 1}, ANY),
+    Fault("fails", "its first activations have no effect", lambda n: {"dead_activations": int(n)}, ANY,
+          Number("times", 1, 1000, whole=True)),
+    Fault("never-confirms", "no activation has any effect", lambda _: {"dead_activations": NEVER}, ANY),
+    Fault("stuck-release", "its feedback stays after the deactivation", lambda _: {"stuck": True}, ANY),
+    Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, (LEAKS,),
+          Number("l_min", 0.1, 2000, default=4.0)),
+    Fault("leak-grows", "its leak grows by so much in each second: weak, and lost in the end",
+          lambda q: {"leak_grows_l_min_s": q}, (LEAKS,), Number("l_min_s", 0.01, 100, default=1.0)),
+    Fault("lost-after", "what it holds is lost, so long after the activation",
+          lambda s: {"lost_after_us": _micros(s)}, (ACTUATOR,), Number("seconds", 0.001, 86400)),
+    Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, (PRESSURE,)),
+    Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, (PRESSURE,),
+          Number("kpa", -110, 800)),
+    Fault("frozen-after", "its sensor stays at what it shows", lambda s: {"frozen_after_us": _micros(s)}, (PRESSURE,),
+          Number("seconds", 0, 86400)),
+    Fault("swapped", "its sensor is exchanged with the next actuator's", lambda _: {"swapped": True}, (PRESSURE,)),
+    Fault("locked-shows", "its sensor of locked shows this bit, whatever is there",
+          lambda b: {"locked_shows": bool(b)}, (CHANGER,), BIT),
+    Fault("unlocked-shows", "its sensor of unlocked shows this bit, whatever is there",
+          lambda b: {"unlocked_shows": bool(b)}, (CHANGER,), BIT),
+    Fault("stand-shows", "the sensor of the tool's stand shows this bit, wherever the tool is",
+          lambda b: {"stand_shows": bool(b)}, (CHANGER,), BIT),
+    Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
+          number=Number("kpa", 0, 2000)),
+    Fault("silent-after", "the link falls silent", lambda s: {"silent_after_us": _micros(s)},
+          number=Number("seconds", 0, 86400)),
+    Fault("babble-after", "the link carries random bytes only", lambda s: {"babble_after_us": _micros(s)},
+          number=Number("seconds", 0, 86400)),
+    Fault("reboot-after", "the device that sends restarts", lambda s: {"reboot_after_us": _micros(s)},
+          number=Number("seconds", 0, 86400)),
+    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r}, number=RATE),
+    Fault("flips", "this share of the bits on the link is turned over", lambda r: {"flips": r}, number=RATE),
+    Fault("bursts", "of this share of the frames some bytes in a row are changed", lambda r: {"bursts": r},
+          number=RATE),
+    Fault("lost-bytes", "this share of the bytes on the link is lost", lambda r: {"dropped": r}, number=RATE),
+    Fault("doubled-bytes", "this share of the bytes on the link comes twice", lambda r: {"doubled": r},
+          number=RATE),
+    Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
+    Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
+    Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
+)  # fmt: skip
+
+
+TOOL_CHANGER = "tool_changer"
+
+
+def device_physics(description: Description) -> dict[str, type[Device]]:
+    """How each device behaves that a fault can concern: ``tool_changer``, then the actuators."""
+    changer: dict[str, type[Device]] = {TOOL_CHANGER: ToolChanger} if description.tool_changer else {}
+    return changer | {name: physics_of(actuator.kind) for name, actuator in description.ordered}
+
+
+def parse_scenario(text: str, description: Description) -> Scenario:
+    """A scenario from faults with commas between them, such as ``leak:top_vacuum,silent-after:5``.
+
+    Raises:
+        UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the
+            actuator cannot have, or two faults that contradict each other.
+    """
+    physics = device_physics(description)
+    whole: dict[str, Any] = {}
+    devices: dict[str, dict[str, Any]] = {}
+    for part in (each.strip() for each in text.split(",")):
+        fault, device, number = _read(part, physics)
+        changed = devices.setdefault(device, {}) if device else whole
+        for key, value in fault.changes(number).items():
+            if changed.get(key, value) != value:
+                raise UsageError(f"scenario {text!r}: {part!r} contradicts what stands before it.")
+            changed[key] = value
+    effects = {device: replace(Effect(), **changed) for device, changed in devices.items()}
+    return replace(Scenario(text=text, effects=effects), **whole)
+
+
+def _read(part: str, physics: Mapping[str, type[Device]]) -> tuple[Fault, str, float]:
+    """Fault, device (empty: none) and number (NaN: none) of one part."""
+    name, *values = part.split(":")
+    fault = next((fault for fault in FAULTS if fault.name == name), None)
+    if fault is None:
+        raise UsageError(
+            f"no fault is named {name!r}.", todo=did_you_mean(name, [fault.name for fault in FAULTS])
+        )
+    device = ""
+    if fault.on:
+        device = values.pop(0) if values else ""
+        if device not in physics:
+            what = f"{part!r}: no actuator is named {device!r}." if device else f"{part!r} names no actuator."
+            raise UsageError(what, todo=did_you_mean(device, physics))
+        if physics[device].traits.isdisjoint(fault.on):
+            raise UsageError(f"{part!r}: {device} cannot have this fault.")
+    number = _number(part, values, fault.number) if fault.number else math.nan
+    if values:
+        raise UsageError(f"{part!r} has too many parts.", todo=f"Expected: {fault.usage}.")
+    return fault, device, number
+
+
+def _number(part: str, values: list[str], number: Number) -> float:
+    if not values and number.default is not None:
+        return number.default
+    try:
+        value = float(values.pop(0))
+    except (ValueError, IndexError):
+        value = math.nan
+    if not number.low <= value <= number.high or (number.whole and not value.is_integer()):
+        kind = "a whole number" if number.whole else "a number"
+        expected = f"Expected: {number.name}, {kind} from {number.low:g} to {number.high:g}."
+        raise UsageError(f"{part!r} needs a number.", todo=expected)
+    return value
+
+
+def did_you_mean(wrong: str, right: Iterable[str]) -> str:
+    """What to do about a name that is not known."""
+    names = list(right)
+    close = get_close_matches(wrong, names, n=1, cutoff=0.5)
+    return f"Did you mean {close[0]!r}?" if close else f"There are: {', '.join(names)}."

@@ -11,11 +11,10 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.signals import Value
 
 from ._bench import Bench
-from ._clock import Clock, Monotonic
-from ._inputs import LineInputs
-from ._parse import parse_scenario
 from ._ports import Port
+from ._scenario import parse_scenario
 from ._sensor_board import SensorBoard, Sent
+from .inputs import Clock, LineInputs, clock_of
 
 RECEIVE_S = 0.1
 
@@ -43,7 +42,7 @@ class Testbench:
         scenario: what goes wrong.
         seed: of the chance in it.
         watcher: is told what happens.
-        clock: of the machine at the other end; default: this machine's.
+        clock: of the machine at the other end; default: what `clock_of` says.
 
     Raises:
         UsageError: scenario or codec cannot be used.
@@ -63,7 +62,7 @@ class Testbench:
         clock: Clock | None = None,
     ) -> None:
         self._description, self._inputs, self._port = description, inputs, port
-        self._clock = clock or Monotonic()
+        self._clock = clock or clock_of(inputs)
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
         self.codec: Codec = codec_of(description)

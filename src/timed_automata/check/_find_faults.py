@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from timed_automata.document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template, Text
-from timed_automata.errors import ModelError
+from timed_automata.document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
+from timed_automata.errors import Diagnostic, ModelError
 from timed_automata.network import Given, Network, make_network
 from timed_automata.queries import compile_clock, compile_formula, compile_integer, parse_query
 
@@ -54,54 +54,41 @@ def _query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
 
 def _place(where: str) -> _Place:
     """Line and column of ``file:line:column``."""
-    parts = where.rsplit(":", 2)
-    if len(parts) == 3 and parts[1].isdigit() and parts[2].isdigit():
-        return int(parts[1]), int(parts[2])
-    return 0, 0
-
-
-def _covers(text: Text, place: _Place) -> bool:
-    return _place(text.where(0)) <= place <= _place(text.where(len(text.content)))
+    found = Diagnostic.at("", where, "")
+    return found.line, found.column
 
 
 def _without(document: Document, place: _Place) -> Document | None:
     """The document without the label at a place; None: no label is there."""
-    for number, template in enumerate(document.templates):
-        changed = _template_without(template, place)
-        if changed is not None:
-            templates = document.templates
-            return replace(document, templates=(*templates[:number], changed, *templates[number + 1 :]))
-    return None
+    templates = tuple(_template_without(template, place) for template in document.templates)
+    return None if templates == document.templates else replace(document, templates=templates)
 
 
-def _template_without(template: Template, place: _Place) -> Template | None:
-    for number, location in enumerate(template.locations):
-        changed = _location_without(location, place)
-        if changed is not None:
-            locations = template.locations
-            return replace(template, locations=(*locations[:number], changed, *locations[number + 1 :]))
-    for number, edge in enumerate(template.edges):
-        kind = _kind_at(edge.labels, place)
-        if kind is not None:
-            edges = template.edges
-            # without what it selects, the other labels of an edge have no meaning
-            kept = () if kind == "select" else (_edge_without(edge, kind),)
-            return replace(template, edges=(*edges[:number], *kept, *edges[number + 1 :]))
-    return None
+def _template_without(template: Template, place: _Place) -> Template:
+    edges = (_edge_without(edge, place) for edge in template.edges)
+    return replace(
+        template,
+        locations=tuple(_location_without(location, place) for location in template.locations),
+        edges=tuple(edge for edge in edges if edge is not None),
+    )
 
 
-def _location_without(location: DrawnLocation, place: _Place) -> DrawnLocation | None:
-    if location.name is not None and _covers(location.name.text, place):
-        return replace(location, name=None)
-    kind = _kind_at(location.labels, place)
-    if kind is None:
-        return None
-    return replace(location, labels={key: label for key, label in location.labels.items() if key != kind})
+def _location_without(location: DrawnLocation, place: _Place) -> DrawnLocation:
+    name = None if location.name is None or _covers(location.name, place) else location.name
+    return replace(location, name=name, labels=_labels_without(location.labels, place))
 
 
-def _edge_without(edge: DrawnEdge, kind: str) -> DrawnEdge:
-    return replace(edge, labels={key: label for key, label in edge.labels.items() if key != kind})
+def _edge_without(edge: DrawnEdge, place: _Place) -> DrawnEdge | None:
+    labels = _labels_without(edge.labels, place)
+    if "select" in edge.labels.keys() - labels.keys():
+        return None  # without what it selects, the other labels of an edge have no meaning
+    return replace(edge, labels=labels)
 
 
-def _kind_at(labels: Mapping[str, Label], place: _Place) -> str | None:
-    return next((kind for kind, label in labels.items() if _covers(label.text, place)), None)
+def _labels_without(labels: Mapping[str, Label], place: _Place) -> dict[str, Label]:
+    return {kind: label for kind, label in labels.items() if not _covers(label, place)}
+
+
+def _covers(label: Label, place: _Place) -> bool:
+    text = label.text
+    return _place(text.where(0)) <= place <= _place(text.where(len(text.content)))

@@ -7,6 +7,8 @@ from ._conditions import (
     Quantity,
     Relation,
     Values,
+    clock_constraint,
+    clock_term,
     compile_condition,
     number_of,
 )
@@ -26,13 +28,12 @@ from ._scope import (
     Storage,
     Symbol,
 )
-from ._statements import Statements
-from ._terms import IndexedTerm, StorageTerm, Term
+from ._statements import Statements, Updates
 from ._types import Type
-from ._updates import Updates
-from ._values import Value
+from ._values import COMPARISONS, IndexedTerm, StorageTerm, Term, Value
 
 __all__ = [
+    "COMPARISONS",
     "Alias",
     "Bound",
     "ChannelSymbol",
@@ -59,6 +60,8 @@ __all__ = [
     "Updates",
     "Value",
     "Values",
+    "clock_constraint",
+    "clock_term",
     "compile_condition",
     "flatten",
     "number_of",

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, NoReturn
 
 from timed_automata.compiler._expressions import Expressions
-from timed_automata.compiler._scope import ClockSymbol
-from timed_automata.compiler._terms import IndexedTerm
+from timed_automata.compiler._values import IndexedTerm
 from timed_automata.document import Span, fault, refused
-from timed_automata.language import ast, walk
+from timed_automata.language import ast
 
 Values = Sequence[int]
-Quantity = int | Callable[[Values], int]  # a number, or a function of the values
+Quantity = int | Callable[..., int]  # a number, or a function of the discrete state
 Relation = Literal["<", "<=", "==", ">=", ">"]
 
 
@@ -54,13 +53,13 @@ class ClockConstraint:
             return Bound(self.clock, self.op, self.bound)
         return None
 
-    def at(self, values: Values) -> Bound:
-        """The constraint in a discrete state."""
+    def at(self, *state: Values) -> Bound:
+        """The constraint in a discrete state: its values, and for a query its locations."""
         clock, bound = self.clock, self.bound
         return Bound(
-            clock if isinstance(clock, int) else clock(values),
+            clock if isinstance(clock, int) else clock(*state),
             self.op,
-            bound if isinstance(bound, int) else bound(values),
+            bound if isinstance(bound, int) else bound(*state),
         )
 
 
@@ -89,18 +88,12 @@ _FLIPPED: dict[str, Relation] = {"<": ">", "<=": ">=", "==": "==", ">=": "<=", "
 Part = tuple[Expressions, ast.Expression]
 
 
-def mentions_clock(expressions: Expressions, node: ast.Expression) -> bool:
-    """Whether a clock occurs anywhere in an expression."""
-    names = (each.name for each in walk(node) if isinstance(each, ast.Name))
-    return any(isinstance(expressions.scope.find(name), ClockSymbol) for name in names)
-
-
 def _parts(expressions: Expressions, node: ast.Expression) -> Iterator[Part]:
     """The parts of a conjunction, each with its scope; forall over clocks is written out."""
     if isinstance(node, ast.Binary) and node.op == "&&":
         yield from _parts(expressions, node.left)
         yield from _parts(expressions, node.right)
-    elif isinstance(node, ast.Quantified) and node.kind == "forall" and mentions_clock(expressions, node):
+    elif isinstance(node, ast.Quantified) and node.kind == "forall" and expressions.mentions_clock(node):
         low, high = expressions.bounds(node.type)
         for value in range(low, high + 1):
             yield from _parts(expressions.binding(node.variable, value), node.body)
@@ -117,7 +110,7 @@ def _refuse(expressions: Expressions, node: ast.Expression) -> NoReturn:
         case ast.Binary(op="!="):
             construct = "'!=' on a clock"
         case ast.Binary(op="<" | "<=" | "==" | ">=" | ">", left=left, right=right):
-            both = mentions_clock(expressions, left) and mentions_clock(expressions, right)
+            both = expressions.mentions_clock(left) and expressions.mentions_clock(right)
             difference = any(isinstance(side, ast.Binary) and side.op == "-" for side in (left, right))
             construct = "a diagonal constraint" if both or difference else "arithmetic with a clock"
             todo = "Compare each clock with a number." if both or difference else todo
@@ -132,13 +125,12 @@ def _refuse(expressions: Expressions, node: ast.Expression) -> NoReturn:
     raise refused(node.span, f"'{node.span.snippet}', {construct}", todo)
 
 
-def _clock(expressions: Expressions, node: ast.Expression) -> IndexedTerm | None:
-    if not isinstance(node, ast.Name | ast.Index):
-        return None
-    base: ast.Expression = node
+def clock_term(expressions: Expressions, node: ast.Expression) -> IndexedTerm | None:
+    """A single clock; None: the expression is something else."""
+    base = node
     while isinstance(base, ast.Index):
         base = base.base
-    if not isinstance(base, ast.Name) or not isinstance(expressions.scope.find(base.name), ClockSymbol):
+    if not expressions.is_clock(base):
         return None
     term = expressions.term(node)
     if not isinstance(term, IndexedTerm) or term.type.dimensions:
@@ -146,20 +138,21 @@ def _clock(expressions: Expressions, node: ast.Expression) -> IndexedTerm | None
     return term
 
 
-def _constraint(expressions: Expressions, node: ast.Expression) -> ClockConstraint:
+def clock_constraint(expressions: Expressions, node: ast.Expression) -> ClockConstraint | None:
+    """A clock that is compared with a number; None: the expression is something else."""
     if not isinstance(node, ast.Binary) or node.op not in _RELATIONS:
-        _refuse(expressions, node)
-    term, op, bound = _clock(expressions, node.left), _RELATIONS[node.op], node.right
+        return None
+    term, op, bound = clock_term(expressions, node.left), _RELATIONS[node.op], node.right
     if term is None:
-        term, op, bound = _clock(expressions, node.right), _FLIPPED[node.op], node.left
-    if term is None or mentions_clock(expressions, bound):
-        _refuse(expressions, node)
+        term, op, bound = clock_term(expressions, node.right), _FLIPPED[node.op], node.left
+    if term is None or expressions.mentions_clock(bound):
+        return None
     expressions.effects.reads.add(term.name)
     value = expressions.integer(bound)
     return ClockConstraint(
         clock=number_of(expressions, term),
         op=op,
-        bound=value.known if value.known is not None else _function(expressions, value.source),
+        bound=value.known if value.known is not None else expressions.function_of(value.source),
         clocks=term.possible,
         low=value.low,
         high=value.high,
@@ -169,11 +162,7 @@ def _constraint(expressions: Expressions, node: ast.Expression) -> ClockConstrai
 
 def number_of(expressions: Expressions, term: IndexedTerm) -> Quantity:
     """The number of a clock or a channel."""
-    return _function(expressions, term.source) if term.computed else term.possible.start
-
-
-def _function(expressions: Expressions, source: str) -> Quantity:
-    return expressions.code.expression("v, r=None", source)
+    return expressions.function_of(term.source) if term.computed else term.possible.start
 
 
 def compile_condition(expressions: Expressions, node: ast.Expression, what: str) -> Condition:
@@ -186,8 +175,8 @@ def compile_condition(expressions: Expressions, node: ast.Expression, what: str)
     data: list[str] = []
     never = False
     for inner, part in _parts(expressions, node):
-        if mentions_clock(inner, part):
-            clocks.append(_constraint(inner, part))
+        if inner.mentions_clock(part):
+            clocks.append(clock_constraint(inner, part) or _refuse(inner, part))
             continue
         value = inner.value(part)
         if value.known is None:
@@ -196,5 +185,5 @@ def compile_condition(expressions: Expressions, node: ast.Expression, what: str)
     if expressions.effects.writes:
         changed = ", ".join(sorted(expressions.effects.writes))
         raise fault(node.span, f"The {what} '{node.span.snippet}' changes {changed}.")
-    function = expressions.code.expression("v, r=None", " and ".join(data)) if data else None
+    function = expressions.function_of(" and ".join(data)) if data else None
     return Condition(function, never, tuple(clocks))

@@ -37,17 +37,10 @@ class GeneratedCode:
         """Scalars and elements of arrays that were declared so far."""
         self.parts = 0
         """Locations and edges that were made so far."""
-        self.names: dict[str, Any] = {
-            "_range": self._range,
-            "_index": self._index,
-            "_div": self._div,
-            "_mod": self._mod,
-            "_shl": self._shl,
-            "_shr": self._shr,
-            "_endless": self._endless,
-            "_missing": self._missing,
-            "__builtins__": {each.__name__: each for each in (all, any, enumerate, max, min, range, sum)},
-        }
+        called = ("_range", "_index", "_div", "_mod", "_shl", "_shr", "_endless", "_missing")
+        builtins = {each.__name__: each for each in (all, any, enumerate, max, min, range, sum)}
+        self.names: dict[str, Any] = {name: getattr(self, name) for name in called}
+        self.names["__builtins__"] = builtins
 
     def name(self, prefix: str) -> str:
         """A Python name that is used nowhere else."""

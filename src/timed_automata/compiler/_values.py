@@ -1,4 +1,4 @@
-"""Compiled values and the operators on them: source, interval, and the result itself where it is known.
+"""What expressions stand for, and the operators on values: source, interval, and the result where it is known.
 
 The interval shows which checks cannot fail; they are left out.
 """
@@ -7,6 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import eq, ge, gt, le, lt, ne
+
+from timed_automata.compiler._scope import Storage
+from timed_automata.compiler._types import Type
 
 WIDE = 2**31  # what UPPAAL computes with
 
@@ -47,13 +51,74 @@ class Value:
         return low <= self.low and self.high <= high
 
 
-COMPARISONS = {
-    "==": lambda a, b: a == b,
-    "!=": lambda a, b: a != b,
-    "<": lambda a, b: a < b,
-    "<=": lambda a, b: a <= b,
-    ">": lambda a, b: a > b,
-    ">=": lambda a, b: a >= b,
+@dataclass(frozen=True, slots=True)
+class StorageTerm:
+    """A scalar or an array in a container: a fixed offset plus a computed one (source, may be empty)."""
+
+    storage: Storage
+    type: Type
+    offset: int = 0
+    computed: str = ""
+    values: tuple[int, ...] | None = None  # of a constant
+
+    @property
+    def start(self) -> str:
+        """Source of the index of its first scalar."""
+        base = self.storage.base
+        parts = [base] if isinstance(base, str) else []
+        fixed = self.offset + (base if isinstance(base, int) else 0)
+        if fixed or not (parts or self.computed):
+            parts.append(str(fixed))
+        return " + ".join([*parts, self.computed] if self.computed else parts)
+
+    @property
+    def source(self) -> str:
+        """Source of a scalar."""
+        return f"{self.storage.container}[{self.start}]"
+
+    @property
+    def slice(self) -> str:
+        """Source of all scalars of an array, as a list."""
+        start = self.start
+        end = f"{start} + {self.type.size}" if not start.isdigit() else str(int(start) + self.type.size)
+        return f"[*{self.storage.container}[{start}:{end}]]"
+
+
+@dataclass(frozen=True, slots=True)
+class IndexedTerm:
+    """A clock or a channel: the number of the first of its array of ``size``, plus a computed offset."""
+
+    name: str
+    type: Type
+    base: int
+    offset: int = 0
+    computed: str = ""
+    size: int = 1
+
+    @property
+    def possible(self) -> range:
+        """All numbers that it can be."""
+        first = self.base + self.offset
+        return range(self.base, self.base + self.size) if self.computed else range(first, first + 1)
+
+    @property
+    def source(self) -> str:
+        """Source of its number."""
+        return (
+            f"{self.base + self.offset} + {self.computed}" if self.computed else str(self.base + self.offset)
+        )
+
+
+Term = Value | StorageTerm | IndexedTerm
+
+
+COMPARISONS: dict[str, Callable[[int, int], bool]] = {
+    "==": eq,
+    "!=": ne,
+    "<": lt,
+    "<=": le,
+    ">": gt,
+    ">=": ge,
 }
 
 

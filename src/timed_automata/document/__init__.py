@@ -1,10 +1,8 @@
 """A UPPAAL file as it stands: XML whose texts know their place in the file, and how faults are worded."""
 
 from ._document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
-from ._faults import did_you_mean, fault, refused
-from ._text import Span, Text
-from ._xml_reader import load_document, read_document
-from ._xml_writer import write_document
+from ._text import Span, Text, did_you_mean, fault, refused
+from ._xml_file import load_document, read_document, write_document
 
 __all__ = [
     "Document",

@@ -1,10 +1,14 @@
-"""Where a piece of model text stands: every fault of a model is reported with ``file:line:column``."""
+"""Where a piece of model text stands, and how a fault there is worded: with ``file:line:column``."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import NamedTuple
+
+from timed_automata.errors import ModelError
 
 
 class Chunk(NamedTuple):
@@ -93,3 +97,19 @@ class Span:
 
     def __repr__(self) -> str:
         return f"<{self.where} {self.snippet!r}>"
+
+
+def fault(span: Span, what: str, todo: str = "") -> ModelError:
+    """A ModelError at the span."""
+    return ModelError(what, where=span.where, todo=todo)
+
+
+def refused(span: Span, construct: str, todo: str = "") -> ModelError:
+    """What UPPAAL knows and this subset does not, by name."""
+    return fault(span, f"{construct}: outside of the supported subset.", todo)
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """``Did you mean …?`` or nothing."""
+    close = get_close_matches(name, sorted(set(known)), n=1, cutoff=0.6)
+    return f"Did you mean '{close[0]}'?" if close else ""

@@ -10,7 +10,7 @@ entry into the present discrete state on, at which the model allows it, and it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from timed_automata.document import fault
 from timed_automata.errors import ModelError, RangeError, UsageError
@@ -163,6 +163,21 @@ class Execution:
         self._clocks.resume(resumed.zeros)
         self._schedule.renew(resumed.state, snapshot.entered, None)
 
+    def look_ahead(self, events: Iterable[Event]) -> Iterator[State]:
+        """Work out what each of some events would lead to now, and what time would, and what follows at once.
+
+        Nothing is taken, and nothing is decided otherwise: when one of them comes, what it does is remembered, not
+        computed. Each item is one state; whoever has something else to do asks for no more. It may be iterated in
+        another thread than the one that executes.
+
+        Raises:
+            UsageError: no such input, or a variable that is not interface or out of range.
+        """
+        inputs = [
+            (self._boundary.input(event.channel), self._boundary.writes(event.writes)) for event in events
+        ]
+        return self._successors.explore(self._state, inputs)
+
     def run(self, until: int) -> tuple[Step, ...]:
         """Advance in virtual time, from deadline to deadline, each of them met."""
         steps: list[Step] = []
@@ -224,14 +239,13 @@ class Execution:
         self._state = fired.state
         self._clocks.set(fired.resets, now)
         self._schedule.renew(self._state, now, transition)
-        sent = transition.channel if received is None else None
         step = Step(
             at=now,
             due=due,
             late_us=now - due if due is not None else 0,
             missed=now > last,
             received=received,
-            sent=self.network.channels[sent].name if sent is not None else None,
+            sent=successor.sent if received is None else None,
             edges=successor.edges,
             changes=successor.changes,
         )

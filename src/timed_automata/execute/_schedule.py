@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from timed_automata.execute._clocks import NEVER, ClockInstants
+from timed_automata.execute._clocks import ALWAYS, NEVER, ClockInstants
 from timed_automata.execute._successors import Successor, SuccessorCache
 from timed_automata.network import State, Transition
 
@@ -41,16 +41,17 @@ class Schedule:
     def renew(self, state: State, now: int, taken: Transition | None) -> None:
         """Find the candidates of a state entered now; those that were candidates before keep their age."""
         found, self.entered = self._successors.at(state), now
-        age = {c.successor.transition.edges: c.since for c in self.candidates}
+        # between two instants there is nothing that may be older than now
+        age = {c.successor.transition.edges: c.since for c in self.candidates if c.since != now}
         if taken:
             age.pop(taken.edges, None)
-        _, self.last = self._clocks.window(found.stay)
+        self.last = self._clocks.window(found.stay)[1] if found.stay else NEVER
         # invariants that earlier lateness has broken already: they say nothing against an edge
         expired = found.stay if self.last < now else ()
         self.candidates, self.committed, self.deadline = [], found.committed, None
         for successor in found.successors:
             since = age.get(successor.transition.edges, now)
-            first, last = successor.window(self._clocks, expired)
+            first, last = successor.window(self._clocks, expired) if successor.timed else (ALWAYS, NEVER)
             due = max(first, since)
             if due > last or (due > now and not found.may_delay):
                 continue
@@ -62,5 +63,11 @@ class Schedule:
         """What is due first, at or before ``until``; only if its clock guards hold before ``first_before``."""
         if self.deadline is None or self.deadline > until:
             return None
-        due = (c for c in self.candidates if c.due <= until and c.first < first_before)
-        return min(due, key=lambda candidate: candidate.due, default=None)
+        earliest: ScheduledTransition | None = None
+        for candidate in self.candidates:
+            if candidate.due <= until and candidate.first < first_before:
+                if candidate.due == self.deadline:
+                    return candidate
+                if earliest is None or candidate.due < earliest.due:
+                    earliest = candidate
+        return earliest

@@ -2,45 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 from timed_automata.compiler import Bound
-from timed_automata.errors import RangeError
+from timed_automata.errors import ModelError, RangeError
 from timed_automata.execute._clocks import ClockInstants
 from timed_automata.execute._observations import TakenEdge
-from timed_automata.network import Change, Edge, Fired, Network, Semantics, State, Transition, changes_between
+from timed_automata.network import Change, Edge, Fired, Semantics, State, Transition, changes_between
 
-MOST = 2000
+MOST = 4000
 """States that are remembered; after that many all is forgotten."""
+Received = tuple[State, int, tuple[tuple[int, int], ...]]
+"""A state, the number of a channel, and what the sender writes, by offset."""
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, slots=True)
 class Successor:
     """A transition from a state, and what it leads to; nothing here depends on time.
 
     Attributes:
         transition, fired: an error if the update fails.
+        edges: the participants, by their names.
+        changes: what it does to the variables; empty if the update fails.
+        sent: the name of the channel on which an executed process sends.
         kept: upper bounds of the clocks in the next state, of those that the transition does not set.
     """
 
-    network: Network = field(repr=False)
-    state: State
     transition: Transition
     fired: Fired | RangeError
+    edges: tuple[TakenEdge, ...] = field(repr=False)
+    changes: tuple[Change, ...] = field(repr=False)
+    sent: str | None = None
     kept: tuple[Bound, ...] = ()
 
-    @cached_property
-    def edges(self) -> tuple[TakenEdge, ...]:
-        """The participants, by their names."""
-        return tuple(_taken(self.network, edge) for edge in self.transition.edges)
-
-    @cached_property
-    def changes(self) -> tuple[Change, ...]:
-        """What it does to the variables."""
-        assert isinstance(self.fired, Fired)
-        return changes_between(self.network, self.state, self.fired.state)
+    @property
+    def timed(self) -> bool:
+        """Whether any clock matters for when it may be taken."""
+        return bool(self.transition.bounds or self.kept)
 
     def window(self, clocks: ClockInstants, expired: Collection[Bound] = ()) -> tuple[int, int]:
         """The first and the last instant, µs, at which its guards and the invariants that it leads to allow it.
@@ -75,7 +74,8 @@ class SuccessorCache:
     def __init__(self, semantics: Semantics) -> None:
         self._semantics = semantics
         self._known: dict[State, StateSuccessors] = {}
-        self._received: dict[tuple[State, int, tuple[tuple[int, int], ...]], Successor | None] = {}
+        self._received: dict[Received, Successor | None] = {}
+        self._named: dict[Edge, TakenEdge] = {}
 
     def at(self, state: State) -> StateSuccessors:
         """The successors of a state; raises RangeError where a guard fails."""
@@ -107,34 +107,90 @@ class SuccessorCache:
         found = None
         if transition is not None and transition.edges:
             fired = self._semantics.fire(state, transition.edges, writes)
-            found = Successor(self._semantics.network, state, transition, fired)
+            found = self._made(state, transition, fired)
         if len(self._received) >= MOST:
             self._received.clear()
         self._received[key] = found
         return found
 
+    def explore(self, state: State, inputs: Collection[tuple[int, Mapping[int, int]]]) -> Iterator[State]:
+        """Remember beforehand what may follow a state: one input of these, or time, and what then happens at once.
+
+        Each item is a state that was worked out; the next one is worked out when it is asked for. A fault of the
+        model is not raised here: it is one only if the run comes there.
+
+        Args:
+            state: whence.
+            inputs: number of a channel of the environment, and what its sender writes, by offset.
+        """
+        waiting = list(self._after(state, at_once=False))
+        for channel, writes in inputs:
+            try:
+                received = self.received(state, channel, writes)
+            except ModelError:
+                continue
+            if received is not None and isinstance(received.fired, Fired):
+                waiting.append(received.fired.state)
+        seen = set[State]()
+        while waiting:
+            following = waiting.pop()
+            if following not in seen and len(seen) < MOST:
+                seen.add(following)
+                yield following
+                waiting += self._after(following, at_once=True)
+
+    def _after(self, state: State, *, at_once: bool) -> list[State]:
+        """Where the transitions out of a state lead; ``at_once``: of those that wait for no clock."""
+        try:
+            successors = self.at(state).successors
+        except ModelError:
+            return []
+        return [
+            each.fired.state
+            for each in successors
+            if isinstance(each.fired, Fired)
+            and not (at_once and any(bound.op in (">=", ">", "==") for bound in each.transition.bounds))
+        ]
+
     def _successor(self, state: State, transition: Transition) -> Successor | None:
         """None: it would break an invariant, whatever the time is."""
-        network = self._semantics.network
         try:
             fired = self._semantics.fire(state, transition.edges)
             if not self._semantics.allowed(fired.state):
                 return None
             invariant = self._semantics.invariant(fired.state)
         except RangeError as error:  # raised when the edge is taken, if ever
-            return Successor(network, state, transition, error)
+            return self._made(state, transition, error)
         values = dict(fired.resets)
         if not all(_holds(values[bound.clock], bound) for bound in invariant if bound.clock in values):
             return None
         kept = tuple(bound for bound in invariant if bound.clock not in values)
-        return Successor(network, state, transition, fired, kept)
+        return self._made(state, transition, fired, kept)
+
+    def _made(
+        self,
+        state: State,
+        transition: Transition,
+        fired: Fired | RangeError,
+        kept: tuple[Bound, ...] = (),
+    ) -> Successor:
+        network = self._semantics.network
+        return Successor(
+            transition,
+            fired,
+            tuple([self._named.get(edge) or self._name(edge) for edge in transition.edges]),
+            changes_between(network, state, fired.state) if isinstance(fired, Fired) else (),
+            None if transition.channel is None else network.channels[transition.channel].name,
+            kept,
+        )
+
+    def _name(self, edge: Edge) -> TakenEdge:
+        process = self._semantics.network.processes[edge.process]
+        source, target = process.locations[edge.source], process.locations[edge.target]
+        named = TakenEdge(process.name, source.name, target.name, edge.index, edge.span.where)
+        self._named[edge] = named
+        return named
 
 
 def _holds(value: int, bound: Bound) -> bool:
     return value < bound.value or (value == bound.value and bound.op == "<=")
-
-
-def _taken(network: Network, edge: Edge) -> TakenEdge:
-    process = network.processes[edge.process]
-    source, target = process.locations[edge.source], process.locations[edge.target]
-    return TakenEdge(process.name, source.name, target.name, edge.index, edge.span.where)

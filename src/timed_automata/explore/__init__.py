@@ -2,7 +2,7 @@
 
 from ._explorer import Explorer, RunTimeError, verify
 from ._overview import Overview, overview
-from .properties import CoverageReport, Extreme, SanityReport, Verdict, relaxed
+from .properties import CoverageReport, Extreme, Verdict, relaxed
 
 __all__ = [
     "CoverageReport",
@@ -10,7 +10,6 @@ __all__ = [
     "Extreme",
     "Overview",
     "RunTimeError",
-    "SanityReport",
     "Verdict",
     "overview",
     "relaxed",

@@ -11,14 +11,13 @@ from timed_automata.errors import RangeError
 from timed_automata.explore.properties import (
     FoundExtreme,
     Reachability,
-    SanityReport,
-    Timelocks,
     Verdict,
     answer,
     extreme_clock,
     extreme_integer,
-    sanity_of,
+    reachability,
     taken,
+    timelock,
     zeno_run,
 )
 from timed_automata.explore.search import (
@@ -33,11 +32,12 @@ from timed_automata.explore.search import (
     Start,
     Within,
     ZoneCondition,
+    anywhere,
     concrete,
     without_collector,
 )
 from timed_automata.explore.states import DiscreteSpace, InvariantGuardedSpace, SymbolicSpace
-from timed_automata.explore.zones import Limit, Limits, limits_of, merged
+from timed_automata.explore.zones import Limits, QueryLimits, limits_of
 from timed_automata.language import ast
 from timed_automata.network import Network, Trace
 from timed_automata.queries import (
@@ -49,6 +49,8 @@ from timed_automata.queries import (
     compile_without_deadlock,
     parse_query,
 )
+
+AnyQuery = Query | StoredQuery | Text | str
 
 
 class RunTimeError(RangeError):
@@ -71,64 +73,16 @@ class Explorer:
         self.network, self._progress = network, progress
         self.discrete = DiscreteSpace(network)
 
-    def check(self, query: Query | StoredQuery | Text | str) -> Verdict:
+    def check(self, query: AnyQuery) -> Verdict:
         """The answer to a query.
 
         Raises:
             ModelError: the query is not well-formed, or outside of the supported subset.
             RunTimeError: a value leaves its range in a run.
         """
-        query = _read(query)
-        with without_collector():
-            if query.kind in ("sup", "inf"):
-                return self._extremes(query)
-            if query.kind in ("A[]", "E<>"):
-                return self._reachability(query)
-            return self._liveness(query)
+        return self.check_all([query])[0]
 
-    def sanity_check(self) -> SanityReport:
-        """What every model must satisfy, whatever its queries.
-
-        Raises:
-            RunTimeError: a value leaves its range in a run.
-        """
-        space = SymbolicSpace(self.discrete, Limits(self.network, symmetric=True))
-        with self._errors(space), without_collector():
-            return sanity_of(Search(space, self._progress))
-
-    def timelock(self) -> Verdict:
-        """Whether time can go on wherever nothing else can happen; if not, the shortest run to where it cannot.
-
-        Raises:
-            RunTimeError: a value leaves its range in a run.
-        """
-        states = 0
-        for trusted in (False, True):
-            limits = Limits(self.network, symmetric=trusted)
-            space = (SymbolicSpace if trusted else InvariantGuardedSpace)(self.discrete, limits)
-            search = Search(space, self._progress)
-            locks = Timelocks(search, trusted=trusted)
-            with self._errors(space), without_collector():
-                trace = locks.run(search.nodes())
-            states += search.states
-            if trace is not None or not locks.doubts:
-                break
-        return Verdict("", trace is None, states, trace)
-
-    def zeno(self) -> Verdict:
-        """Whether time diverges in every endless run; if not, a run to, and round, a cycle on which it need not pass.
-
-        Raises:
-            RunTimeError: a value leaves its range in a run.
-        """
-        search = Search(SymbolicSpace(self.discrete, Limits(self.network)), self._progress)
-        with self._errors(search.space), without_collector():
-            for _ in search.nodes():
-                pass
-            trace = zeno_run(search, list(taken(search.space.records)))
-        return Verdict("", trace is None, search.states, trace)
-
-    def check_all(self, queries: Iterable[Query | StoredQuery | Text | str]) -> list[Verdict]:
+    def check_all(self, queries: Iterable[AnyQuery]) -> list[Verdict]:
         """The answers to several queries, those that can be found in one search together.
 
         Raises:
@@ -137,38 +91,52 @@ class Explorer:
         """
         read = [_read(query) for query in queries]
         answers: dict[int, Verdict] = {}
-        groups: dict[frozenset[int], list[int]] = {}
-        asked: dict[int, Reachability] = {}
+        groups: dict[frozenset[int], dict[int, Reachability]] = {}
         for at, query in enumerate(read):
-            if query.kind in ("A[]", "E<>"):
-                asked[at] = Reachability(self.network, query)
-                groups.setdefault(frozenset(limits_of(asked[at].wanted)), []).append(at)
+            if query.kind in ("sup", "inf"):
+                answers[at] = self._extremes(query)
+            elif query.kind in ("A[]", "E<>"):
+                asked = reachability(self.network, query)
+                groups.setdefault(frozenset(asked.limits), {})[at] = asked
             else:
-                answers[at] = self.check(query)
-        for members in groups.values():
-            with without_collector():
-                answers.update(zip(members, self._together([asked[at] for at in members]), strict=True))
+                answers[at] = self._liveness(query)
+        for group in groups.values():
+            answers.update(zip(group, self._together(list(group.values())), strict=True))
         return [answers[at] for at in range(len(read))]
+
+    def timelock(self) -> Verdict:
+        """Whether time can go on wherever nothing else can happen; if not, the shortest run to where it cannot.
+
+        Raises:
+            RunTimeError: a value leaves its range in a run.
+        """
+        return self._together([timelock()])[0]
+
+    def zeno(self) -> Verdict:
+        """Whether time diverges in every endless run; if not, a run to, and round, a cycle on which it need not pass.
+
+        Raises:
+            RunTimeError: a value leaves its range in a run.
+        """
+        search = Search(SymbolicSpace(self.discrete, Limits(self.network)), self._progress)
+        with self._searching(search.space):
+            for _ in search.nodes():
+                pass
+            trace = zeno_run(search, list(taken(search.space.records)))
+        return Verdict("", trace is None, search.states, trace)
 
     # Kinds of queries
 
-    def _reachability(self, query: Query) -> Verdict:
-        return self._together([Reachability(self.network, query)])[0]
-
     def _together(self, asked: list[Reachability]) -> list[Verdict]:
         """Answers of one search."""
-        extra: dict[int, Limit] = {}
-        for one in asked:
-            merged(extra, limits_of(one.wanted))
+        limits = [QueryLimits(one.limits) for one in asked]
         for symmetric in (False, True):
             open_ = [one for one in asked if one.verdict is None]
             sharp = not symmetric and any(one.about_deadlock for one in open_)
-            limits = Limits(self.network, extra, symmetric=symmetric)
-            search = Search(
-                (InvariantGuardedSpace if sharp else SymbolicSpace)(self.discrete, limits), self._progress
-            )
-            with self._errors(search.space):
-                answer(search, open_, trusted=symmetric)
+            kind = InvariantGuardedSpace if sharp else SymbolicSpace
+            space = kind(self.discrete, Limits(self.network, limits, symmetric=symmetric))
+            with self._searching(space):
+                answer(Search(space, self._progress), open_, trusted=symmetric)
             if all(one.verdict for one in asked):
                 break
         return [one.verdict for one in asked if one.verdict]
@@ -179,18 +147,18 @@ class Explorer:
         staying = query.kind == "E[]"
         inside = compile_without_deadlock(self.network, sustained, negated=not staying)
         outside = compile_without_deadlock(self.network, sustained, negated=staying)
-        extra = limits_of(All((inside, outside)))
+        asked = [QueryLimits(limits_of(inside)), QueryLimits(limits_of(outside))]
         starts = None
         if query.then is not None:
             starts = compile_without_deadlock(self.network, query.condition)
-            merged(extra, limits_of(starts))
+            asked.append(QueryLimits(limits_of(starts)))
         within, states = Within(ZoneCondition(inside), ZoneCondition(outside)), 0
         for symmetric in (False, True):
-            limits = Limits(self.network, extra, symmetric=symmetric)
+            limits = Limits(self.network, asked, symmetric=symmetric)
             space = SymbolicSpace(self.discrete, limits, delays=False)
-            search = LassoSearch(space, within, partial(_trusted if symmetric else _possible, space))
+            search = LassoSearch(space, within, None if symmetric else partial(_possible, space))
             reach = Search(SymbolicSpace(self.discrete, limits), self._progress)
-            with self._errors(space):
+            with self._searching(space):
                 found = (
                     [Start(*space.initial(), ())]
                     if starts is None
@@ -200,11 +168,9 @@ class Explorer:
             states += search.states + reach.states
             if lasso is not None or not search.doubts:
                 break
-        trace = (
-            None
-            if lasso is None
-            else concrete(space, lasso.legs, lasso.ending, lasso.remark, loop=lasso.loop)
-        )
+        trace = None
+        if lasso is not None:
+            trace = concrete(space, lasso.legs, lasso.ending, lasso.remark, loop=lasso.loop)
         return Verdict(str(query), (lasso is None) != staying, states, trace)
 
     def _extremes(self, query: Query) -> Verdict:
@@ -223,22 +189,23 @@ class Explorer:
     def _extreme(self, condition: Formula, target: ast.Expression, *, upper: bool) -> FoundExtreme:
         clock = compile_clock(self.network, target)
         space = SymbolicSpace(self.discrete, Limits(self.network))
-        with self._errors(space):
+        with self._searching(space):
             if clock is not None:
                 return extreme_clock(self.discrete, condition, clock, upper=upper, progress=self._progress)
             read = compile_integer(self.network, target)
             return extreme_integer(self.discrete, condition, read, upper=upper, progress=self._progress)
 
     @contextmanager
-    def _errors(self, space: SymbolicSpace) -> Iterator[None]:
+    def _searching(self, space: SymbolicSpace) -> Iterator[None]:
         """Add the run that leads there to the error of a value that leaves its range."""
         try:
-            yield
+            with without_collector():
+                yield
         except OutOfRangeError as error:
-            raise RunTimeError(error, concrete(space, error.legs, _anywhere, error.what)) from None
+            raise RunTimeError(error, concrete(space, error.legs, anywhere, error.what)) from None
 
 
-def _read(query: Query | StoredQuery | Text | str) -> Query:
+def _read(query: AnyQuery) -> Query:
     if isinstance(query, StoredQuery):
         query = query.formula
     return query if isinstance(query, Query) else parse_query(query)
@@ -262,14 +229,6 @@ def _possible(space: SymbolicSpace, lasso: Lasso) -> bool:
     return True
 
 
-def _trusted(_: SymbolicSpace, __: Lasso) -> bool:
-    return True
-
-
-def _anywhere(_: object, zone: tuple[int, ...]) -> tuple[int, ...]:
-    return zone
-
-
-def verify(network: Network, query: Query | StoredQuery | Text | str) -> Verdict:
+def verify(network: Network, query: AnyQuery) -> Verdict:
     """The answer to one query; see :meth:`Explorer.check`. For several about one network make an Explorer."""
     return Explorer(network).check(query)

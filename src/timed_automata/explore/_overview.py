@@ -20,7 +20,6 @@ from timed_automata.explore.properties import (
     zeno_cycle,
 )
 from timed_automata.explore.search import (
-    DeadlockFree,
     Deadlocks,
     Progress,
     SearchNode,
@@ -29,13 +28,12 @@ from timed_automata.explore.search import (
     without_collector,
 )
 from timed_automata.explore.states import DiscreteSpace, InvariantGuardedSpace, SlicedSemantics, StateRecord
-from timed_automata.explore.zones import Limit, LocatedLimits, QueryLimits, limits_of, tested_clocks
+from timed_automata.explore.zones import Limit, Limits, QueryLimits, limits_of, tested_clocks
 from timed_automata.language import ast
 from timed_automata.network import Network
 from timed_automata.queries import (
     ConditionFilter,
     Data,
-    FirstHitWatch,
     Formula,
     Query,
     compile_formula,
@@ -105,9 +103,7 @@ def overview(
 class _Exploration:
     def __init__(self, network: Network, queries: Sequence[Query], progress: Progress | None = None) -> None:
         self.network, self.queries = network, queries
-        self._watch: FirstHitWatch[tuple[int, bool]] = FirstHitWatch(
-            network
-        )  # number of the query; False: only its premise
+        self._unseen: dict[tuple[int, bool], Formula] = {}  # number of the query; False: only its premise
         self._cases: dict[int, ZoneCondition] = {}
         self._bounded: dict[int, BoundedResponse] = {}
         self._responses: dict[int, LeadsTo] = {}
@@ -115,14 +111,14 @@ class _Exploration:
         self._about_deadlock: set[int] = set()  # ask for deadlocks among other things
         self._happened: set[tuple[int, bool]] = set()
         self._premises: dict[int, Formula] = {}
-        self._deadlock_free, self._deadlocks, self._doubtful = DeadlockFree(), Deadlocks(), set[StateRecord]()
+        self._deadlocks, self._doubtful = Deadlocks(), set[StateRecord]()
         self._stuck = self._stopped = self._ended = False
         self._asked = [
             QueryLimits(self._ask(number, query), _where(network, query))
             for number, query in enumerate(queries)
         ]
         discrete = DiscreteSpace(network, SlicedSemantics(network, [str(query) for query in queries]))
-        self.space = InvariantGuardedSpace(discrete, LocatedLimits(network, self._asked))
+        self.space = InvariantGuardedSpace(discrete, Limits(network, self._asked))
         self.space.frugal = True
         asked_for = {clock for asked in self._asked for clock in asked.limits}
         self.search = WidestFirst(self.space, sorted(asked_for - tested_clocks(network)), progress)
@@ -150,22 +146,24 @@ class _Exploration:
             if mentions_deadlock(wanted):
                 self._about_deadlock.add(number)
             return limits_of(wanted)
-        self._watch.add((number, True), query.condition, wanted=not invariance)
+        self._unseen[number, True] = wanted
         if invariance and isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
-            self._watch.add((number, False), query.condition.left)
+            self._unseen[number, False] = compile_formula(self.network, query.condition.left)
         return {}
 
     def run(self, *, stop: bool, most_states: int | None = None) -> None:
         """Explore."""
-        concern = ConditionFilter(self.network, self._premises)
+        concern, unseen = ConditionFilter(self.network, self._premises), self._filter_unseen()
         for count, node in enumerate(self.search.nodes(), start=1):
             record = node.record
             concerned: tuple[int, ...] | None = record.note
             if concerned is None:
                 state = record.discrete.state
-                self._happened.update(self._watch(state))
+                if happened := unseen(state):
+                    self._happened.update(happened)
+                    unseen = self._filter_unseen()
                 concerned = record.note = concern(state)
-                if not self._deadlock_free(record):
+                if not self._deadlocks.ruled_out(record):
                     self._doubtful.add(record)
             for number in concerned:
                 self._add(number, node)
@@ -174,6 +172,11 @@ class _Exploration:
             if (stop and self._refuted) or count == most_states:
                 self._ended = True
                 return
+
+    def _filter_unseen(self) -> ConditionFilter[tuple[int, bool]]:
+        """Of the conditions on data, those that did not hold yet."""
+        unseen = {key: formula for key, formula in self._unseen.items() if key not in self._happened}
+        return ConditionFilter(self.network, unseen)
 
     @property
     def _refuted(self) -> bool:
@@ -227,7 +230,7 @@ class _Exploration:
         if number in self._bounded:
             return self._bounded[number].holds or None
         if number in self._responses:
-            limits = LocatedLimits(self.network, self._asked, symmetric=True)
+            limits = Limits(self.network, self._asked, symmetric=True)
             return self._responses[number].holds(self.space.discrete, limits) or None
         if self.queries[number].kind not in ("A[]", "E<>"):
             return None
@@ -237,7 +240,8 @@ class _Exploration:
         return happened or not shows
 
     def _unmet(self) -> Iterator[int]:
-        yield from (number for number, whole in self._watch.open if not whole)
+        open_ = self._unseen.keys() - self._happened
+        yield from (number for number, whole in open_ if not whole)
         yield from (number for number, bound in self._bounded.items() if not bound.met)
         yield from (number for number, response in self._responses.items() if not response.met)
 

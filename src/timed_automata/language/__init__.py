@@ -2,6 +2,7 @@
 
 from . import ast
 from ._parts import (
+    names_in,
     parse_declarations,
     parse_expression,
     parse_instantiations,
@@ -11,10 +12,10 @@ from ._parts import (
     parse_system,
     parse_updates,
 )
-from ._walk import walk
 
 __all__ = [
     "ast",
+    "names_in",
     "parse_declarations",
     "parse_expression",
     "parse_instantiations",
@@ -23,5 +24,4 @@ __all__ = [
     "parse_synchronisation",
     "parse_system",
     "parse_updates",
-    "walk",
 ]

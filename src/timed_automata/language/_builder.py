@@ -10,151 +10,143 @@ from timed_automata._limits import DIGITS
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.language import ast
 
-_WORDS = {"and": "&&", "or": "||", "not": "!"}
+_WORDS = {"and": "&&", "or": "||", ":=": "="}
+_NODES: dict[str, type[ast.Node]] = {
+    "name": ast.Name,
+    "index": ast.Index,
+    "member": ast.Member,
+    "call": ast.Call,
+    "binary": ast.Binary,
+    "assignment": ast.Assignment,
+    "evaluate": ast.Evaluate,
+    "if_": ast.If,
+    "for_": ast.For,
+    "do": ast.DoWhile,
+    "iterate": ast.Iterate,
+    "return_": ast.Return,
+}
+"""Rules of the grammar whose children are, in this order, what the node holds."""
 
 
-@v_args(meta=True)
+@v_args(meta=True, inline=True)
 class Builder(Transformer[Token, Any]):
-    """One method per rule of the grammar; children come as nodes, tokens or None."""
+    """A method for each other rule of the grammar; children come as nodes, words or None."""
 
     def __init__(self, text: Text) -> None:
         super().__init__()
         self._text = text
 
-    def _name(self, meta: Any, token: Any) -> str:
-        """A name that is declared; ``deadlock`` would mean something else in every query."""
-        if token == "deadlock":
-            what = "'deadlock' is reserved: queries ask for it."
-            raise fault(self._span(meta), what, "Choose another name.")
-        return str(token)
+    def __default__(self, data: Any, children: list[Any], meta: Any) -> ast.Node:
+        return _NODES[data](self._span(meta), *children)
+
+    def __default_token__(self, token: Token) -> str:
+        return _WORDS.get(token, str(token))
 
     def _span(self, meta: Any) -> Span:
-        if meta.empty:
-            return self._text.whole
-        return Span(self._text, meta.start_pos, meta.end_pos)
+        return self._text.whole if meta.empty else Span(self._text, meta.start_pos, meta.end_pos)
+
+    def _declared(self, meta: Any, name: str) -> tuple[Span, str]:
+        """Where a name is declared; ``deadlock`` would mean something else in every query."""
+        span = self._span(meta)
+        if name == "deadlock":
+            raise fault(span, "'deadlock' is reserved: queries ask for it.", "Choose another name.")
+        return span, name
 
     # Expressions
 
-    def number(self, meta: Any, children: list[Any]) -> ast.Number:
+    def number(self, meta: Any, digits: str) -> ast.Number:
         span = self._span(meta)
-        if len(children[0]) > DIGITS:
-            raise fault(span, f"A number of {len(children[0])} digits.", f"Expected at most {DIGITS} digits.")
-        return ast.Number(span, int(children[0]))
+        if len(digits) > DIGITS:
+            raise fault(span, f"A number of {len(digits)} digits.", f"Expected at most {DIGITS} digits.")
+        return ast.Number(span, int(digits))
 
-    def boolean(self, meta: Any, children: list[Any]) -> ast.Number:
-        return ast.Number(self._span(meta), int(children[0] == "true"), boolean=True)
+    def boolean(self, meta: Any, word: str) -> ast.Number:
+        return ast.Number(self._span(meta), int(word == "true"), boolean=True)
 
-    def double(self, meta: Any, children: list[Any]) -> ast.Number:
-        raise refused(self._span(meta), f"'{children[0]}', a floating-point number", "Use integers.")
+    def double(self, meta: Any, digits: str) -> None:
+        raise refused(self._span(meta), f"'{digits}', a floating-point number", "Use integers.")
 
-    def name(self, meta: Any, children: list[Any]) -> ast.Name:
-        return ast.Name(self._span(meta), str(children[0]))
-
-    def index(self, meta: Any, children: list[Any]) -> ast.Index:
-        return ast.Index(self._span(meta), *children)
-
-    def member(self, meta: Any, children: list[Any]) -> ast.Member:
-        return ast.Member(self._span(meta), children[0], str(children[1]))
-
-    def rate(self, meta: Any, children: list[Any]) -> None:
+    def rate(self, meta: Any, _clock: Any, _apostrophe: str) -> None:
         span = self._span(meta)
         raise refused(span, f"'{span.snippet}', the rate of a clock (stopwatch)", "Clocks run at rate one.")
 
-    def call(self, meta: Any, children: list[Any]) -> ast.Call:
-        return ast.Call(self._span(meta), str(children[0]), children[1])
+    def unary(self, meta: Any, op: str, operand: Any) -> ast.Unary:
+        return ast.Unary(self._span(meta), "!" if op == "not" else op, operand)
 
-    def unary(self, meta: Any, children: list[Any]) -> ast.Unary:
-        op = str(children[0])
-        return ast.Unary(self._span(meta), _WORDS.get(op, op), children[1])
-
-    def binary(self, meta: Any, children: list[Any]) -> ast.Binary:
-        left, op, right = children
-        return ast.Binary(self._span(meta), _WORDS.get(str(op), str(op)), left, right)
-
-    def conditional(self, meta: Any, children: list[Any]) -> ast.Conditional:
-        test, _, yes, no = children
+    def conditional(self, meta: Any, test: Any, _: str, yes: Any, no: Any) -> ast.Conditional:
         return ast.Conditional(self._span(meta), test, yes, no)
 
-    def quantified(self, meta: Any, children: list[Any]) -> ast.Quantified:
-        kind, variable, type_, body = children
-        return ast.Quantified(self._span(meta), str(kind), self._name(meta, variable), type_, body)
+    def quantified(self, meta: Any, kind: str, variable: str, type_: Any, body: Any) -> ast.Quantified:
+        span, name = self._declared(meta, variable)
+        return ast.Quantified(span, kind, name, type_, body)
 
-    def assignment(self, meta: Any, children: list[Any]) -> ast.Assignment:
-        target, op, value = children
-        return ast.Assignment(self._span(meta), "=" if op == ":=" else str(op), target, value)
+    def step(self, meta: Any, *children: Any) -> ast.Increment:
+        op, target = sorted(children, key=lambda child: not isinstance(child, str))
+        return ast.Increment(self._span(meta), op, target)
 
-    def step(self, meta: Any, children: list[Any]) -> ast.Increment:
-        op, target = sorted(children, key=lambda child: not isinstance(child, Token))
-        return ast.Increment(self._span(meta), str(op), target)
+    def braces(self, meta: Any, *children: Any) -> ast.Braces:
+        return ast.Braces(self._span(meta), children)
 
-    def braces(self, meta: Any, children: list[Any]) -> ast.Braces:
-        return ast.Braces(self._span(meta), tuple(children))
-
-    def items(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
+    def items(self, _meta: Any, *children: Any) -> tuple[Any, ...]:
         return tuple(child for child in children if child is not None)
 
     parameters = declarations = instantiations = selects = items
 
     # Declarations
 
-    def integer(self, meta: Any, children: list[Any]) -> ast.TypeName:
-        low, high = children
+    def integer(self, meta: Any, low: Any, high: Any) -> ast.TypeName:
         return ast.TypeName(self._span(meta), "int", low=low, high=high)
 
-    def type_name(self, meta: Any, children: list[Any]) -> ast.TypeName:
+    def type_name(self, meta: Any, *children: Any) -> ast.TypeName:
         *prefixes, base = children
-        span, kinds = self._span(meta), frozenset(map(str, prefixes))
+        span, kinds = self._span(meta), frozenset(prefixes)
         if isinstance(base, ast.TypeName):
             return ast.TypeName(span, "int", kinds, base.low, base.high)
-        return ast.TypeName(span, str(base), kinds)
+        return ast.TypeName(span, base, kinds)
 
-    def declarator(self, meta: Any, children: list[Any]) -> ast.Declarator:
-        name, *dimensions, _, initialiser = children
-        return ast.Declarator(self._span(meta), self._name(meta, name), tuple(dimensions), initialiser)
+    def declarator(self, meta: Any, name: str, *children: Any) -> ast.Declarator:
+        *dimensions, _, initialiser = children
+        return ast.Declarator(*self._declared(meta, name), tuple(dimensions), initialiser)
 
-    def variables(self, meta: Any, children: list[Any]) -> ast.Variables:
-        return ast.Variables(self._span(meta), children[0], tuple(children[1:]))
+    def variables(self, meta: Any, type_: Any, *declarators: Any) -> ast.Variables:
+        return ast.Variables(self._span(meta), type_, declarators)
 
-    def typedef(self, meta: Any, children: list[Any]) -> ast.TypeDefinition:
-        return ast.TypeDefinition(self._span(meta), children[0], tuple(children[1:]))
+    def typedef(self, meta: Any, type_: Any, *declarators: Any) -> ast.TypeDefinition:
+        return ast.TypeDefinition(self._span(meta), type_, declarators)
 
-    def parameter(self, meta: Any, children: list[Any]) -> ast.Parameter:
-        type_, reference, name, *dimensions = children
-        span = self._span(meta)
-        return ast.Parameter(
-            span,
-            type_,
-            reference is not None,
-            ast.Declarator(span, self._name(meta, name), tuple(dimensions)),
-        )
+    def parameter(self, meta: Any, type_: Any, reference: Any, name: str, *dimensions: Any) -> ast.Parameter:
+        declarator = ast.Declarator(*self._declared(meta, name), dimensions)
+        return ast.Parameter(declarator.span, type_, reference is not None, declarator)
 
-    def function(self, meta: Any, children: list[Any]) -> ast.FunctionDefinition:
-        result, name, parameters, body = children
-        return ast.FunctionDefinition(self._span(meta), result, self._name(meta, name), parameters, body)
+    def function(
+        self, meta: Any, result: Any, name: str, parameters: Any, body: Any
+    ) -> ast.FunctionDefinition:
+        span, name = self._declared(meta, name)
+        return ast.FunctionDefinition(span, result, name, parameters, body)
 
-    def instantiation(self, meta: Any, children: list[Any]) -> ast.Instantiation:
-        name, parameters, _, template, arguments = children
-        return ast.Instantiation(self._span(meta), str(name), parameters or (), template, arguments)
+    def instantiation(
+        self, meta: Any, name: str, parameters: Any, _: str, template: Any, arguments: Any
+    ) -> ast.Instantiation:
+        return ast.Instantiation(self._span(meta), name, parameters or (), template, arguments)
 
-    def priority(self, meta: Any, children: list[Any]) -> None:
+    def priority(self, meta: Any, _: str) -> None:
         raise refused(self._span(meta), "'<' between processes, a priority", "Separate processes with ','.")
 
-    def system(self, meta: Any, children: list[Any]) -> ast.System:
+    def system(self, meta: Any, *children: Any) -> ast.System:
         items = tuple(child for child in children if not isinstance(child, ast.Name))
         return ast.System(self._span(meta), items, tuple(c for c in children if isinstance(c, ast.Name)))
 
-    def select(self, meta: Any, children: list[Any]) -> ast.Select:
-        return ast.Select(self._span(meta), self._name(meta, children[0]), children[1])
+    def select(self, meta: Any, name: str, type_: Any) -> ast.Select:
+        return ast.Select(*self._declared(meta, name), type_)
 
-    def synchronisation(self, meta: Any, children: list[Any]) -> ast.Synchronisation:
-        channel, direction = children
+    def synchronisation(self, meta: Any, channel: Any, direction: str) -> ast.Synchronisation:
         if direction == "not":
             raise fault(self._span(meta), "'not' after a channel.", "Expected '!' or '?'.")
-        return ast.Synchronisation(self._span(meta), channel, str(direction))
+        return ast.Synchronisation(self._span(meta), channel, direction)
 
     # Statements
 
-    def block(self, meta: Any, children: list[Any]) -> ast.Block:
+    def block(self, meta: Any, *children: Any) -> ast.Block:
         declared = (ast.Variables, ast.TypeDefinition)
         return ast.Block(
             self._span(meta),
@@ -162,25 +154,5 @@ class Builder(Transformer[Token, Any]):
             tuple(child for child in children if not isinstance(child, declared)),
         )
 
-    def evaluate(self, meta: Any, children: list[Any]) -> ast.Evaluate:
-        return ast.Evaluate(self._span(meta), children[0])
-
-    def if_(self, meta: Any, children: list[Any]) -> ast.If:
-        return ast.If(self._span(meta), *children)
-
-    def for_(self, meta: Any, children: list[Any]) -> ast.For:
-        return ast.For(self._span(meta), *children)
-
-    def while_(self, meta: Any, children: list[Any]) -> ast.For:
-        test, body = children
+    def while_(self, meta: Any, test: Any, body: Any) -> ast.For:
         return ast.For(self._span(meta), (), test, (), body)
-
-    def do(self, meta: Any, children: list[Any]) -> ast.DoWhile:
-        return ast.DoWhile(self._span(meta), *children)
-
-    def iterate(self, meta: Any, children: list[Any]) -> ast.Iterate:
-        variable, type_, body = children
-        return ast.Iterate(self._span(meta), str(variable), type_, body)
-
-    def return_(self, meta: Any, children: list[Any]) -> ast.Return:
-        return ast.Return(self._span(meta), children[0])

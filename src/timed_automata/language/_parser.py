@@ -15,7 +15,6 @@ from timed_automata._limits import NESTING, TEXT_CHARACTERS
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.errors import ModelError
 from timed_automata.language._builder import Builder
-from timed_automata.language._refused_words import REFUSED_WORDS
 
 _STARTS = [
     "declarations",
@@ -35,6 +34,29 @@ _OPERAND = {"NAME", "NUMBER", "LPAR", "BOOLEAN", "DOUBLE", "SIGN", "BANG", "STEP
 _OPERATOR = {"OR", "AND", "BIT_OR", "BIT_XOR", "AMPERSAND", "EQUALITY", "COMPARISON", "EXTREME", "SHIFT"}
 _OPERATOR |= {"SIGN", "FACTOR"}
 _SUFFIX = {"QUESTION", "COMPOUND", "STEP", "LSQB", "DOT", "APOSTROPHE", "LPAR"}
+_REFUSED_BY_CONSTRUCT = {
+    "a structure": "struct",
+    "a type that is not integral": "double string",
+    "a scalar set": "scalar",
+    "a meta variable": "meta",
+    "a hybrid clock": "hybrid",
+    "a priority": "priority",
+    "an external function": "import",
+    "a dynamic template": "dynamic spawn exit numOf foreach",
+    "a Gantt chart": "gantt",
+    "a progress measure": "progress",
+    "a global update": "before_update after_update",
+    "this statement": "switch case default break continue assert",
+    "this operator": "xor",
+    "this section": "query IO",
+    "a template written as text": "process state trans commit branchpoint",
+    "a function on floating-point numbers": "random fabs fmod pow sqrt exp ln log sin cos tan ceil floor round",
+    "a built-in function": "abs",
+}
+_REFUSED_WORDS = {
+    word: construct for construct, words in _REFUSED_BY_CONSTRUCT.items() for word in words.split()
+}
+"""Words that UPPAAL reserves and this subset does not have, by the construct that they belong to."""
 _READABLE = {"NAME": "a name", "EQUALS": "'='", "PREFIX": "a type", "BASE": "a type", "INT": "a type"}
 
 
@@ -46,7 +68,7 @@ class _RefusedWordError(Exception):
 
 
 def _check_word(token: Token) -> Token:
-    if token in REFUSED_WORDS:
+    if token in _REFUSED_WORDS:
         raise _RefusedWordError(token)
     return token
 
@@ -130,7 +152,7 @@ def parse(text: Text, start: str) -> Any:
     except _RefusedWordError as error:
         position = error.token.start_pos or 0
         span = Span(text, position, position + len(error.token))
-        raise refused(span, f"'{error.token}', {REFUSED_WORDS[error.token]}") from None
+        raise refused(span, f"'{error.token}', {_REFUSED_WORDS[error.token]}") from None
     except UnexpectedInput as error:
         raise _syntax_error(text, error) from None
     except VisitError as error:

@@ -5,6 +5,7 @@ A process that reads no model does not need the parser, which costs 4 MB.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -31,3 +32,8 @@ parse_selects: Callable[[Text], tuple[ast.Select, ...]] = partial(_parse, start=
 parse_expression: Callable[[Text], ast.Expression] = partial(_parse, start="expression")
 parse_synchronisation: Callable[[Text], ast.Synchronisation] = partial(_parse, start="synchronisation")
 parse_updates: Callable[[Text], tuple[ast.Expression, ...]] = partial(_parse, start="items")
+
+
+def names_in(text: str) -> set[str]:
+    """The words of a text that may be names; it need not be well-formed."""
+    return set(re.findall(r"[A-Za-z_]\w*", text))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from timed_automata.document import Span
@@ -68,8 +69,8 @@ class Unary(Node):
 class Binary(Node):
     """Two operands; ``and`` and ``or`` are read as ``&&`` and ``||``."""
 
-    op: str
     left: Expression
+    op: str
     right: Expression
 
 
@@ -96,8 +97,8 @@ class Quantified(Node):
 class Assignment(Node):
     """``target op value``; op is ``=``, ``+=``, …"""
 
-    op: str
     target: Expression
+    op: str
     value: Expression
 
 
@@ -287,3 +288,15 @@ class Return(Node):
 
 
 Statement = Block | Evaluate | If | For | DoWhile | Iterate | Return
+
+
+def walk(node: object) -> Iterator[Node]:
+    """A node and all nodes inside it, but not the process before a dot."""
+    if isinstance(node, tuple):
+        for item in node:
+            yield from walk(item)
+    elif isinstance(node, Node):
+        yield node
+        if not isinstance(node, Member):
+            for name in node.__dataclass_fields__:
+                yield from walk(getattr(node, name))

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from operator import eq, ge, gt, le, lt
-from typing import Any, NamedTuple
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import NamedTuple
 
-from timed_automata.compiler import Bound
+from timed_automata.compiler import COMPARISONS, Bound
 from timed_automata.errors import RangeError
 from timed_automata.execute import ExecutionSnapshot, Resumed, snapshot_of
 from timed_automata.network import Edge, Fired, Network, Semantics, State, Transition
-
-_OPS: dict[str, Callable[[Any, Any], bool]] = {"<": lt, "<=": le, "==": eq, ">=": ge, ">": gt}
 
 
 class TimedTransition(NamedTuple):
@@ -93,7 +90,9 @@ class ConcreteState:
     def holds(self, bounds: Iterable[Bound], at: int) -> bool:
         """Whether clock constraints hold at an instant."""
         unit = self._unit
-        return all(_OPS[b.op](at - self._zero[b.clock] if b.clock else 0, b.value * unit) for b in bounds)
+        return all(
+            COMPARISONS[b.op](at - self._zero[b.clock] if b.clock else 0, b.value * unit) for b in bounds
+        )
 
     def enabled(self, transition: Transition, at: int) -> bool:
         """Whether the lower bounds of its guards hold."""
@@ -138,7 +137,7 @@ class ConcreteState:
     def _enters(self, transition: Transition) -> bool:
         """Whether the target allows the values that clocks are set to."""
         bounds, values = self._target(transition)
-        return all(_OPS[b.op](values[b.clock], b.value) for b in bounds if b.clock in values)
+        return all(COMPARISONS[b.op](values[b.clock], b.value) for b in bounds if b.clock in values)
 
     def _target(self, transition: Transition) -> tuple[list[Bound], dict[int, int]]:
         try:

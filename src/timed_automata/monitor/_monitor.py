@@ -7,6 +7,8 @@ comes first and what is late is found here once more, from the values of the clo
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
 
 from timed_automata.errors import RangeError, UsageError
 from timed_automata.execute import (
@@ -21,9 +23,26 @@ from timed_automata.execute import (
 )
 from timed_automata.monitor._concrete_state import ConcreteState
 from timed_automata.monitor._monitored_query import monitored_queries
-from timed_automata.monitor._objection import Objection, ObjectionKind
 from timed_automata.monitor._words import changes_in_words, in_words, named, same_edges, why_not
 from timed_automata.network import Network, State, Transition, changes_between
+
+ObjectionKind = Literal["no run", "missed", "requirement"]
+
+
+@dataclass(frozen=True, slots=True)
+class Objection:
+    """One finding about a run.
+
+    Attributes:
+        at: when, in the time of the run.
+        kind: ``no run``: the network does not allow it; ``missed``: a reaction bound was exceeded, as
+            recorded; ``requirement``: a query ``A[]`` of the file did not hold.
+        what: in words.
+    """
+
+    at: int
+    kind: ObjectionKind
+    what: str
 
 
 class Monitor:

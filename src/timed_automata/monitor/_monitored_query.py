@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
 from timed_automata.compiler import ClockSymbol, Function, Scope, Storage
+from timed_automata.language import names_in
 from timed_automata.network import Network, Process, State, effects_of
 from timed_automata.queries import Case, Formula, compile_formula, parse_query
-
-_WORD = re.compile(r"[A-Za-z_]\w*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +49,7 @@ def monitored_queries(network: Network, executed: Collection[int]) -> tuple[Moni
 
 def _speaks_of(network: Network, executed: Collection[int], content: str) -> bool:
     """Whether all that a query names is executed, or read or written by what is."""
-    words = set(_WORD.findall(content))
+    words = names_in(content)
     ours = [process for process in network.processes if process.index in executed]
     theirs = {_plain(process) for process in network.processes} - {_plain(process) for process in ours}
     if "deadlock" in words or words & theirs:

@@ -1,8 +1,7 @@
 """A network of timed automata, made of a document, and its one semantics."""
 
-from ._given import Given
 from ._loader import export, load_network, make_network
-from ._network import Edge, Network, Process, State, effects_of
+from ._network import Edge, Given, Network, Process, State, effects_of
 from ._semantics import Fired, Semantics, Transition
 from ._trace import Change, Trace, TraceStep, changes_between
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 
 from timed_automata.compiler import (
     Alias,
@@ -24,9 +25,40 @@ from timed_automata.compiler import (
     resolve_type,
 )
 from timed_automata.document import Span, fault, refused
+from timed_automata.errors import UsageError
 from timed_automata.language import ast
-from timed_automata.network._given import Given, as_source, flatten_given
-from timed_automata.network._places import Places
+from timed_automata.network._network import Channel, Given, Variable
+
+
+class Places:
+    """What has been given a place so far. Clock 0 is the reference clock, always zero."""
+
+    def __init__(self) -> None:
+        self.variables: list[Variable] = []
+        self.offsets: dict[str, int] = {}
+        self.initial: list[int] = []
+        self.clocks: list[str] = ["0"]
+        self.channels: list[Channel] = []
+
+    def variable(self, name: str, type_: Type, values: list[int]) -> int:
+        """A variable with its initial values; where it stands among the values."""
+        offset = len(self.initial)
+        self.variables.append(Variable(name, type_, offset))
+        self.offsets |= {element: offset + n for n, element in enumerate(_element_names(name, type_))}
+        self.initial += values
+        return offset
+
+    def clock(self, name: str, type_: Type) -> int:
+        """A clock or an array of clocks; the number of the first."""
+        self.clocks += _element_names(name, type_)
+        return len(self.clocks) - type_.size
+
+    def channel(self, name: str, type_: Type) -> int:
+        """A channel or an array of channels; the number of the first."""
+        self.channels += [
+            Channel(each, type_.broadcast, type_.urgent) for each in _element_names(name, type_)
+        ]
+        return len(self.channels) - type_.size
 
 
 class Declarations:
@@ -80,8 +112,8 @@ class Declarations:
             raise fault(node.span, f"The constant '{node.name}' has no value.", "Expected '='.")
         if not self.prefix and node.name in self.given:
             given = self.given[node.name]
-            values = flatten_given(given, type_, node.name)
-            self.replaced.append((node.initialiser.span, as_source(given, type_)))
+            values = _flatten_given(given, type_, node.name)
+            self.replaced.append((node.initialiser.span, _as_source(given, type_)))
         else:
             values = self._values(node.initialiser, type_, node.name)
         return self.constant(node.name, type_, values)
@@ -145,3 +177,34 @@ class Declarations:
             symbol = Local(name, type_, python, written=writable)
         body.scope.declare(name, symbol, node.span)
         return FormalParameter(name, type_, node.reference)
+
+
+def _element_names(name: str, type_: Type) -> Iterator[str]:
+    """``a[0][0]``, ``a[0][1]``, … in row-major order; the name itself for a scalar."""
+    for indices in product(*(range(low, high + 1) for low, high in type_.dimensions)):
+        yield name + "".join(f"[{index}]" for index in indices)
+
+
+def _flatten_given(value: Given, type_: Type, name: str) -> list[int]:
+    """The scalars of a constant given from outside.
+
+    Raises:
+        UsageError: its shape, a type or a range is not that of the declaration.
+    """
+    if type_.dimensions:
+        size = type_.dimensions[0].size
+        if isinstance(value, str | int) or not isinstance(value, Sequence) or len(value) != size:
+            raise UsageError(f"The constant '{name}' needs a list of {size} values, not {value!r}.")
+        return [scalar for item in value for scalar in _flatten_given(item, type_.element, name)]
+    if not isinstance(value, int) or (isinstance(value, bool) and type_.kind != "bool"):
+        raise UsageError(f"The constant '{name}' needs {type_.kind} values, not {value!r}.")
+    if not type_.low <= value <= type_.high:
+        raise UsageError(f"The constant '{name}' = {value} is outside of {type_.low} to {type_.high}.")
+    return [int(value)]
+
+
+def _as_source(value: Given, type_: Type) -> str:
+    """A constant in UPPAAL's language."""
+    if isinstance(value, Sequence):
+        return "{" + ", ".join(_as_source(item, type_) for item in value) + "}"
+    return ("true" if value else "false") if type_.kind == "bool" else str(int(value))

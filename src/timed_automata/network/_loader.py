@@ -9,11 +9,9 @@ from timed_automata.compiler import Constant, GeneratedCode, Scope, Type
 from timed_automata.document import Document, did_you_mean, fault, load_document, write_document
 from timed_automata.errors import ModelError, UsageError
 from timed_automata.language import ast, parse_declarations, parse_instantiations, parse_system
-from timed_automata.network._declarations import Declarations
+from timed_automata.network._declarations import Declarations, Places
 from timed_automata.network._definitions import Definitions
-from timed_automata.network._given import Given
-from timed_automata.network._network import Network, State
-from timed_automata.network._places import Places
+from timed_automata.network._network import Given, Network, State
 from timed_automata.network._templates import ParsedTemplate
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, MutableSequence
+from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from timed_automata.compiler import Condition, Effects, GeneratedCode, Quantity, Scope, Type
 from timed_automata.document import Document, DrawnEdge, DrawnLocation, Span, did_you_mean
 from timed_automata.errors import UsageError
-from timed_automata.network._given import Given
 
+Given = int | bool | Sequence["Given"]
+"""A constant that is given from outside: a number, or a list (of lists) for an array."""
 Update = Callable[[MutableSequence[int], list[tuple[int, int]]], None]
 
 

@@ -1,10 +1,25 @@
-"""Templates with their texts parsed, once for all processes made of them."""
+"""Templates: their texts parsed once, and processes made of them, with locations and edges compiled."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
-from timed_automata.document import DrawnEdge, Template, fault
+from timed_automata._limits import PARTS, SELECTED
+from timed_automata.compiler import (
+    Condition,
+    Effects,
+    Expressions,
+    GeneratedCode,
+    IndexedTerm,
+    Quantity,
+    Scope,
+    Updates,
+    compile_condition,
+    number_of,
+)
+from timed_automata.document import DrawnEdge, Span, Template, fault, refused
 from timed_automata.language import (
     ast,
     parse_declarations,
@@ -14,6 +29,10 @@ from timed_automata.language import (
     parse_synchronisation,
     parse_updates,
 )
+from timed_automata.network._declarations import Declarations, Places
+from timed_automata.network._network import Edge, Location, Process, Update
+
+Synchronised = tuple[Quantity | None, range, Literal["", "!", "?"]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,3 +92,140 @@ class ParsedTemplate:
             synchronisation=parse_synchronisation(sync) if sync else None,
             updates=parse_updates(labels["assignment"]) if "assignment" in labels else (),
         )
+
+
+def make_process(
+    code: GeneratedCode, places: Places, parsed: ParsedTemplate, scope: Scope, name: str, index: int
+) -> Process:
+    """A process of a template whose parameters are declared in ``scope``.
+
+    Raises:
+        ModelError: a text does not type-check, or is outside of the supported subset.
+    """
+    declarations = Declarations(code, places, scope, prefix=f"{name}.")
+    for declaration in parsed.declarations:
+        declarations.declare(declaration)
+    _add_parts(code, len(parsed.location_names), parsed.template.name.whole)
+    edges: list[Edge] = []
+    for edge in parsed.edges:
+        for expressions, selected in _selections(Expressions(code, Scope(scope)), edge):
+            _add_parts(code, 1, edge.drawn.place.whole)
+            edges.append(_edge(expressions, edge, selected, index, len(edges)))
+    return Process(
+        name=name,
+        template=parsed.name,
+        index=index,
+        initial=parsed.initial,
+        locations=tuple(
+            _location(Expressions(code, scope), parsed, n) for n in range(len(parsed.location_names))
+        ),
+        edges=tuple(edges),
+        scope=scope,
+    )
+
+
+def _add_parts(code: GeneratedCode, count: int, span: Span) -> None:
+    code.parts += count
+    if code.parts > PARTS:
+        what = f"More than {PARTS} locations and edges in all processes together."
+        raise fault(span, what, "Take fewer processes, or select fewer values.")
+
+
+def _location(expressions: Expressions, parsed: ParsedTemplate, number: int) -> Location:
+    node, drawn = parsed.invariants[number], parsed.template.locations[number]
+    invariant = compile_condition(expressions, node, "invariant") if node else Condition()
+    for constraint in invariant.clocks:
+        if constraint.op not in ("<", "<="):
+            what = f"'{constraint.span.snippet}', an invariant that is no upper bound"
+            raise refused(constraint.span, what, "Expected 'clock <= number'.")
+    return Location(
+        name=parsed.location_names[number],
+        index=number,
+        urgent=drawn.urgent,
+        committed=drawn.committed,
+        invariant=invariant,
+        effects=expressions.effects,
+        drawn=drawn,
+    )
+
+
+def _selections(expressions: Expressions, edge: ParsedEdge) -> Iterator[tuple[Expressions, dict[str, int]]]:
+    """Expressions for each combination of selected values."""
+    choices: list[tuple[Expressions, dict[str, int]]] = [(expressions, {})]
+    for select in edge.selects:
+        widened: list[tuple[Expressions, dict[str, int]]] = []
+        for outer, selected in choices:
+            low, high = outer.bounds(select.type)
+            if len(choices) * (high - low + 1) > SELECTED:
+                raise fault(select.span, f"More than {SELECTED} values are selected.")
+            if select.name in selected:
+                raise fault(select.span, f"'{select.name}' is declared twice.")
+            widened += [
+                (outer.binding(select.name, value), {**selected, select.name: value})
+                for value in range(low, high + 1)
+            ]
+        choices = widened
+    for inner, selected in choices:
+        yield Expressions(inner.code, inner.scope, Effects()), selected
+
+
+def _edge(
+    expressions: Expressions, edge: ParsedEdge, selected: dict[str, int], process: int, number: int
+) -> Edge:
+    guard = compile_condition(expressions, edge.guard, "guard") if edge.guard else Condition()
+    channel, channels, direction = _synchronisation(expressions, edge.synchronisation, guard)
+    asks = frozenset(expressions.effects.reads)
+    update, resets = _update(expressions, edge.updates)
+    return Edge(
+        process=process,
+        index=number,
+        source=edge.source,
+        target=edge.target,
+        guard=guard,
+        direction=direction,
+        channel=channel,
+        channels=channels,
+        update=update,
+        resets=resets,
+        selected=selected,
+        asks=asks,
+        effects=expressions.effects,
+        drawn=edge.drawn,
+        span=edge.drawn.place.whole,
+    )
+
+
+def _synchronisation(
+    expressions: Expressions, node: ast.Synchronisation | None, guard: Condition
+) -> Synchronised:
+    if node is None:
+        return None, range(0), ""
+    channel = node.channel
+    term = expressions.term(channel)
+    if not isinstance(term, IndexedTerm) or term.type.kind != "chan":
+        raise fault(channel.span, f"'{channel.span.snippet}' is no channel.")
+    if term.type.dimensions:
+        raise fault(channel.span, f"'{channel.span.snippet}' is an array of channels.", "Expected an index.")
+    direction: Literal["!", "?"] = "!" if node.direction == "!" else "?"
+    if guard.clocks and term.type.urgent:
+        raise refused(guard.clocks[0].span, "a clock guard on an edge with an urgent channel")
+    if guard.clocks and term.type.broadcast and direction == "?":
+        raise refused(guard.clocks[0].span, "a clock guard on a receiver of a broadcast channel")
+    return number_of(expressions, term), term.possible, direction
+
+
+def _update(
+    expressions: Expressions, nodes: tuple[ast.Expression, ...]
+) -> tuple[Update | None, frozenset[int]]:
+    """The compiled update, and the clocks that it sets whatever the state is."""
+    if not nodes:
+        return None, frozenset()
+    updates = Updates(expressions)
+    resets: set[int] = set()
+    for node in nodes:
+        updates.effect(node)
+        if isinstance(node, ast.Assignment) and isinstance(node.target, ast.Name | ast.Index):
+            term = Expressions(expressions.code, expressions.scope).term(node.target)
+            if isinstance(term, IndexedTerm) and not term.computed:
+                resets.add(term.possible.start)
+    return expressions.code.procedure("v, r", updates.lines), frozenset(resets)

@@ -1,22 +1,8 @@
 """UPPAAL's requirement language: queries as text, and their conditions over data and clocks."""
 
-from ._condition_filter import ConditionFilter
-from ._first_hit_watch import FirstHitWatch
-from ._formula import (
-    All,
-    Case,
-    Comparison,
-    Data,
-    Formula,
-    Some,
-    compile_clock,
-    compile_formula,
-    compile_integer,
-    compile_without_deadlock,
-    mentions_deadlock,
-)
+from ._compile import compile_clock, compile_formula, compile_integer, compile_without_deadlock, location_of
+from ._formula import All, Case, Comparison, ConditionFilter, Data, Formula, Some, mentions_deadlock
 from ._query import Query, parse_query
-from ._query_names import location_of
 
 __all__ = [
     "All",
@@ -24,7 +10,6 @@ __all__ = [
     "Comparison",
     "ConditionFilter",
     "Data",
-    "FirstHitWatch",
     "Formula",
     "Query",
     "Some",

@@ -1,4 +1,4 @@
-"""Queries as text: which kind, over which expressions. ``_formula`` says what they mean in a network."""
+"""Queries as text: which kind, over which expressions. ``_compile`` says what they mean in a network."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Query:
 
     Attributes:
         kind: what is asked.
-        text: where it vectors.
+        text: where it stands.
         condition: p in ``A[] p`` and the like, the left side of ``-->``, the braces of ``sup{}`` (None: true).
         then: the right side of ``-->``.
         targets: what ``sup`` and ``inf`` are about.
@@ -90,7 +90,7 @@ def _refuse(text: Text) -> None:
             raise refused(text.whole, f"'{text.whole.snippet}', {name}")
 
 
-def _top_level(content: str, token: str, start: int = 0, closing: str = "") -> int:
+def _top_level(content: str, token: str, start: int = 0) -> int:
     """Where a token stands outside of all brackets; -1 if nowhere."""
     depth = 0
     for at in range(start, len(content)):

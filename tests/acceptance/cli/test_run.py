@@ -15,7 +15,8 @@ from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import NotReadyError
 from end_effector_hal.runtime import EndEffector
-from end_effector_lab.demo._world import EEHAL, World
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL
 from tests.support.patience import wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]

@@ -15,7 +15,8 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.recording import read_run, read_states
 from end_effector_hal.verification.replay import load_trace, traces_of
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.demo._world import EEHAL, World
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL
 from tests.support.patience import PATIENCE_S, wait_until
 from tests.support.small_disk import SmallDisk, small_disk
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
 from end_effector_hal.errors import ArbiterError
-from end_effector_lab.demo._children import Children
+from end_effector_lab.processes import Children
 from tests.support.patience import PATIENCE_S
 
 pytestmark = pytest.mark.wall
@@ -18,6 +21,16 @@ STUBBORN = "import signal, time; signal.signal(15, signal.SIG_IGN); print('up', 
 PARENT = f"""
 import subprocess, sys, time
 subprocess.Popen([sys.executable, "-c", {STUBBORN!r}], start_new_session=True)
+time.sleep(600)
+"""
+KILLED = """
+import sys, time
+from pathlib import Path
+from end_effector_lab.processes import Children
+children = Children()
+bound = children.start("bound", ["sleep", "600"], log=Path(sys.argv[1]))
+free = children.start("free", ["sleep", "600"], log=Path(sys.argv[1]), outlives_us=True)
+print(bound.pid, free.pid, flush=True)
 time.sleep(600)
 """
 
@@ -58,6 +71,26 @@ def test_an_exception_ends_them_as_well(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError):
         fail()
     assert not alive(started[0].pid)
+
+
+def test_whoever_is_started_ends_with_a_killed_parent_but_for_what_outlives_it(tmp_path: Path) -> None:
+    parent = subprocess.Popen(
+        [sys.executable, "-c", KILLED, tmp_path / "log"], stdout=subprocess.PIPE, text=True
+    )
+    assert parent.stdout
+    bound, free = map(int, parent.stdout.readline().split())
+    try:
+        while not all("sleep" in Path(f"/proc/{pid}/comm").read_text() for pid in (bound, free)):
+            time.sleep(0.01)
+        parent.kill()
+        parent.communicate()
+        end = time.monotonic() + PATIENCE_S
+        while alive(bound) and time.monotonic() < end:
+            time.sleep(0.01)
+        assert (alive(bound), alive(free)) == (False, True)
+    finally:
+        parent.kill()
+        os.kill(free, signal.SIGKILL)
 
 
 def test_nothing_else_is_touched(tmp_path: Path) -> None:

@@ -102,7 +102,7 @@ def main():
     for path in (SOCKET, "/run/eehal"):
         status = os.stat(path)
         seen[path] = [stat.filemode(status.st_mode), status.st_gid]
-    seen["stored"], seen["journal"] = int(shown("NFileDescriptorStore")), os.listdir("/var/lib/eehal-owner")
+    seen["stored"], seen["journal"] = int(shown("NFileDescriptorStore")), os.listdir("/var/lib/eehal-arbiter")
     seen["SIGKILL"] = replaced("KILL")
     seen["SIGSTOP"] = replaced("STOP")
     seen["stop"] = stopped()

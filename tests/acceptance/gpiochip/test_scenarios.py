@@ -13,10 +13,8 @@ import pytest
 from end_effector_hal.description import Description
 from end_effector_hal.recording import StatesLog, read_run, read_states
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.demo import judge, scenarios
-from end_effector_lab.demo._children import Children
-from end_effector_lab.demo._pictures import draw
-from end_effector_lab.demo._world import EEHAL
+from end_effector_lab.demo import report_on, scenarios
+from end_effector_lab.processes import EEHAL, Children
 from tests.acceptance.gpiochip.guest import Ended
 from tests.acceptance.gpiochip.machines import Machine
 from tests.acceptance.gpiochip.priority import WIRES, before_others
@@ -68,8 +66,7 @@ def play(machine: Machine, tool: Description, name: str, folder: Path, place: Pa
     assert ended.code in (0, 1), ended.console + ended.output
     recorded = folder / "demo" / name
     log, info = read_states(recorded / "states.csv"), read_run(recorded)
-    draw(recorded, log, info)
-    report = judge(scenario, tool, log, info, edges_of(folder / "events"))
+    report = report_on(scenario, tool, recorded, edges_of(folder / "events"), figures=True)
     faults = [str(finding) for finding in report.findings if not finding.ok]
     begin_s = next((row.time_s for row in log.rows if row.end_effector == EndEffectorState.GRIPPING), 0.0)
     end_s = log.rows[-1].time_s if begin_s else 1e6

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from end_effector_hal.description import Description
 from end_effector_hal.recording import StatesLog, read_states
-from end_effector_lab.demo._world import EEHAL
+from end_effector_lab.processes import EEHAL
 from tests.acceptance.gpiochip.priority import GUEST, MEMORY, before_others
 
 LONGEST_S = 300.0

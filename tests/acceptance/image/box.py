@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from end_effector_lab.demo._child import Child
-from end_effector_lab.demo._children import Children
+from end_effector_lab.processes import Child, Children
 
 ISOLATION = os.environ.get("BUILDAH_ISOLATION", "chroot")
 

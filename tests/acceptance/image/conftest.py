@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import profile_path
-from end_effector_lab.demo._children import Children
-from end_effector_lab.demo._world import EEHAL
+from end_effector_lab.processes import EEHAL, Children
 from tests.acceptance.image.box import Box, buildah
 
 HERE = Path(__file__).parent

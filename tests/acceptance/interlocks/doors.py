@@ -50,7 +50,9 @@ def _(rig: Rig) -> str:
 def _(rig: Rig) -> str:
     rig.odd["bottom"] = -30_000
     rig.until(lambda: rig.change.status.evidence[0] == 2)
-    return rig.service("tool_changer", True).reason
+    said: list[str] = []  # without a frame for 150 ms the tool changer is UNKNOWN, which is said first
+    rig.until(lambda: "IL-01" in (said.append(rig.service("tool_changer", True).reason) or said[-1]))
+    return said[-1]
 
 
 @cell(
@@ -269,7 +271,7 @@ def _(rig: Rig) -> str:
 @cell(
     "IL-09",
     "service",
-    r"^IL-12: a part is held \(GRIPPED\): nothing is driven by hand, only a Drop releases it",
+    r"^IL-12: a part is held \(GRIPPED\): no maintenance, only a Drop releases it",
 )
 def _(rig: Rig) -> str:
     rig.gripped()
@@ -357,15 +359,13 @@ def _(rig: Rig) -> str:
 # IL-12: the services work in maintenance only
 
 
-@cell("IL-12", "action", r"^IL-12: .*driven by hand.*Cylinder")
+@cell("IL-12", "action", r"^IL-12: .*maintenance.*Cylinder")
 def _(rig: Rig) -> str:
     assert rig.service("cylinder", True).accepted
     return rig.action("grip")
 
 
-@cell(
-    "IL-12", "service", r"^IL-12: outputs are driven by hand in STAND_BY only; the end-effector is GRIPPING"
-)
+@cell("IL-12", "service", r"^IL-12: maintenance is possible in STAND_BY only; the end-effector is GRIPPING")
 def _(rig: Rig) -> str:
     rig.odd["bottom"] = 0  # it stays in the first step
     assert rig.grip.command("grip").accepted

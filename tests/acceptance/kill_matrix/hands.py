@@ -7,8 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from end_effector_lab.demo._child import Child
-from end_effector_lab.demo._children import Children
+from end_effector_lab.processes import Child, Children
 from tests.acceptance.kill_matrix.waiting import until
 
 SUCCEEDED = 5

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_hal.vocabulary import EndEffectorState as State
-from end_effector_lab.demo._child import Child
+from end_effector_lab.processes import Child
 from tests.acceptance.kill_matrix.cells import GRIPPED, GRIPPING, RELEASING, STAND_BY, UNLOCKING, Cell
 from tests.acceptance.kill_matrix.system import System
 from tests.acceptance.kill_matrix.waiting import Late, until

@@ -19,7 +19,7 @@ from rich.console import Console
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_lab.demo import need_ros
+from end_effector_lab.demo import Ros1
 from tests.acceptance.kill_matrix.cells import Cell, chosen, full, telling
 from tests.acceptance.kill_matrix.play import Play, Row
 from tests.acceptance.kill_matrix.system import System
@@ -40,7 +40,7 @@ def main() -> int:
         console.print("\n".join(map(str, cells)))
         return 0
     try:
-        need_ros()
+        Ros1().check()
     except ReportedError as error:
         console.print(str(error))
         return 3

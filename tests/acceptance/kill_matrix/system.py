@@ -11,9 +11,9 @@ from pathlib import Path
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ReportedError, RosError
-from end_effector_lab.demo._child import Child
-from end_effector_lab.demo._master import Master
-from end_effector_lab.demo._world import EEHAL, World
+from end_effector_lab.demo._ros1 import Master
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL, Child
 from tests.acceptance.kill_matrix.hands import Hands
 from tests.acceptance.kill_matrix.observer import Observer
 from tests.acceptance.kill_matrix.waiting import Late, until
@@ -35,7 +35,7 @@ class Plant(World):
         self.testbench = self.children.start(
             "testbench",
             [*EEHAL, "testbench", str(self.description_path), "--scenario", scenario],
-            log=self._folder / f"testbench-{time.monotonic_ns()}.log",
+            log=self.folder / f"testbench-{time.monotonic_ns()}.log",
             commands=True,
         )
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 
-from end_effector_hal.control import model_constants
+from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from tests.acceptance.link_campaign.episode import Episode, Found
-from timed_automata import Network, load_network
+from timed_automata import Network
 
 EACH = 20
 CODECS = ("ees1-ascii", "ees1-cobs")
@@ -41,4 +41,4 @@ def _episode(seed: int) -> Found:
 def _tool(codec: str) -> tuple[Description, Network]:
     shipped = load(profile_path())
     description = shipped.model_copy(update={"link": shipped.link.model_copy(update={"codec": codec})})
-    return description, load_network(shipped.automata_path, model_constants(description))
+    return description, network_of(description)

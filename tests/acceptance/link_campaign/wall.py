@@ -19,8 +19,10 @@ from end_effector_hal.signals import Value
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import ChipWatcher, Edge
-from end_effector_lab.demo._world import EEHAL, START_S, World
-from end_effector_lab.testbench import PtyPort, Testbench, VirtualInputs, Watcher
+from end_effector_lab.demo._world import START_S, World
+from end_effector_lab.processes import EEHAL
+from end_effector_lab.testbench import PtyPort, Testbench, Watcher
+from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.acceptance.link_campaign.episode import Found
 from tests.acceptance.link_campaign.faults import KINDS, NOMINAL
 from tests.acceptance.link_campaign.judge import Judge
@@ -57,7 +59,7 @@ class Hardware(World, Watcher):
         self.judge = Judge(self.description, self.bench._bench, late_us=LATE_US)
         path = str(self.description_path)
         owner = self.children.start(
-            "line arbiter", [*EEHAL, "arbiter", path], log=self._folder / "owner.log", failed=ArbiterError
+            "line arbiter", [*EEHAL, "arbiter", path], log=self.folder / "owner.log", failed=ArbiterError
         )
         owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

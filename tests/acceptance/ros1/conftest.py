@@ -15,12 +15,12 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import RosError
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.demo._child import Child
-from end_effector_lab.demo._master import Master, free_port
+from end_effector_lab.demo._ros1 import Master, free_port
 from end_effector_lab.demo._world import World
+from end_effector_lab.processes import Child
 from tests.support.patience import PATIENCE_S, wait_until
 from tests.support.small_disk import small_disk
 
@@ -183,13 +183,20 @@ class System:
         )
 
 
+def quick() -> Description:
+    """The shipped tool with shorter time-outs, still many times what a confirmation takes."""
+    tool = load(profile_path())
+    actuators = {name: part.model_copy(update={"timeout_s": 3.0}) for name, part in tool.actuators.items()}
+    return tool.model_copy(update={"actuators": actuators})
+
+
 @pytest.fixture(scope="session")
 def session_system(tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]:
     folder = tmp_path_factory.mktemp("ros")
     # what is recorded goes to a disk of its own, which a test can fill
     with (
         small_disk(folder / "log", megabytes=256) as disk,
-        World(load(profile_path()), "nominal", folder) as world,
+        World(quick(), "nominal", folder) as world,
     ):
         system = System(world, folder)
         system.disk = disk  # type: ignore[attr-defined]

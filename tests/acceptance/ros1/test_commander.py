@@ -36,11 +36,12 @@ def commander(monkeypatch: pytest.MonkeyPatch) -> Any:
     import rospy
 
     from end_effector_hal.nodes.interface import GRIP_COMMAND
-    from end_effector_hal.ros1.connections._commander import Commander
+    from end_effector_hal.nodes.transport import Commander
+    from end_effector_hal.ros1.connections import CommandService
 
     Proxy.answers, Proxy.calls = [], []
     monkeypatch.setattr(rospy, "ServiceProxy", Proxy)
-    return Commander(GRIP_COMMAND)
+    return Commander(GRIP_COMMAND.server, lambda: CommandService(GRIP_COMMAND))
 
 
 def yes() -> Any:
@@ -66,7 +67,7 @@ def test_a_node_that_was_started_again_is_asked_again_within_the_same_time(comma
 def test_what_was_given_up_is_not_asked_again(commander: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     Proxy.answers = [yes(), broken(), yes()]
     assert commander.ask(2).accepted
-    monkeypatch.setattr("end_effector_hal.ros1.connections._commander.VALID_S", 0.0)
+    monkeypatch.setattr("end_effector_hal.nodes.transport._commander.VALID_S", 0.0)
     reply = commander.ask(3)
     assert (reply.accepted, reply.decided) == (False, False)
     assert [command for command, _ in Proxy.calls] == [2, 3]

@@ -234,14 +234,6 @@ def test_nothing_but_id_and_stamp_of_a_goal_is_kept(server: Server, clock: Clock
     assert server.server.status_list[0].goal.header.frame_id == ""
 
 
-def test_a_goal_after_the_end_has_begun_is_rejected(server: Server, clock: Clock) -> None:
-    server.server.close("HALMain is ending.")
-    server.goal()
-    clock.pass_s(0.1)
-    assert server.ends() == [("a", REJECTED, 1)]
-    assert server.goals == []
-
-
 def test_closed_topics_at_the_end_are_no_traceback(
     server: Server, clock: Clock, monkeypatch: pytest.MonkeyPatch
 ) -> None:

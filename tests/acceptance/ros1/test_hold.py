@@ -101,11 +101,11 @@ def test_maintenance_stands_in_the_state_and_refuses_goals(system: Any) -> None:
         assert "success: True" in done.stdout
         system.until("maintenance", lambda: system.state.maintenance)
         assert list(system.state.outputs) == [False, True, False]
-        assert told(system, "Maintenance: Cylinder active by hand")
+        assert told(system, "Maintenance: Cylinder active")
         assert 0 < system.state.time_left_s <= 30
         status, result = system.run("TriggerGrip")
         assert status == 5
-        assert result.reason.startswith("IL-12: a grip is refused while outputs are driven by hand.")
+        assert result.reason.startswith("IL-12: a grip is refused during maintenance.")
         status, result = system.run("UnlockToolChanger")
         assert status == 5
         assert result.reason.startswith("IL-01")

@@ -9,7 +9,7 @@ import pytest
 
 from end_effector_hal.verification.replay import load_trace, review, traces_of
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]  # all that was recorded so far is decided once more
 
 
 @pytest.mark.parametrize("program", ["grip", "tool_change"])

@@ -19,6 +19,7 @@ from end_effector_hal.nodes.transport import (
     ChangerPlace,
     CommandMessage,
     CylinderPlace,
+    CylinderPositionMessage,
     DiagnosticMessage,
     DiagnosticsMessage,
     FrameMessage,
@@ -103,11 +104,11 @@ def test_the_outcomes_have_the_integers_of_the_message() -> None:
 
 def test_a_position_that_is_not_told_any_more_is_unknown() -> None:
     positions = Positions({"tool_stand": ToolPlace})
-    assert positions.value("tool_stand", 0) == ToolPlace.UNKNOWN
+    assert positions.place("tool_stand", 0) == ToolPlace.UNKNOWN
     positions.store("tool_stand", ToolPlace.AWAY, 5_000_000)
-    assert positions.value("tool_stand", 6_000_000) == ToolPlace.AWAY
+    assert positions.place("tool_stand", 6_000_000) == ToolPlace.AWAY
     assert positions.names(6_000_000) == {"tool_stand": "AWAY"}
-    assert positions.value("tool_stand", 6_000_001) == ToolPlace.UNKNOWN
+    assert positions.place("tool_stand", 6_000_001) == ToolPlace.UNKNOWN
     assert positions.names(6_000_001) == {"tool_stand": "UNKNOWN"}
 
 
@@ -133,7 +134,7 @@ def test_the_places_have_the_integers_of_their_message(places: type[IntEnum], ki
     [
         (FrameMessage, "end_effector_msgs/SensorFrame"),
         (PressureMessage, "sensor_msgs/FluidPressure"),
-        (PositionMessage, "end_effector_msgs/CylinderPosition"),
+        (CylinderPositionMessage, "end_effector_msgs/CylinderPosition"),
         (PositionMessage, "end_effector_msgs/ToolChangerPosition"),
         (PositionMessage, "end_effector_msgs/ToolStandPosition"),
         (CommandMessage, "end_effector_msgs/SupervisorCommand"),

@@ -21,7 +21,8 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import EndEffector
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires.lines import read_chip
-from end_effector_lab.demo._world import EEHAL, World
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL
 from tests.support.declared import declared
 from tests.support.patience import PATIENCE_S, wait_until
 
@@ -34,6 +35,7 @@ NONE_ACTIVE = dict.fromkeys(GRIPPING_LINES, False)
 HOLDER = """
 import sys, time
 from end_effector_hal.runtime import EndEffector
+from end_effector_lab.processes import EEHAL
 tool = EndEffector.open(sys.argv[1])
 tool.wait_ready(30.0)
 print("adopted", flush=True)
@@ -45,10 +47,18 @@ time.sleep(600)
 """
 
 
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with World(load(profile_path()), "nominal", tmp_path_factory.mktemp("world")) as running:
         yield running
+
+
+@pytest.fixture
+def world(shared: World) -> World:
+    """Nothing is active, and nothing wrong at the testbench."""
+    shared.choose("nominal")
+    wait_until("rest", lambda: levels(shared) == NONE_ACTIVE)
+    return shared
 
 
 def levels(world: World) -> dict[str, bool]:

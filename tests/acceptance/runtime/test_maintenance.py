@@ -1,4 +1,4 @@
-"""IL-12: outputs driven by hand, with a lease; however it ends, what it engaged is deactivated."""
+"""IL-12: outputs driven in maintenance, with a lease; however it ends, what it engaged is deactivated."""
 
 from __future__ import annotations
 
@@ -56,9 +56,7 @@ class TestLease:
         mode = Maintenance(description)
         mode.drove(BOTTOM, True, 0)
         mode.drove(CYLINDER, True, 0)
-        expected = (
-            "Maintenance: Cylinder, Bottom vacuum active by hand, deactivated 30 s after the last call."
-        )
+        expected = "Maintenance: Cylinder, Bottom vacuum active, deactivated 30 s after the last call."
         assert mode.notice == expected
 
 
@@ -73,7 +71,7 @@ def tool(description: Description) -> Iterator[Tool]:
 
 
 def drive(tool: Tool, name: str, line: str) -> None:
-    """Active by hand, and proven; frames come meanwhile from here."""
+    """Activated in maintenance, and proven; frames come meanwhile from here."""
     tool.confirmed[line] = ON
     index = LINES.index(line)
     tool.until(lambda status: status.evidence[index] == 3)
@@ -97,7 +95,7 @@ class TestUnit:
         drive(tool, "cylinder", CYLINDER)
         answer = tool.program.command("grip")
         assert not answer.accepted
-        assert answer.reason.startswith("IL-12: a grip is refused while outputs are driven by hand.")
+        assert answer.reason.startswith("IL-12: a grip is refused during maintenance.")
 
     def test_its_will_stands_when_everything_is_written_anew(self, tool: Tool) -> None:
         drive(tool, "bottom_vacuum", BOTTOM)
@@ -156,11 +154,11 @@ class TestUnit:
         tool.confirmed[TOP] = ON
         tool.until(lambda status: status.ee == State.GRIPPED)
         before = dict(tool.owner.active)
-        expected = "IL-12: a part is held (GRIPPED): nothing is driven by hand, only a Drop releases it."
+        expected = "IL-12: a part is held (GRIPPED): no maintenance, only a Drop releases it."
         assert tool.program.set_actuator("bottom_vacuum", active).reason == expected
         assert tool.owner.active == before
 
     def test_while_a_grip_runs_it_is_refused(self, tool: Tool) -> None:
         tool.grip_to(1)
-        expected = "IL-12: outputs are driven by hand in STAND_BY only; the end-effector is GRIPPING."
+        expected = "IL-12: maintenance is possible in STAND_BY only; the end-effector is GRIPPING."
         assert tool.program.set_actuator("top_vacuum", True).reason == expected

@@ -15,7 +15,8 @@ import pytest
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.wires.lines import read_chip
-from end_effector_lab.demo._world import EEHAL, World
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL
 from tests.support.patience import PATIENCE_S, wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
@@ -24,6 +25,7 @@ GRIP = """
 import sys, threading
 from end_effector_hal.runtime import EndEffector
 from end_effector_hal.vocabulary import EndEffectorState as State
+from end_effector_lab.processes import EEHAL
 tool = EndEffector.open(sys.argv[1])
 tool.wait_ready(30.0)
 if "grip" in sys.argv:

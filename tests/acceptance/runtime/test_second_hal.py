@@ -11,7 +11,8 @@ import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import load, profile_path
-from end_effector_lab.demo._world import EEHAL, World
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL
 from tests.support.patience import PATIENCE_S
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]

@@ -115,7 +115,10 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
-        monkeypatch.setattr(PredicatePublisher, "frame", lambda *_: None)
+        # frames go on to the programs, and nothing of them to the arbiter
+        monkeypatch.setattr(
+            PredicatePublisher, "frame", lambda _, frame, pass_on=lambda _: None: pass_on(frame)
+        )
         time.sleep(0.7)  # the claims expire, and IL-01 has its half second
         outcome = tool.unlock()
         assert not outcome.succeeded

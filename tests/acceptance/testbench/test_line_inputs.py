@@ -13,10 +13,15 @@ import pytest
 from end_effector_hal.errors import LineNotFoundError, WireError
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import VirtualLines
-from end_effector_lab.testbench import GpioInputs, GpioSimInputs, QemuInputs, VirtualInputs
-from end_effector_lab.testbench import _gpio_inputs as gpio_module
-from end_effector_lab.testbench.conformance import A, B, LineInputsConformance, Wires
-from end_effector_lab.testbench.virtio_gpio import VirtioGpioInputs
+from end_effector_hal.wires.lines import _gpiod as gpio_module
+from end_effector_lab.testbench.inputs import (
+    GpioInputs,
+    GpioSimInputs,
+    QemuInputs,
+    VirtioGpioInputs,
+    VirtualInputs,
+)
+from end_effector_lab.testbench.inputs.conformance import A, B, LineInputsConformance, Wires
 from tests.acceptance.testbench.emulator import Emulator
 from tests.support.gpio_kernel import Kernel, Kind
 from tests.support.patience import PATIENCE_S

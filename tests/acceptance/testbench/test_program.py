@@ -175,10 +175,10 @@ def test_a_reader_of_its_output_that_goes_away_is_no_reason_to_stop(start: Start
     ("options", "code", "message"),
     [
         (["--scenario", "fails-once:cylinda"], 2, "Did you mean 'cylinder'?"),
-        (["--lines", "rpi4"], 2, "Expected: virtual:PATH"),
+        pytest.param(["--lines", "rpi4"], 2, "Expected: virtual:PATH", marks=pytest.mark.nightly),
         (["--port", "/dev/nothing"], 3, "the port does not exist"),
-        (["--events", "/dev/full"], 2, "No space left"),
-        (["nothing.yaml"], 2, "nothing.yaml"),
+        pytest.param(["--events", "/dev/full"], 2, "No space left", marks=pytest.mark.nightly),
+        pytest.param(["nothing.yaml"], 2, "nothing.yaml", marks=pytest.mark.nightly),
     ],
 )
 def test_what_cannot_be_used_is_said_in_a_sentence(

@@ -9,8 +9,8 @@ import pytest
 from end_effector_hal.arbiter import LineArbiter
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.records._journal import JournalEntry
-from end_effector_hal.arbiter.records._recall import recall
-from end_effector_hal.arbiter.rules._state import ArbiterState, SessionRecord
+from end_effector_hal.arbiter.records._records import recall
+from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord
 from end_effector_hal.errors import LineBusyError, LineRefusedError
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import (

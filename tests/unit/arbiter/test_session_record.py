@@ -12,7 +12,7 @@ from end_effector_hal.arbiter.records import _storage as module
 from end_effector_hal.arbiter.records._record_file import SLOT, RecordFile
 from end_effector_hal.arbiter.records._session_store import RETRY_US, SessionStore, this_boot
 from end_effector_hal.arbiter.records._storage import FileStorage
-from end_effector_hal.arbiter.rules._state import ArbiterState, SessionRecord
+from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import BOTTOM, GRIP, LINES, TOKEN, TOP
 

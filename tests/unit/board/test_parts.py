@@ -16,7 +16,7 @@ from end_effector_hal.errors import BoardError, RosError, UsageError
 from end_effector_lab.board import _parts as module
 from end_effector_lab.board import board_parts, need_its_wires
 from end_effector_lab.board._cpio import write_archive
-from end_effector_lab.board._kept import keep
+from end_effector_lab.board._parts import keep
 from end_effector_lab.board._root import write_root
 from end_effector_lab.commands._board import command
 from end_effector_lab.testbench import Events, edges_of
@@ -62,7 +62,7 @@ def older(tmp_path: Path, name: str) -> Path:
 
 IN_USE = """
 import pathlib, sys
-from end_effector_lab.board._kept import keep
+from end_effector_lab.board._parts import keep
 
 print(keep(pathlib.Path(sys.argv[1])), flush=True)
 input()
@@ -188,7 +188,7 @@ def test_the_root_is_what_was_built_and_the_project_and_the_job(tmp_path: Path) 
         b"RNDADDENTROPY",
     ):
         assert part in root
-    assert b"/ros/" not in root
+    assert b"/ros/end_effector" not in root
     assert sorted(path.name for path in tmp_path.iterdir()) == ["parts", "root.cpio"]
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+LAMP = Path(__file__).parents[1] / "timed_automata" / "models" / "lamp.xml"
 POINTS = """\
 [end_effector_hal.commands]
 absent = nowhere:command
@@ -69,5 +70,5 @@ def test_one_that_is_broken_is_refused_in_a_sentence(site: Path, name: str, why:
 
 
 def test_broken_figures_of_another_hide_not_ours(site: Path, tmp_path: Path) -> None:
-    code, _, err = eehal(site, "model", "show", "-o", str(tmp_path / "drawings"))
+    code, _, err = eehal(site, "model", "show", "--model", str(LAMP), "-o", str(tmp_path / "drawings"))
     assert (code, err) == (0, "")

@@ -196,7 +196,7 @@ def test_entry_point(monkeypatch):
         [
             EntryPoint("mine", "end_effector_hal.codecs:LegacyNibble", _registry.GROUP),
             EntryPoint("broken", "no_such_module:X", _registry.GROUP),
-            EntryPoint("half", "end_effector_hal.codecs:Sequence", _registry.GROUP),
+            EntryPoint("half", "end_effector_hal.codecs:Half", _registry.GROUP),
         ]
     )
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **kw: points.select(**kw))
@@ -204,7 +204,7 @@ def test_entry_point(monkeypatch):
     assert _registry.codec_names() == (*_registry.OWN, "broken", "half", "mine")
     with pytest.raises(UsageError, match="cannot be loaded"):
         get_codec("broken")
-    monkeypatch.setattr("end_effector_hal.codecs.Sequence", object())
+    monkeypatch.setattr("end_effector_hal.codecs.Half", object(), raising=False)
     with pytest.raises(
         UsageError, match="half: this is no codec: it has no name, channels, period_us, baudrate"
     ):

@@ -10,6 +10,7 @@ from end_effector_hal.control import GripLastWill, Status
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import Cause
 from tests.support.declared import declared
+from tests.support.nightly import first_of
 from tests.support.virtual_tool import VirtualTool
 
 OFF, GRIPPING, GRIP_ERROR, GRIPPED, RELEASING, RELEASE_ERROR, STAND_BY = range(7)
@@ -49,13 +50,16 @@ def drop_releases_everything(tool: VirtualTool) -> None:
     assert (tool.status.ee, tool.status.held, tool.status.reason) == (STAND_BY, False, "")
 
 
-HOLDS = [
-    (False, False, False),
-    (True, False, False),
-    (False, True, False),
-    (False, True, True),
-    (True, True, True),
-]
+HOLDS = first_of(
+    [
+        (False, False, False),
+        (False, True, True),
+        (True, True, True),
+        (True, False, False),
+        (False, True, False),
+    ],
+    3,
+)
 
 
 @pytest.mark.parametrize("holds", HOLDS)

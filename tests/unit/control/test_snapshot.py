@@ -6,26 +6,31 @@ import copy
 import json
 from collections import deque
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import pytest
 from pydantic import TypeAdapter
 from pydantic_core import to_json
 
-from end_effector_hal.control import Controller, ControllerSnapshot, model_constants
+from end_effector_hal.control import Controller, ControllerSnapshot, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.signals._memory import PART
+from end_effector_hal.signals._memory import INLINE, PART
 from tests.support.virtual_tool import VirtualTool
-from timed_automata import load_network
+from timed_automata import Network
 
 DESCRIPTION = load(profile_path())
-NETWORK = load_network(DESCRIPTION.automata_path, model_constants(DESCRIPTION))
 READ = TypeAdapter(ControllerSnapshot).validate_json
 PIECE_S = 0.13
 PLAIN = (bool, int, float, str, tuple, list, dict, frozenset, set, deque, type(None))
-CACHED = {"_seen", "_evidence", "_link_up", "_stale", "_notices"}
-"""What a status looks up once for an instant."""
+CACHED = {"_seen", "_refused", "_link_up", "_stale", "_notices", "_kept", "texts"}
+"""What a status looks up once for an instant, or follows from what is remembered."""
+
+
+@cache
+def network() -> Network:
+    return network_of(DESCRIPTION)
 
 
 def written(controller: Controller) -> bytes:
@@ -34,7 +39,7 @@ def written(controller: Controller) -> bytes:
 
 def resumed(controller: Controller, program: str) -> Controller:
     """Another one, from what stands in a file."""
-    other = Controller(DESCRIPTION, NETWORK, program)
+    other = Controller(DESCRIPTION, network(), program)
     other.resume(READ(written(controller)))
     assert written(other) == written(controller)
     return other
@@ -77,8 +82,8 @@ def play(tool: VirtualTool) -> VirtualTool:
     "scenario", ["nominal", "fails-once:cylinder", "never-confirms:top_vacuum", "leak:bottom_vacuum"]
 )
 def test_wherever_it_is_cut_it_decides_the_same(scenario: str) -> None:
-    whole = play(VirtualTool(DESCRIPTION, scenario, network=NETWORK))
-    cut = play(Cut(DESCRIPTION, scenario, network=NETWORK))
+    whole = play(VirtualTool(DESCRIPTION, scenario))
+    cut = play(Cut(DESCRIPTION, scenario))
     assert len(whole.statuses) > 40
     assert cut.statuses == whole.statuses
     assert cut.edges == whole.edges
@@ -95,7 +100,7 @@ def parts(thing: Any, where: str) -> Iterator[tuple[str, Any]]:
     elif thing is not None:
         yield where, thing
         for name, kind in thing.MEMORY.items():
-            if kind is PART:
+            if kind is PART or kind is INLINE:
                 yield from parts(getattr(thing, name), f"{where}.{name}")
 
 
@@ -110,7 +115,7 @@ def rest(controller: Controller) -> dict[str, str]:
 
 
 def test_what_stands_in_no_memory_never_changes() -> None:
-    tool = VirtualTool(DESCRIPTION, "fails-once:cylinder", network=NETWORK)
+    tool = VirtualTool(DESCRIPTION, "fails-once:cylinder")
     before = rest(tool.grip), rest(tool.change)
     assert len(before[0]) > 50
     play(tool)
@@ -118,8 +123,8 @@ def test_what_stands_in_no_memory_never_changes() -> None:
 
 
 def test_a_snapshot_changes_nothing_and_there_is_none_before_the_start() -> None:
-    assert Controller(DESCRIPTION, NETWORK, "grip").snapshot() is None
-    tool = VirtualTool(DESCRIPTION, network=NETWORK)
+    assert Controller(DESCRIPTION, network(), "grip").snapshot() is None
+    tool = VirtualTool(DESCRIPTION)
     tool.run(1.0)
     assert written(tool.grip) == written(tool.grip)
 
@@ -149,10 +154,10 @@ def broken(content: Any, *path: str | int) -> Any:
     ],
 )
 def test_what_is_no_snapshot_is_refused_in_words(path: tuple[str | int, ...]) -> None:
-    tool = VirtualTool(DESCRIPTION, network=NETWORK)
+    tool = VirtualTool(DESCRIPTION)
     tool.run(1.0)
     content = json.loads(written(tool.grip))
-    other = Controller(DESCRIPTION, NETWORK, "grip")
+    other = Controller(DESCRIPTION, network(), "grip")
     with pytest.raises(UsageError, match="A recorded state "):
         other.resume(READ(json.dumps(broken(content, *path))))
 
@@ -167,10 +172,10 @@ def test_what_is_no_snapshot_is_refused_in_words(path: tuple[str | int, ...]) ->
     ],
 )
 def test_a_state_that_the_network_cannot_have_is_refused(name: str, change: Any) -> None:
-    tool = VirtualTool(DESCRIPTION, network=NETWORK)
+    tool = VirtualTool(DESCRIPTION)
     tool.run(1.0)
     content = json.loads(written(tool.grip))
     before = content["execution"][name]
     content["execution"][name] = before | change if isinstance(change, dict) else change
     with pytest.raises(UsageError, match="A recorded state "):
-        Controller(DESCRIPTION, NETWORK, "grip").resume(READ(json.dumps(content)))
+        Controller(DESCRIPTION, network(), "grip").resume(READ(json.dumps(content)))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.control import Answer, Controller, Status, model_constants
+from end_effector_hal.control import Answer, Controller, Status, network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
-from timed_automata import load_network
 
 STAND_BY, GRIPPED = 6, 3
 READINGS = {
@@ -23,7 +22,7 @@ class Changer:
     def __init__(
         self, description: Description, *, ee: int | None = STAND_BY, fault: bool = False, **shown: object
     ) -> None:
-        network = load_network(description.automata_path, model_constants(description))
+        network = network_of(description)
         self.controller = Controller(description, network, "tool_change")
         self.at, self.readings = 0, {**READINGS, **shown}
         self.controller.start({}, 0, sensor_fault=fault)

@@ -21,7 +21,16 @@ from end_effector_hal.errors import ArbiterError, ReportedError, RosError, Usage
 from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
 from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.commands._demo import command
-from end_effector_lab.demo import Report, fresh_folder, judge, need_ros, print_table, run_demo, scenarios
+from end_effector_lab.demo import (
+    Report,
+    Ros1,
+    WithoutRos,
+    fresh_folder,
+    judge,
+    print_table,
+    run_demo,
+    scenarios,
+)
 from end_effector_lab.demo import _world as world_module
 from end_effector_lab.testbench import Testbench, open_inputs, open_port
 
@@ -55,7 +64,11 @@ def test_the_nominal_scenario_without_ros(
 ) -> None:
     shown = io.StringIO()
     (report,) = run_demo(
-        verdin, scenarios(verdin)[:1], tmp_path / "demo", ros=False, progress=Console(file=shown, width=120)
+        verdin,
+        scenarios(verdin)[:1],
+        tmp_path / "demo",
+        drive=WithoutRos(),
+        progress=Console(file=shown, width=120),
     )
     assert report.faults == ()
     assert report.verdict == "Nominal: GRIPPED, then dropped"
@@ -85,10 +98,13 @@ def test_an_unlock_is_armed_first_where_the_codec_shows_no_stand(verdin: Descrip
     blind = verdin.tool_changer.model_copy(update={"stand_bit": "none"})
     tool = verdin.model_copy(update={"tool_changer": type(blind).model_validate(blind.model_dump())})
     (scenario,) = (each for each in scenarios(tool, everything=True) if each.name == "unlock-lock")
-    (report,) = run_demo(tool, [scenario], tmp_path, ros=False, progress=Console(quiet=True), figures=False)
+    (report,) = run_demo(
+        tool, [scenario], tmp_path, drive=WithoutRos(), progress=Console(quiet=True), figures=False
+    )
     assert report.faults == ()
     said = (tmp_path / "unlock-lock" / "tool.log").read_text()
-    assert said.splitlines() == ["arm: accepted", "unlock: succeeded, STAND_BY", "lock: succeeded, STAND_BY"]
+    answers = [line for line in said.splitlines() if line.endswith(": succeeded")]
+    assert answers == ["ARM: succeeded", "UNLOCK: succeeded", "LOCK: succeeded"]
 
 
 @pytest.mark.wall
@@ -100,7 +116,7 @@ def test_on_its_own_wires_the_testbench_is_somebody_elses(verdin: Description, t
     inputs, port = open_inputs(None, tool), open_port(None, tool, None)
     with Testbench(tool, inputs, port):
         (report,) = run_demo(
-            tool, scenarios(tool)[:1], folder, ros=False, progress=Console(quiet=True), own_wires=True,
+            tool, scenarios(tool)[:1], folder, drive=WithoutRos(), progress=Console(quiet=True), own_wires=True,
             figures=False,
         )  # fmt: skip
         assert read_chip(place / "chip").lines["SODIMM_208"] == ("out", False)
@@ -111,7 +127,6 @@ def test_on_its_own_wires_the_testbench_is_somebody_elses(verdin: Description, t
 
 
 @pytest.mark.wall
-@pytest.mark.alone
 def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
     verdin: Description,
     tmp_path: Path,
@@ -122,7 +137,11 @@ def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
     program = "import sys; args = sys.argv[1:]; sys.exit('no chip today') if args[0] == 'arbiter' else None; "
     monkeypatch.setattr(world_module, "EEHAL", (*real[:2], program + real[2]))
     with pytest.raises(ArbiterError) as raised:
-        list(run_demo(verdin, scenarios(verdin)[:1], tmp_path, ros=False, progress=Console(quiet=True)))
+        list(
+            run_demo(
+                verdin, scenarios(verdin)[:1], tmp_path, drive=WithoutRos(), progress=Console(quiet=True)
+            )
+        )
     assert str(raised.value).startswith("The line arbiter ended (exit code 1) before its socket.")
     assert str(raised.value).endswith("no chip today")
     assert left() == set()
@@ -146,7 +165,7 @@ def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
 def test_without_ros_it_names_the_packages_and_the_way_without(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
     with pytest.raises(RosError) as raised:
-        need_ros()
+        Ros1().check()
     text = str(raised.value)
     assert text.startswith("ROS is not installed: roscore, roslaunch, rosrun")
     assert "python3-rospy" in text
@@ -157,7 +176,7 @@ def test_messages_that_are_not_built(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}")
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if "msgs" in name else object())
     with pytest.raises(RosError, match="The ROS messages are not built, or not sourced"):
-        need_ros()
+        Ros1().check()
 
 
 @pytest.fixture
@@ -229,7 +248,7 @@ def played(monkeypatch: pytest.MonkeyPatch, reports: list[Report]) -> Played:
 
 def test_the_command_ends_with_0_when_all_is_well(played: Played) -> None:
     done = CliRunner().invoke(command, ["--no-ros"])
-    assert (done.exit_code, played.asked["ros"], played.asked["names"]) == (
+    assert (done.exit_code, played.asked["drive"].ros, played.asked["names"]) == (
         0, False, ["nominal", "fails-once", "never-confirms"]
     )  # fmt: skip
     assert played.asked["output"] == Path("runs/demo")
@@ -241,7 +260,7 @@ def test_the_command_ends_with_1_when_a_story_is_not_told(
     played.reports = [judge(scenarios(verdin)[0], verdin, recordings["fails-once"])]
     done = CliRunner().invoke(command, [])
     assert done.exit_code == 1
-    assert played.asked["ros"] is True
+    assert played.asked["drive"].ros is True
     assert (
         "NOT OK nominal: attempts: expected bottom_vacuum 1, cylinder 1, top_vacuum 1, found" in done.output
     )

@@ -20,6 +20,8 @@ CALLED = [
     "test-thinned",
     "kill-matrix",
     "demo",
+    "demo-ros2",
+    "test-ros2",
     "link-campaign",
     "build-kernel.sh",
     "test-gpiochip",

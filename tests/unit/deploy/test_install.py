@@ -69,6 +69,19 @@ def test_the_tool_and_its_automata_are_copied_once(prefix: Path, tmp_path: Path)
     assert install(prefix).returncode == 0
 
 
+def test_the_journal_of_earlier_releases_is_moved_and_none_is_overwritten(prefix: Path) -> None:
+    state = prefix.parent / "root/var/lib"
+    (state / "eehal-owner").mkdir(parents=True)
+    (state / "eehal-owner/tool.journal").write_text("latched")
+    assert install(prefix, "-t", profile_path()).returncode == 0
+    assert [path.name for path in state.iterdir()] == ["eehal-arbiter"]
+    assert (state / "eehal-arbiter/tool.journal").read_text() == "latched"
+    (state / "eehal-owner").mkdir()
+    again = install(prefix)
+    assert (again.returncode, "are not read" in again.stderr) == (0, True)
+    assert (state / "eehal-arbiter/tool.journal").read_text() == "latched"
+
+
 def test_the_unit_that_is_removed_is_not_one_that_is_installed() -> None:
     script = (DEPLOY / "systemd" / "install.sh").read_text()
     removed = re.findall(r"rm /etc/systemd/system/(\S+)", script)

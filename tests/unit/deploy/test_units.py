@@ -67,7 +67,7 @@ def test_the_groups_have_the_numbers_of_torizon(tmp_path: Path) -> None:
     for line in (tmp_path / "etc/group").read_text().splitlines():
         name, _, number, members = line.split(":")
         groups[name] = (number, set(members.split(",")) - {""})
-    assert groups["gpio"] == ("49", {"eehal", "eehal-owner"})
+    assert groups["gpio"] == ("49", {"eehal", "eehal-arbiter"})
     assert groups["dialout"] == ("20", {"eehal"})
 
 

@@ -22,7 +22,7 @@ from end_effector_hal.description import (
     schema_path,
     schema_text,
 )
-from end_effector_hal.description._markdown import BEGIN
+from end_effector_hal.description._reference import BEGIN
 from end_effector_hal.description._shape import fields_of, stanzas
 from tests.support.places import DOCS
 

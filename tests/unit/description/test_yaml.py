@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import _syntax, examine_text, load
-from end_effector_hal.description._compose import DEPTH, NODES, CountingComposer
-from end_effector_hal.description._syntax import LineStarts, position
+from end_effector_hal.description import examine_text, load
+from end_effector_hal.description.reading import _syntax
+from end_effector_hal.description.reading._syntax import LineStarts, position
+from end_effector_hal.description.reading._yaml import DEPTH, NODES, CountingComposer
 from end_effector_hal.errors import DescriptionError
 
 BOMB = "".join(

@@ -11,8 +11,8 @@ import pytest
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.hal_main import HalMainNode
-from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, GRIP_STATE, STATE_HZ, Topic
-from end_effector_hal.nodes.transport import StateMessage, StatusMessage, UnknownSenders
+from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, GRIP_STATE, STATE_HZ, Action, Service, Topic
+from end_effector_hal.nodes.transport import StatusMessage, UnknownSenders
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_hal.wires import now_us
 
@@ -45,17 +45,14 @@ class Transport:
     def on_close(self, callback: Callable[[], None]) -> None:
         self.closers.insert(0, callback)
 
-    def serve_goals(self, state: Callable[[], StateMessage]) -> Any:
+    def command_client(self, service: Service) -> Any:
         return self
 
-    def on_status(self, node: str, status: Any) -> None:
-        """As a service of goals without a goal."""
-
-    def tick(self, gone: tuple[str, ...]) -> None:
-        """As a service of goals without a goal."""
+    def action_server(self, action: Action, *_: Any) -> Any:
+        return self
 
     def close(self) -> None:
-        """As a service of goals without a goal."""
+        """As an action server without a goal."""
 
     @property
     def states(self) -> list[EndEffectorState]:
@@ -89,6 +86,23 @@ def test_every_status_is_one_state_and_a_repeated_one_is_none(transport: Transpo
     grip(replace(first))
     grip(status(2, EndEffectorState.GRIPPING))
     assert transport.states == [EndEffectorState.STAND_BY, EndEffectorState.GRIPPING]
+    states = transport.published[END_EFFECTOR_STATE.name]
+    first_count, second_count = (each.count for each in states)
+    assert second_count == first_count + 1
+    assert [each.state_name for each in states] == ["STAND_BY", "GRIPPING"]
+    assert len({each.since_us for each in states}) == 1
+
+
+def test_beside_each_integer_stands_its_name(transport: Transport) -> None:
+    message = status(1, EndEffectorState.GRIPPED)
+    message.actuators, message.evidence, message.cause, message.tool_changer = [2, 1, 0], [3, 2, 0], 1, 1
+    transport.callbacks[GRIP_STATE.name](message)
+    (state,) = transport.published[END_EFFECTOR_STATE.name]
+    assert (state.state_name, state.command_name, state.cause_name) == ("GRIPPED", "NONE", "TIMED_OUT")
+    assert state.actuator_states == ["ON", "PENDING_EXTEND", "OFF"]
+    assert state.evidence_names == ["CONFIRMED", "PARTIAL", "UNKNOWN"]
+    assert (state.tool_position_name, state.tool_stand_name) == ("UNKNOWN", "UNKNOWN")
+    assert (state.tool, state.margin_units) == ("verdin_gripper", ["Pa"] * 3)
 
 
 def test_off_is_the_last_state_whatever_comes_later(

@@ -15,11 +15,11 @@ from end_effector_hal.recording import (
     PressuresWriter,
     RecordingLimits,
     StatesWriter,
+    _files,
     read_alarms,
     read_pressures,
     read_states,
 )
-from end_effector_hal.recording.tables import _rows
 
 LIMITS = RecordingLimits(400, 1_000_000)
 
@@ -31,7 +31,7 @@ def alone(path: Path, folder: Path) -> Path:
 
 
 def segments(folder: Path, name: str) -> list[Path]:
-    closed = [path for _, path in _rows.closed_segments(folder / name)]
+    closed = [path for _, path in _files.numbered_files(folder / name)]
     return [*closed, folder / name]
 
 
@@ -122,7 +122,7 @@ class FullDisk:
 def disk(monkeypatch: pytest.MonkeyPatch) -> FullDisk:
     made = FullDisk()
     made.full = False
-    monkeypatch.setattr(_rows, "os", made)
+    monkeypatch.setattr(_files, "os", made)
     return made
 
 

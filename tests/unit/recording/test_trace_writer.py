@@ -20,10 +20,12 @@ from end_effector_hal.recording import (
     Opening,
     RecordingLimits,
     TraceWriter,
+    _files,
     read_trace,
 )
-from end_effector_hal.recording._limits import lock, make_room
-from end_effector_hal.recording.trace import _segment, _trace_writer
+from end_effector_hal.recording._files import lock
+from end_effector_hal.recording._limits import make_room
+from end_effector_hal.recording.trace import _trace_writer
 from tests.support.patience import PATIENCE_S, wait_until
 
 
@@ -76,7 +78,7 @@ def disk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Disk]:
         def __getattr__(self, name: str) -> object:
             return made.write if name == "write" else getattr(os, name)
 
-    monkeypatch.setattr(_segment, "os", Os())
+    monkeypatch.setattr(_files, "os", Os())
     monkeypatch.setattr(_trace_writer, "RETRY_S", 0.01)
     yield made
     made.works.set()

@@ -10,7 +10,8 @@ import pytest
 
 pytest.importorskip("rospy")
 
-from end_effector_hal.ros1._logging import BURST, RosLog
+from end_effector_hal.nodes.process import BURST, PacedLog
+from end_effector_hal.ros1._rosout import write_line
 
 
 class Rosout:
@@ -32,20 +33,20 @@ class Rosout:
 def rosout(monkeypatch: pytest.MonkeyPatch) -> Rosout:
     rosout = Rosout()
     levels = ((logging.WARNING, rosout), (logging.INFO, rosout))
-    monkeypatch.setattr("end_effector_hal.ros1._logging._LEVELS", levels)
+    monkeypatch.setattr("end_effector_hal.ros1._rosout._LEVELS", levels)
     return rosout
 
 
 @pytest.fixture
-def log(rosout: Rosout) -> Iterator[tuple[logging.Logger, RosLog]]:
-    handler, logger = RosLog(), logging.Logger("tests.log")
+def log(rosout: Rosout) -> Iterator[tuple[logging.Logger, PacedLog]]:
+    handler, logger = PacedLog(write_line), logging.Logger("tests.log")
     logger.addHandler(handler)
     yield logger, handler
     rosout.goes_on.set()
     handler.end()
 
 
-def test_a_line_never_waits_for_its_writer(rosout: Rosout, log: tuple[logging.Logger, RosLog]) -> None:
+def test_a_line_never_waits_for_its_writer(rosout: Rosout, log: tuple[logging.Logger, PacedLog]) -> None:
     logger, handler = log
     rosout.goes_on.clear()
     expected = [f"line {number}" for number in range(BURST)]
@@ -59,7 +60,7 @@ def test_a_line_never_waits_for_its_writer(rosout: Rosout, log: tuple[logging.Lo
 
 
 def test_after_the_end_a_line_is_written_at_once_after_all_others(
-    rosout: Rosout, log: tuple[logging.Logger, RosLog]
+    rosout: Rosout, log: tuple[logging.Logger, PacedLog]
 ) -> None:
     logger, handler = log
     logger.info("first")

@@ -11,8 +11,8 @@ import pytest
 pytest.importorskip("rospy")
 
 from end_effector_hal.errors import RosError
+from end_effector_hal.nodes.process import BURST, PER_S, Allowance
 from end_effector_hal.nodes.transport._unknown_senders import ALARM_S, UnknownSenders
-from end_effector_hal.ros1._logging import BURST, PER_S, Allowance
 from end_effector_hal.ros1.connections import KnownPublishers, nodes_of
 
 TRUE, FORGED = "http://127.0.0.1:1/", "http://127.0.0.1:2/"

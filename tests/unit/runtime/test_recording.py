@@ -11,8 +11,7 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.recording import Recording, RunInfo, read_alarms, read_run, read_states
-from end_effector_hal.recording.tables import _rows
+from end_effector_hal.recording import Recording, RunInfo, _files, read_alarms, read_run, read_states
 
 DESCRIPTION = load(profile_path())
 SECOND = 1_000_000
@@ -34,7 +33,7 @@ class Disk:
 @pytest.fixture
 def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
     made = Disk()
-    monkeypatch.setattr(_rows, "os", made)
+    monkeypatch.setattr(_files, "os", made)
     write = RunInfo.write
 
     def write_info(info: RunInfo, folder: str | Path) -> Path:

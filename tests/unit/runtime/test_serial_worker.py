@@ -152,6 +152,22 @@ class TestInVirtualTime:
         waiting.join(PATIENCE_S)
         assert [each for each in steps.done if each == "question"] == asked
 
+    def test_rule_8_what_is_prepared_waits_for_nothing_and_nothing_waits_for_it(self) -> None:
+        pieces: list[str] = []
+        began = threading.Event()
+
+        def prepare() -> bool:
+            pieces.append("piece")
+            if len(pieces) == 3:
+                worker.submit(lambda: pieces.append("frame"))
+                worker.end()
+            return len(pieces) < 100
+
+        worker = SerialWorker(lambda: None, lambda: None, lambda: None, prepare=prepare)
+        worker.run(began.set)
+        assert began.is_set()
+        assert pieces == ["piece", "piece", "piece", "frame"]
+
     def test_the_worker_is_busy_from_the_job_to_the_end_of_its_follow_up(self) -> None:
         steps = Steps().begun()
         steps.now = 7

@@ -22,7 +22,7 @@ from end_effector_hal.runtime import output_lines
 from end_effector_hal.runtime._arbiter import _Probe
 from end_effector_hal.runtime._service_manager import ServiceManager
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
-from end_effector_lab.demo._world import EEHAL
+from end_effector_lab.processes import EEHAL
 from tests.support.patience import PATIENCE_S
 from tests.support.proving import proving
 
@@ -35,7 +35,7 @@ class Manager:
         self._socket.bind(address)
         self.store: dict[str, int] = {}
 
-    def told(self, within_s: float = 10.0) -> str:
+    def told(self, within_s: float = PATIENCE_S) -> str:
         """The next message that is not for the store; "" if none comes."""
         self._socket.settimeout(within_s)
         try:

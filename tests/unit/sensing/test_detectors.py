@@ -41,7 +41,7 @@ def feed() -> Feed:
 
 
 def test_everything_is_unknown_before_the_first_frame(feed: Feed) -> None:
-    assert feed.senses.evidence == [Evidence.UNKNOWN] * 3
+    assert feed.senses.evidence == (Evidence.UNKNOWN,) * 3
     assert feed.senses.tool is ToolEvidence.UNCLEAR
     assert not feed.senses.conclusive
 
@@ -107,7 +107,7 @@ def test_a_reading_is_stale_after_150_ms_and_never_the_last_value(feed: Feed) ->
     assert feed.senses.advance(due - 1) == []
     said = [event.channel for event in feed.senses.advance(due)]
     assert said == ["stale[0]", "stale[1]", "stale[2]", "tool_is[0]"]
-    assert feed.senses.evidence == [Evidence.UNKNOWN] * 3
+    assert feed.senses.evidence == (Evidence.UNKNOWN,) * 3
 
 
 def test_an_invalid_channel_is_stale_alone_and_is_no_sample(feed: Feed) -> None:
@@ -115,7 +115,7 @@ def test_an_invalid_channel_is_stale_alone_and_is_no_sample(feed: Feed) -> None:
     feed(2, bottom=-60_000)
     assert feed(7, bottom=None) == []  # two samples and seven frames without one: not confirmed
     assert feed(bottom=None) == ["stale[0]"]
-    assert feed.senses.evidence == [Evidence.UNKNOWN, Evidence.GONE, Evidence.GONE]
+    assert feed.senses.evidence == (Evidence.UNKNOWN, Evidence.GONE, Evidence.GONE)
 
 
 def test_what_was_confirmed_before_a_silence_is_confirmed_again_and_not_lost(feed: Feed) -> None:

@@ -14,6 +14,7 @@ from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.sensing import SensorSet
 from end_effector_hal.sensing._hold_monitor import HoldMonitor
 from end_effector_hal.signals import Frame
+from tests.support.nightly import first_of
 from tests.support.virtual_tool import VirtualTool
 
 GRIP_ERROR, GRIPPED, STAND_BY = 2, 3, 6
@@ -167,7 +168,7 @@ def test_the_time_to_get_secure_begins_with_each_grip(description: Description) 
     assert (weak_at - gripped_at) / 1e6 == pytest.approx(2.02)
 
 
-@pytest.mark.parametrize("leak", ["11", "11.3", "11.6"])
+@pytest.mark.parametrize("leak", first_of(["11", "11.3", "11.6"]))
 def test_noise_near_the_threshold_is_no_leak(description: Description, leak: str) -> None:
     """Steady at some 50.5 to 52 kPa, where a little fall would be a loss."""
     tool = gripped(description)
@@ -177,7 +178,7 @@ def test_noise_near_the_threshold_is_no_leak(description: Description, leak: str
     assert not any(has("Leak:")(status) for status in tool.statuses)
 
 
-@pytest.mark.parametrize("leak", ["1", "2", "4", "6", "8"])
+@pytest.mark.parametrize("leak", first_of(["8", "1", "2", "4", "6"], 2))
 def test_a_leak_that_the_ejector_keeps_up_with_is_no_trend(description: Description, leak: str) -> None:
     tool = gripped(description)
     choose(tool, f"leak:top_vacuum:{leak}")
@@ -186,9 +187,9 @@ def test_a_leak_that_the_ejector_keeps_up_with_is_no_trend(description: Descript
     assert not any(has("Leak:")(status) for status in tool.statuses)
 
 
-@pytest.mark.parametrize("noise_kpa", [0.1, 0.3])
-@pytest.mark.parametrize("tau_s", [0.05, 0.3, 0.45, 0.8])
-@pytest.mark.parametrize("fall_kpa", [10, 17, 25])
+@pytest.mark.parametrize("noise_kpa", first_of([0.3, 0.1]))
+@pytest.mark.parametrize("tau_s", first_of([0.05, 0.8, 0.3, 0.45], 2))
+@pytest.mark.parametrize("fall_kpa", first_of([10, 25, 17], 2))
 def test_a_fall_to_another_level_is_no_leak(
     description: Description, fall_kpa: float, tau_s: float, noise_kpa: float
 ) -> None:

@@ -105,7 +105,7 @@ def test_after_a_reboot_nothing_is_known_until_it_is_fresh(description: Descript
     assert raw.senses.evidence[0] is Evidence.CONFIRMED
     raw.seq = raw.uptime_ms = -1  # without any silence, and with readings that are still fresh
     raw(1)
-    assert raw.senses.evidence == [Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE]
+    assert raw.senses.evidence == (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE)
     raw(4)
     assert raw.senses.evidence[0] is Evidence.UNKNOWN
     raw(1)
@@ -204,7 +204,7 @@ def test_a_sensor_that_does_not_move_by_a_count_is_frozen(description: Descripti
     raw(100, noise=0)
     assert raw.senses.evidence[0] is Evidence.CONFIRMED  # the first of them was a change: 1.98 s
     raw(1, noise=0)
-    assert raw.senses.evidence == [Evidence.UNKNOWN, Evidence.UNKNOWN, Evidence.UNKNOWN]
+    assert raw.senses.evidence == (Evidence.UNKNOWN,) * 3
     assert raw.notices[0].startswith(
         "The channel bottom has not moved by a single count: its sensor is frozen"
     )
@@ -256,5 +256,5 @@ def test_booleans_are_never_frozen(description: Description) -> None:
     values = {"bottom": True, "top": True, "cylinder_extended": True, "locked": True, "unlocked": False}
     for second in range(1, 30):
         senses.frame(Frame(second * 1_000_000, None, None, values))
-    assert senses.evidence == [Evidence.CONFIRMED] * 3
+    assert senses.evidence == (Evidence.CONFIRMED,) * 3
     assert senses.notices(29_000_000, held=True) == ()

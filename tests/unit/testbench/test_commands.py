@@ -5,8 +5,7 @@ import os
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench._commands import Commands
-from end_effector_lab.testbench._voice import Voice
+from end_effector_lab.testbench._commands import Commands, Voice, lines_of
 
 
 class Told:
@@ -42,23 +41,19 @@ def test_scenario_and_quit(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_lines_come_in_pieces_and_the_last_may_lack_its_end() -> None:
-    told = Told()
     read, write = os.pipe()
+    lines = lines_of(read)
     for piece in (b"scenario nom", b"inal\nscenario noise:0.1\nqu"):
         os.write(write, piece)
-        assert told.commands.read(read)
-    assert told.scenarios == ["nominal", "noise:0.1"]
+    assert [next(lines), next(lines)] == ["scenario nominal", "scenario noise:0.1"]
     os.write(write, b"it")
     os.close(write)
-    assert told.commands.read(read)
-    assert not told.ended
-    assert not told.commands.read(read)
-    assert told.ended
+    assert list(lines) == ["quit"]
     os.close(read)
 
 
 def test_a_terminal_that_another_program_has_ends_the_commands() -> None:
-    assert not Told().commands.read(-1)
+    assert list(lines_of(-1)) == []
 
 
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:

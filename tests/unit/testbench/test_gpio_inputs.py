@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from end_effector_hal.errors import LineNotFoundError, WireError
-from end_effector_lab.testbench import GpioInputs
-from end_effector_lab.testbench import _gpio_inputs as module
+from end_effector_hal.wires.lines import _gpiod as module
+from end_effector_lab.testbench.inputs import GpioInputs
 from tests.support.gpio_kernel import Kernel, Kind, Request
 from tests.support.patience import PATIENCE_S
 
@@ -82,5 +82,5 @@ def test_the_second_chip_refusing_gives_back_the_first(kernel: Kernel) -> None:
 
 def test_debians_old_module_is_refused(kernel: Kernel) -> None:
     kernel.api_version = "1.6"
-    with pytest.raises(WireError, match="old API"):
+    with pytest.raises(WireError, match=r"API 1\.6, needed is 2"):
         inputs(bottom="GPIO16").start(ignore)

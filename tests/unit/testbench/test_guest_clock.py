@@ -6,8 +6,8 @@ import threading
 from collections.abc import Iterator
 
 from end_effector_hal.wires import now_us
-from end_effector_lab.testbench import Monotonic, clock_of
-from end_effector_lab.testbench._guest_clock import GuestClock
+from end_effector_lab.testbench.inputs import Monotonic, clock_of
+from end_effector_lab.testbench.inputs._qemu import GuestClock
 
 
 class Counter:

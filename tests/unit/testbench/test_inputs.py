@@ -7,7 +7,7 @@ import pytest
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
-from end_effector_lab.testbench import VirtualInputs
+from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.patience import PATIENCE_S
 
 NAMES = ["A", "B"]

@@ -4,17 +4,14 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench import (
+from end_effector_lab.testbench import PtyPort, SerialPort, open_inputs, open_port
+from end_effector_lab.testbench.inputs import (
     GpioInputs,
     GpioSimInputs,
-    PtyPort,
     QemuInputs,
-    SerialPort,
+    VirtioGpioInputs,
     VirtualInputs,
-    open_inputs,
-    open_port,
 )
-from end_effector_lab.testbench.virtio_gpio import VirtioGpioInputs
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from end_effector_lab.testbench.physics import ToolChanger, Valve
 
 
 def test_inactive_is_locked_active_is_unlocked_and_between_is_neither() -> None:
-    changer = ToolChanger(Valve(30_000), travel_s=0.15)
+    changer = ToolChanger(Valve(30_000))
     changer.advance(1_000_000)
     assert changer.bits == {"locked": True, "unlocked": False}
     changer.command(True, 1_000_000)

@@ -10,7 +10,7 @@ from queue import Queue
 import pytest
 
 from end_effector_hal.errors import WireError
-from end_effector_lab.testbench.virtio_gpio import Pins, VirtioGpioInputs
+from end_effector_lab.testbench.inputs.virtio_gpio import Pins, VirtioGpioInputs
 from tests.support.patience import PATIENCE_S
 from tests.support.virtual_machine import GUEST, VirtualMachine
 

@@ -1,6 +1,6 @@
 """The other end of the arbiter's socket: for programs that write lines, and for the one that reads the sensors."""
 
-from ._client import ArbiterClient, WriteResult
+from ._client import ArbiterClient
 from ._sender import PredicateSender
 
-__all__ = ["ArbiterClient", "PredicateSender", "WriteResult"]
+__all__ = ["ArbiterClient", "PredicateSender"]

@@ -62,6 +62,7 @@ class ArbiterClient:
     ) -> None:
         self._client, self._token, self._lines = client, make_token(), list(lines)
         self._will: LastWill = read_last_will(will)
+        self._examined = self._will
         self._timeout_s = timeout_s
         self._alive: Callable[[], bool] = lambda: True
         self._on_lost: Callable[[ArbiterError], None] | None = None
@@ -118,7 +119,7 @@ class ArbiterClient:
             LineRefusedError: an interlock refuses, its id first in the sentence; nothing has changed.
             ArbiterError: the arbiter is gone or does not answer; read the levels before anything else.
         """
-        steps = None if will is None else read_last_will(will)
+        steps = None if will is None else self._read(will)
         with self._lock:
             self._raise_lost()
             if not self._arbiter.connected:
@@ -130,7 +131,7 @@ class ArbiterClient:
 
         That function must be called once, in any thread: the calls of all others wait for it.
         """
-        steps = None if will is None else read_last_will(will)
+        steps = None if will is None else self._read(will)
         if not self._lock.acquire(blocking=False):
             return lambda: self.set(levels, steps)
         if self._lost is not None or not self._arbiter.connected:
@@ -145,6 +146,12 @@ class ArbiterClient:
                 self._lock.release()
 
         return wait
+
+    def _read(self, will: Steps) -> LastWill:
+        """The same last will comes again and again: it is examined once."""
+        if will != self._examined:
+            self._examined = read_last_will(will)
+        return self._examined
 
     def status(self) -> dict[str, Any]:
         """The arbiter's pid, its clients with lease and last will, and the activations that it ended (IL-03)."""

@@ -1,9 +1,7 @@
 """The messages between the arbiter and its clients; `_request` describes them."""
 
-from ._errors import LastWillRunsError
-from ._message import LONGEST, read_message, read_reply, write_message
-from ._request import SENSORS, Request, read_id, read_request
-from ._token import is_token, make_token
+from ._message import LONGEST, read_json, read_message, read_reply, write_json, write_message
+from ._request import SENSORS, LastWillRunsError, Request, is_token, make_token, read_id, read_request
 
 __all__ = [
     "LONGEST",
@@ -13,8 +11,10 @@ __all__ = [
     "is_token",
     "make_token",
     "read_id",
+    "read_json",
     "read_message",
     "read_reply",
     "read_request",
+    "write_json",
     "write_message",
 ]

@@ -3,12 +3,31 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
-from end_effector_hal.arbiter._json import read_json, write_json
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import LONGEST_SENTENCE, printable
+
+T = TypeVar("T")
+
+
+def write_json(value: object) -> bytes:
+    """Compact, without a line break."""
+    return _ENCODER.encode(value).encode()
+
+
+def read_json(content: bytes, read: Callable[[Any], T]) -> T:
+    """What ``read`` makes of the content.
+
+    Raises:
+        UsageError: it is not JSON, or ``read`` does not find in it what it looks for.
+    """
+    try:
+        return read(json.loads(content))
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise UsageError(f"this is not the JSON that was expected: {error}.") from error
+
 
 LONGEST = 1 << 16
 """Bytes of a message."""
@@ -24,9 +43,7 @@ def read_message(line: bytes) -> dict[str, Any]:
         UsageError: it is not an object, or it holds a number or a text that no message needs.
     """
     try:
-        given = json.loads(
-            line.decode(), parse_int=_integer, parse_float=_no_number, parse_constant=_no_number
-        )
+        given = _DECODER.decode(line.decode())
     except UsageError:
         raise
     except (ValueError, RecursionError):
@@ -54,16 +71,22 @@ def _object(given: Any) -> dict[str, Any]:
     return given
 
 
-def _check(value: object, depth: int) -> None:
-    if isinstance(value, str) and not (len(value) <= LONGEST_SENTENCE and value.isprintable()):
-        raise UsageError(f"a text in a message has at most {LONGEST_SENTENCE} characters, all printable.")
-    if isinstance(value, dict | list):
-        if not depth:
-            raise UsageError(f"a message is nested at most {DEEPEST} levels deep.")
-        for each in value:
-            _check(each, depth - 1)
-        for each in value.values() if isinstance(value, dict) else ():
-            _check(each, depth - 1)
+def _check(message: dict[str, Any], deepest: int) -> None:
+    level: list[Any] = [message]
+    for _ in range(deepest):
+        inside: list[Any] = []
+        for value in level:
+            inside += value
+            if isinstance(value, dict):
+                inside += value.values()
+        for value in inside:
+            if isinstance(value, str) and not (len(value) <= LONGEST_SENTENCE and value.isprintable()):
+                raise UsageError(
+                    f"a text in a message has at most {LONGEST_SENTENCE} characters, all printable."
+                )
+        level = [value for value in inside if isinstance(value, dict | list)]
+    if level:
+        raise UsageError(f"a message is nested at most {deepest} levels deep.")
 
 
 def _integer(text: str) -> int:
@@ -74,3 +97,7 @@ def _integer(text: str) -> int:
 
 def _no_number(_text: str) -> object:
     raise UsageError(f"a number in a message is an integer of at most {DIGITS} digits.")
+
+
+_ENCODER = json.JSONEncoder(separators=(",", ":"))
+_DECODER = json.JSONDecoder(parse_int=_integer, parse_float=_no_number, parse_constant=_no_number)

@@ -1,4 +1,4 @@
-r"""Messages between the line arbiter and its clients: a JSON object per line, on a Unix stream socket.
+"""Messages between the line arbiter and its clients: a JSON object per line, on a Unix stream socket.
 
 Requests have ``op``, and an ``id`` (an integer or a short text) that the reply repeats::
 
@@ -63,12 +63,40 @@ Every text has printable characters only, a name at most 64, a sentence at most 
 
 from __future__ import annotations
 
+import re
+import secrets
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
-from end_effector_hal.arbiter.protocol._token import is_token
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import LineBusyError, UsageError
 from end_effector_hal.vocabulary import LastWill, is_name, read_last_will
+
+
+class LastWillRunsError(LineBusyError):
+    """The last will of the client that had these lines is still being executed.
+
+    Args:
+        what: one sentence.
+        retry_us: how long that takes, µs; say hello again after it.
+    """
+
+    def __init__(self, what: str, retry_us: int) -> None:
+        super().__init__(what)
+        self.retry_us = retry_us
+
+
+_TOKEN = re.compile("[0-9a-f]{32}")
+
+
+def make_token() -> str:
+    """A new token."""
+    return secrets.token_hex(16)
+
+
+def is_token(given: object) -> TypeGuard[str]:
+    """Whether it is 32 digits from 0 to f."""
+    return isinstance(given, str) and _TOKEN.fullmatch(given) is not None
+
 
 MOST_NAMES = 64
 """Lines or predicates in one message."""

@@ -7,14 +7,15 @@ and is tried again at each change and every second. The sessions of the clients 
 from __future__ import annotations
 
 import logging
+import re
 import threading
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
+from zlib import crc32
 
-from end_effector_hal.arbiter._json import read_json, write_json
-from end_effector_hal.arbiter.records._old_journal import read_old_journal
+from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
-from end_effector_hal.arbiter.records._storage import Storage
+from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.arbiter.rules import read_faults
 from end_effector_hal.errors import UsageError
 
@@ -51,7 +52,7 @@ class Journal:
         clock: monotonic, µs.
     """
 
-    def __init__(self, storage: Storage | None, boot: str, clock: Callable[[], int]) -> None:
+    def __init__(self, storage: FileStorage | None, boot: str, clock: Callable[[], int]) -> None:
         self._file = RecordFile(storage) if storage else None
         self._storage, self._boot, self._clock = storage, boot, clock
         self._lock = threading.Lock()
@@ -195,3 +196,25 @@ class JournalThread:
 
 def _entry(given: Any) -> JournalEntry:
     return JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))
+
+
+_RECORD = re.compile(rb"[0-9a-f]{8} \{")
+
+
+def read_old_journal(content: bytes) -> Mapping[str, str] | None:
+    """The faults in its last whole record; None: this is not such a file.
+
+    Its last wills are not read: nothing says whether they still fit what is held.
+    """
+    if not _RECORD.match(content):
+        return None
+    faults: Mapping[str, str] = {}
+    for line in content.split(b"\n"):
+        given, _, text = line.partition(b" ")
+        if given != b"%08x" % crc32(text):
+            continue
+        try:
+            faults = read_json(text, lambda given: read_faults(given["faults"]))
+        except UsageError:
+            continue
+    return faults

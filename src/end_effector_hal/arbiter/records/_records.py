@@ -1,14 +1,34 @@
-"""Both records of one arbiter: the session record in memory, the journal of its faults on a disk."""
+"""Both records of an arbiter, in memory and on a disk, and how far the next one believes them."""
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
-from typing import Protocol
 
-from end_effector_hal.arbiter.records._journal import JournalEntry
-from end_effector_hal.arbiter.records._recall import recall
+from end_effector_hal.arbiter.records._journal import JournalEntry, JournalThread
 from end_effector_hal.arbiter.records._session_store import SessionStore
 from end_effector_hal.arbiter.rules import ArbiterState, LineArbiter
+
+_log = logging.getLogger("end_effector_hal.arbiter")
+
+
+def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
+    """The state to begin with: from the session record of this boot; without one, the faults of the journal.
+
+    In doubt more faults are latched rather than fewer, and no last will is executed.
+    """
+    if record is not None and not record.doubt:
+        return record
+    if journal.doubt:
+        _log.error("latched faults may be missing: %s", journal.doubt)
+    faults = dict(journal.faults)
+    if journal.doubt:
+        faults["journal"] = f"Faults that were latched before the start may be missing: {journal.doubt}."
+    if record is not None:
+        return replace(record, faults={**faults, **record.faults})
+    known = journal.clean and journal.boot  # an arbiter that ended in order has left nothing to be done
+    return ArbiterState(faults, clean=journal.clean, doubt="" if known else "no session record was found")
+
 
 NO_RECORD = "The session record cannot be kept ({}): if the line arbiter dies, no last will is executed."
 NO_JOURNAL = (
@@ -16,35 +36,10 @@ NO_JOURNAL = (
 )
 
 
-class FaultJournal(Protocol):
-    """A journal that never makes its user wait; see `JournalThread`."""
-
-    @property
-    def trouble(self) -> str:
-        """Why the faults are not on the disk, a clause; empty: they are."""
-        ...
-
-    def read(self) -> JournalEntry:
-        """What an earlier arbiter has written."""
-        ...
-
-    def late(self) -> JournalEntry | None:
-        """The same, once, when the disk answered only after `read`; else None."""
-        ...
-
-    def keep(self, faults: dict[str, str]) -> None:
-        """Have these faults written."""
-        ...
-
-    def close(self, faults: dict[str, str]) -> None:
-        """The arbiter ends in order."""
-        ...
-
-
 class Records:
     """Reads and keeps them. Trouble with either is a latched fault and ends nothing."""
 
-    def __init__(self, sessions: SessionStore, journal: FaultJournal) -> None:
+    def __init__(self, sessions: SessionStore, journal: JournalThread) -> None:
         self._sessions, self._journal = sessions, journal
         self.before = recall(sessions.read(), journal.read())
         """The state of the arbiter before this one."""

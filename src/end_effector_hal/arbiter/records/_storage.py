@@ -5,42 +5,13 @@ from __future__ import annotations
 import errno
 import os
 from pathlib import Path
-from typing import Protocol
 
 MOST = 1 << 20
 """Bytes of a file that are read."""
 
 
-class Storage(Protocol):
-    """Bytes that outlive the process: a file, or in a test a disk that fails."""
-
-    def read(self) -> bytes:
-        """Everything; empty if there is nothing yet. Raises OSError."""
-        ...
-
-    def create(self, content: bytes, size: int) -> None:
-        """Put a new file of ``size`` bytes in the place of an old one, in one step. Raises OSError."""
-        ...
-
-    def write(self, at: int, data: bytes) -> None:
-        """Overwrite in place from the byte ``at``. Raises OSError, also after a part was written."""
-        ...
-
-    def sync(self) -> None:
-        """Return when it would survive a loss of power. Raises OSError."""
-        ...
-
-    def remove(self) -> None:
-        """Have nothing stand there any more. Raises OSError."""
-        ...
-
-    def close(self) -> None:
-        """Give the file back."""
-        ...
-
-
 class FileStorage:
-    """A `Storage` in a file; no symbolic link is followed.
+    """Bytes that outlive the process; every method may raise OSError. No symbolic link is followed.
 
     Args:
         path: the file; its folder exists.
@@ -52,7 +23,7 @@ class FileStorage:
         self._fd = -1
 
     def read(self) -> bytes:
-        """Everything that stands in the file."""
+        """Everything; empty if there is no file yet."""
         try:
             fd = self._opened()
         except FileNotFoundError:
@@ -63,7 +34,7 @@ class FileStorage:
         return content
 
     def create(self, content: bytes, size: int) -> None:
-        """WriteResult beside it and renamed: whenever the power goes, there is the old file or the new one."""
+        """A new file of ``size`` bytes in one step: whenever the power goes, there is the old one or the new one."""
         self.close()
         fresh = self._path.with_name(f".{self._path.name}.new")
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC | os.O_NOFOLLOW
@@ -83,11 +54,11 @@ class FileStorage:
             self._sync_folder()
 
     def write(self, at: int, data: bytes) -> None:
-        """In place; the room for it was taken when the file was made."""
+        """Overwrite from the byte ``at`` on; the room for it was taken. After an error a part may be written."""
         _write_all(self._opened(), at, data)
 
     def sync(self) -> None:
-        """Wait for the disk."""
+        """Return when it would survive a loss of power."""
         os.fdatasync(self._opened())
 
     def remove(self) -> None:

@@ -3,8 +3,7 @@
 from ._arbiter import LineArbiter
 from ._policy import Exclusion, Need, Policy
 from ._sender_role import SecondSenderError, SenderRole
-from ._session import Session, process_words
-from ._state import ArbiterState, SessionRecord, read_arbiter_state, read_faults
+from ._session import ArbiterState, Session, process_words, read_arbiter_state, read_faults
 
 __all__ = [
     "ArbiterState",
@@ -15,7 +14,6 @@ __all__ = [
     "SecondSenderError",
     "SenderRole",
     "Session",
-    "SessionRecord",
     "process_words",
     "read_arbiter_state",
     "read_faults",

@@ -12,12 +12,10 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
-from end_effector_hal.arbiter.rules._activation_check import ActivationCheck
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import SensorPredicates
-from end_effector_hal.arbiter.rules._session import Session, Write
-from end_effector_hal.arbiter.rules._state import ArbiterState, SessionRecord
+from end_effector_hal.arbiter.rules._session import ArbiterState, Session, SessionRecord, Write
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.vocabulary import LastWill, hint
 from end_effector_hal.wires.lines import LineBackend
@@ -58,7 +56,6 @@ class LineArbiter:
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
         self._lines = OutputLines(backend, policy, at, before_change)
-        self._check = ActivationCheck(policy, self._lines, self.predicates)
         for line in policy.lines:
             if self.levels[line] and any(self.levels[partner.line] for partner in policy.partners(line)):
                 _log.error("%s was found active together with a line that excludes it", policy.called(line))
@@ -149,7 +146,7 @@ class LineArbiter:
             queued = session.queued_level(line)
             expected = self.levels[line] if queued is None else queued
             if level and not expected:
-                self._check.check_activation(line, levels, self.sessions, at)
+                self._check_activation(line, levels, at)
         if len(session.queue) >= MOST_WAITING:
             raise LineRefusedError(
                 f"IL-10: {MOST_WAITING} writes of this client wait already for their lines to settle."
@@ -191,10 +188,10 @@ class LineArbiter:
     def declare_dead(self, session: Session, why: str, at: int) -> None:
         """The client died: none of its waiting activations is applied, its last will is executed."""
         will = session.will
-        _log.warning("%s died (%s); its last will: %s", session.client, why, _in_words(will))
         session.forget_activations(session.lines)
         self._dead.append((session.client, session.token))
         self._end_session(session, will, at)
+        _log.warning("%s died (%s); its last will: %s", session.client, why, _in_words(will))  # not before it
 
     def expire(self, at: int) -> list[Session]:
         """End the sessions whose lease has expired, and return them. Call it when every message was read."""
@@ -222,6 +219,33 @@ class LineArbiter:
         times += [self._lines.ready_at(session.queue[0]) for session in self.sessions if session.queue]
         ends = map(self._lines.longest_end, self.policy.max_active_us)
         return min([*times, *(end for end in ends if end is not None)], default=None)
+
+    def _check_activation(self, line: str, levels: Mapping[str, bool], at: int) -> None:
+        """Exclusions (IL-01, IL-05, IL-08), and what the sensors must prove (IL-01, IL-02, IL-05, IL-13).
+
+        Raises:
+            LineRefusedError: an interlock refuses; its id stands first.
+        """
+        called = self.policy.called(line)
+        for other, interlock, gap_us in self.policy.partners(line):
+            if levels.get(other, self._may_be_active(other)):
+                raise LineRefusedError(
+                    f"{interlock}: {called} is not activated while {self.policy.called(other)} is active."
+                )
+            if at - self._lines.changed_at[other] < gap_us:
+                raise LineRefusedError(
+                    f"{interlock}: {called} is not activated within {gap_us // 1000} ms after "
+                    f"{self.policy.called(other)}."
+                )
+        for need in self.policy.needs.get(line, ()):
+            if why := self.predicates.objection(need, at):
+                raise LineRefusedError(f"{need.interlock}: {called} is not activated: {why}.")
+
+    def _may_be_active(self, line: str) -> bool:
+        """Whether it is active now, or will be before everything that waits in any queue is applied."""
+        return self.levels[line] or any(
+            write.levels.get(line) for session in self.sessions for write in session.queue
+        )
 
     def _resume(self, state: ArbiterState, at: int) -> None:
         """Continue the sessions of the arbiter before this one; in doubt no last will is executed."""
@@ -256,7 +280,7 @@ class LineArbiter:
 
     def _end_session(self, session: Session, will: LastWill, at: int) -> None:
         session.ended, session.will = True, will
-        session.queue.extend(Write(at + step.after_us, {step.line: step.level}) for step in will)
+        session.queue.extend([Write(at + step.after_us, {step.line: step.level}) for step in will])
         self.advance(at)
 
     def _end_activation(self, line: str, at: int) -> None:

@@ -1,4 +1,4 @@
-"""The claimed output lines: their levels, and since when each of them stands so."""
+"""The claimed output lines: their levels, since when each of them stands so, and whether one may be activated now."""
 
 from __future__ import annotations
 
@@ -51,11 +51,13 @@ class OutputLines:
         """When the last of these writes can be applied, if each is applied as early as it may be, µs."""
         levels, changed_at, time = dict(self.levels), dict(self.changed_at), 0
         for due, wanted in writes:
-            switched = {line: level for line, level in wanted.items() if levels[line] != level}
-            free = (changed_at[line] + self._policy.min_switch_us for line in switched)
-            time = max([time, due, *free])
-            levels |= switched
-            changed_at |= dict.fromkeys(switched, time)
+            time, switched = max(time, due), []
+            for line, level in wanted.items():
+                if levels[line] != level:
+                    time = max(time, changed_at[line] + self._policy.min_switch_us)
+                    switched.append(line)
+            for line in switched:
+                levels[line], changed_at[line] = wanted[line], time
         return time
 
     def longest_end(self, line: str) -> int | None:

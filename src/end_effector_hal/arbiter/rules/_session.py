@@ -1,14 +1,106 @@
-"""One client of the arbiter, what waits for its lines, and what the next arbiter must know of it."""
+"""One client of the arbiter, and what the next arbiter must know of it and of this one."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from end_effector_hal.arbiter.rules._state import SessionRecord
-from end_effector_hal.vocabulary import LastWill, LastWillStep
+from end_effector_hal.arbiter.protocol import is_token
+from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import LastWill, LastWillStep, printable, read_last_will
+
+
+class SessionRecord(NamedTuple):
+    """What is kept of the session of one client.
+
+    Attributes:
+        client, token, lines: who it is, and what it writes; an empty token identifies nobody.
+        will: the last will that is valid.
+        ended: the client has gone, and its last will is being executed.
+        pid: for people only; another process may have it by now.
+    """
+
+    client: str
+    token: str
+    lines: tuple[str, ...]
+    will: LastWill
+    ended: bool
+    pid: int = 0
+
+
+@dataclass(frozen=True)
+class ArbiterState:
+    """An arbiter at one moment.
+
+    Attributes:
+        faults: sentences by name, latched until a reset.
+        clients: those that write lines, and those whose last will is being executed.
+        clean: the arbiter ended in order.
+        levels: of the lines; a line that is missing here is not compared with the level that is found.
+        dead: names and tokens of clients that were declared dead and have not connected since.
+        doubt: why the last wills of these clients must not be executed, a clause; empty: they may be.
+    """
+
+    faults: Mapping[str, str] = field(default_factory=dict)
+    clients: tuple[SessionRecord, ...] = ()
+    clean: bool = True
+    levels: Mapping[str, bool] = field(default_factory=dict)
+    dead: tuple[tuple[str, str], ...] = ()
+    doubt: str = ""
+
+    def as_json(self) -> dict[str, object]:
+        """For the session record. The doubt is not in it: it arises when the record is read."""
+        return {
+            "faults": dict(self.faults),
+            "clients": [
+                [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid]
+                for each in self.clients
+            ],
+            "clean": self.clean,
+            "levels": dict(self.levels),
+            "dead": self.dead,
+        }
+
+
+def read_arbiter_state(given: Any) -> ArbiterState:
+    """The state that `ArbiterState.as_json` gave.
+
+    Raises:
+        UsageError: this is not such a state, or one of another version.
+    """
+    try:
+        clients = tuple(_read_record(*client) for client in given["clients"])
+        levels = {str(line): level is True for line, level in given["levels"].items()}
+        dead = tuple((str(client), str(token)) for client, token in given["dead"])
+        return ArbiterState(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise UsageError(f"this is not the state of a line arbiter: {error}.") from error
+
+
+def read_faults(given: Any) -> dict[str, str]:
+    """Sentences by name, from JSON.
+
+    Raises:
+        UsageError: this is not such an object.
+    """
+    if not isinstance(given, dict):
+        raise UsageError("faults must be an object of sentences by name.")
+    return {printable(str(name)): printable(str(why)) for name, why in given.items()}
+
+
+def _read_record(
+    client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object
+) -> SessionRecord:
+    return SessionRecord(
+        printable(str(client)),
+        token if is_token(token) else "",
+        tuple(map(str, lines)),
+        read_last_will(will),
+        bool(ended),
+        pid if type(pid) is int else 0,
+    )
 
 
 def process_words(pid: int, program: str) -> str:
@@ -54,12 +146,12 @@ class Session:
 
     def forget_activations(self, lines: Iterable[str]) -> None:
         """Remove from the queue what would activate one of these lines."""
-        given_up = set(lines)
-        left = (
-            Write(due, {name: level for name, level in levels.items() if not (level and name in given_up)})
-            for due, levels in self.queue
-        )
-        self.queue = deque(write for write in left if write.levels)
+        given_up, queue = set(lines), self.queue
+        self.queue = deque()
+        for due, levels in queue:
+            left = {name: level for name, level in levels.items() if not (level and name in given_up)}
+            if left:
+                self.queue.append(Write(due, left))
 
     def queued_level(self, line: str) -> bool | None:
         """The level of a line once the queue is applied; None: no write of this line waits."""

@@ -1,6 +1,5 @@
 """The arbiter's process: its socket, its connections, and what it replies."""
 
-from ._serve import serve
-from ._server import ArbiterServer
+from ._server import ArbiterServer, serve
 
 __all__ = ["ArbiterServer", "serve"]

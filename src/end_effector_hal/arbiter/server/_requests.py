@@ -17,8 +17,7 @@ from end_effector_hal.arbiter.protocol import (
 )
 from end_effector_hal.arbiter.records import Records
 from end_effector_hal.arbiter.rules import LineArbiter, SecondSenderError, SenderRole
-from end_effector_hal.arbiter.server._connection import Connection
-from end_effector_hal.arbiter.server._status_report import status_report
+from end_effector_hal.arbiter.server._connections import Connection
 from end_effector_hal.errors import ArbiterError, ReportedError
 from end_effector_hal.wires import now_us
 
@@ -149,3 +148,30 @@ def refusal(number: int | str | None, error: ReportedError) -> dict[str, Any]:
     """A reply that says why not; ``number`` None: it belongs to no request."""
     retry = {"retry_us": error.retry_us} if isinstance(error, LastWillRunsError) else {}
     return {"id": number, "ok": False, "error": str(error), "code": error.code, "levels": {}} | retry
+
+
+def status_report(arbiter: LineArbiter, at: int) -> dict[str, Any]:
+    """Which client writes which lines, what the sensors were said to prove, and what is latched, at ``at`` µs."""
+    needs = (need for needs in arbiter.policy.needs.values() for need in needs)
+    return {
+        "clients": [
+            {
+                "client": session.client,
+                "pid": session.pid,
+                "lines": sorted(session.lines),
+                "ended": session.ended,
+                "absent": session.absent,
+                "waiting": len(session.queue),
+                "lease_us": max(0, session.lease_until - at),
+                "will": [step.as_json() for step in session.will],
+            }
+            for session in arbiter.sessions
+        ],
+        "trips": [{"at": when, "line": line, "interlock": "IL-03"} for when, line in arbiter.trips],
+        "needs": sorted({need.predicate for need in needs}),
+        "told": {
+            name: {"holds": proof.holds, "age_us": at - proof.at}
+            for name, proof in arbiter.predicates.proofs.items()
+        },
+        "faults": dict(arbiter.predicates.faults),
+    }

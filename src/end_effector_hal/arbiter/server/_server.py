@@ -5,7 +5,9 @@ from __future__ import annotations
 import logging
 import os
 import selectors
-from collections.abc import Iterable
+import signal
+import threading
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from end_effector_hal.arbiter.records import (
@@ -17,8 +19,7 @@ from end_effector_hal.arbiter.records import (
     this_boot,
 )
 from end_effector_hal.arbiter.rules import LineArbiter, Policy
-from end_effector_hal.arbiter.server._connection import Connection
-from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connections
+from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connection, Connections
 from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
 from end_effector_hal.arbiter.server._socket import listen, no_socket
 from end_effector_hal.errors import ArbiterError, UsageError, WireError
@@ -218,3 +219,31 @@ def _records(socket_path: Path, journal: str | Path | None) -> Records:
     )
     disk = FileStorage(Path(journal), durable=True) if journal else None
     return Records(SessionStore(sessions, mark, boot, now_us), JournalThread(Journal(disk, boot, now_us)))
+
+
+def serve(
+    backend: LineBackend,
+    socket_path: str | Path,
+    policy: Policy,
+    *,
+    journal: str | Path | None = None,
+    group: str | None = None,
+    on_ready: Callable[[ArbiterServer], None] | None = None,
+) -> None:
+    """Run the line arbiter until SIGTERM, SIGINT or `ArbiterServer.stop`; the lines stay as they are.
+
+    Args:
+        backend, socket_path, policy, journal, group: see `ArbiterServer`, also for the errors.
+        on_ready: called once, when clients can come.
+    """
+    with ArbiterServer(backend, socket_path, policy, journal, group=group) as server:
+        before = {}
+        if threading.current_thread() is threading.main_thread():
+            before = {s: signal.signal(s, lambda *_: server.stop()) for s in (signal.SIGTERM, signal.SIGINT)}
+        try:
+            if on_ready:
+                on_ready(server)
+            server.run()
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)

@@ -9,9 +9,9 @@ from typing import Any
 
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.wires import holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
-from ._holders import holders_of
 
 _FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/tmp/eehal-0"))
 _START = "Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter."

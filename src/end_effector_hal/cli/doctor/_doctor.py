@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.cli._options import PathName
 from end_effector_hal.description import Description, examine, profile_path
 
 from ._check_result import CheckedPart, CheckResult, CheckResults, Level

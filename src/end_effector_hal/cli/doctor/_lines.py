@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import glob
-import importlib
 import os
 from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import WireError
+from end_effector_hal.wires import holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
-from ._holders import holders_of
 
 CHIPS = "/dev/gpiochip*"
-CONSUMER = "end-effector-hal"
-GPIO_GROUP = "Add the user to the group gpio (gid 49 on Torizon) and log in again; container: --group-add 49."
 _say = CheckedPart("lines")
 
 
@@ -55,42 +51,23 @@ def _virtual(description: Description, lines: tuple[str, ...]) -> CheckResult:
 
 
 def _gpiod(lines: tuple[str, ...], pattern: str) -> CheckResults:
+    from end_effector_hal.wires.lines import find_chips, line_infos, load_gpiod, open_chip
+
     try:
-        gpiod: Any = importlib.import_module("gpiod")
-    except ImportError as error:
-        yield _say.missing(f"gpiod cannot be imported: {error}", "pip install 'gpiod>=2.1,<3'")
-        return
-    version = str(getattr(gpiod, "api_version", "1"))
-    if not version.startswith("2."):
-        yield _say.missing(f"gpiod has the API {version}, needed is 2", "pip install 'gpiod>=2.1,<3'")
-        return
-    paths = sorted({os.path.realpath(path) for path in glob.glob(pattern)})
-    chips = [path for path in paths if gpiod.is_gpiochip_device(path)]
-    if not chips:
-        yield _say.missing(
-            f"there is no GPIO chip here ({pattern})",
-            "A container needs --device /dev/gpiochip0; without hardware use virtual lines.",
-        )
+        gpiod = load_gpiod()
+        chips = find_chips(gpiod, pattern)
+    except WireError as error:
+        yield _say.missing(error.what.rstrip("."), error.todo)
         return
     places: dict[str, list[_Place]] = {}
     for path in chips:
-        if refused := _read(gpiod, path, places):
-            yield refused
+        try:
+            with open_chip(gpiod, path) as chip:
+                for offset, info in enumerate(line_infos(chip)):
+                    places.setdefault(info.name, []).append(_Place(path, offset, info))
+        except WireError as error:
+            yield _say.missing(f"{path}: {error.what.rstrip('.')}", error.todo)
     yield from _judged(lines, places, chips)
-
-
-def _read(gpiod: Any, path: str, places: dict[str, list[_Place]]) -> CheckResult | None:
-    """Adds the lines of a chip; reading their information claims nothing."""
-    try:
-        with gpiod.Chip(path) as chip:
-            for offset in range(chip.get_info().num_lines):
-                info = chip.get_line_info(offset)
-                places.setdefault(info.name, []).append(_Place(path, offset, info))
-    except PermissionError:
-        return _say.missing(f"{path} may not be opened: permission denied", GPIO_GROUP)
-    except OSError as error:
-        return _say.missing(f"{path} cannot be opened: {error.strerror}", "dmesg may say why.")
-    return None
 
 
 def _judged(lines: tuple[str, ...], places: dict[str, list[_Place]], chips: list[str]) -> CheckResults:
@@ -112,6 +89,8 @@ def _judged(lines: tuple[str, ...], places: dict[str, list[_Place]], chips: list
 
 
 def _line(name: str, where: str, info: Any) -> CheckResult:
+    from end_effector_hal.wires.lines import CONSUMER
+
     direction = str(info.direction).rpartition(".")[2].lower()
     if not info.used:
         return _say.ok(f"{name} = {where}, {direction}, free")

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.errors import LinkError, ReportedError
+from end_effector_hal.wires import Holder, holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
-from ._holders import Holder, holders_of
 
 if TYPE_CHECKING:
     from end_effector_hal.wires.link import GuardedDecoder

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.cli._options import PathName
 from end_effector_hal.errors import ReportedError
 
 if TYPE_CHECKING:
@@ -80,18 +81,7 @@ def _document(path: Path, network: Network) -> dict[str, object]:
         "faults": [],
         "processes": [{"name": each.name, "template": each.template} for each in network.processes],
         "clocks": list(network.clocks[1:]),
-        "channels": [
-            {
-                "name": each.name,
-                "broadcast": each.broadcast,
-                "urgent": each.urgent,
-                "senders": list(each.senders),
-                "receivers": list(each.receivers),
-                "unsent": list(each.unsent),
-                "unreceived": list(each.unreceived),
-            }
-            for each in channel_ends(network)
-        ],
+        "channels": [asdict(each) for each in channel_ends(network)],
         "queries": [
             {"query": _one_line(each.formula.content), "sentence": each.comment}
             for each in network.document.queries

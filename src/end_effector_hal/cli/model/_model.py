@@ -7,10 +7,10 @@ from pathlib import Path
 import click
 
 from end_effector_hal.cli._figures import figures, save_all
-from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli.model._check import check
 from end_effector_hal.cli.model._simulate import simulate
-from end_effector_hal.cli.model._source import DESCRIPTION, MODEL, open_source, the_folder, write_whole
+from end_effector_hal.cli.model._source import DESCRIPTION, MODEL, open_source
 
 
 @click.group(name="model")

@@ -10,20 +10,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import draw_timeline
-from end_effector_hal.cli._path_name import PathName
-from end_effector_hal.cli.model._source import (
-    DESCRIPTION,
-    MODEL,
-    Source,
-    open_source,
-    the_folder,
-    write_whole,
-)
-from end_effector_hal.errors import MissingExtraError, UsageError
+from end_effector_hal.cli._figures import Drawing
+from end_effector_hal.cli._options import PathName, the_folder, write_whole
+from end_effector_hal.cli.model._source import DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
-    from end_effector_hal.recording import RunInfo
     from timed_automata import Trace, TraceStep
 
 _LONGEST_S = 1e7
@@ -99,28 +91,15 @@ def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[lis
     if not has_states(source.network):
         return files, "The model has no variables ee, command and actuator[], so there is no figure."
     names = source.description.sequence if source.description is not None else ()
-    log, info = states_of(trace, names), _info(source, seed)
+    log, info = states_of(trace, names), source.run_info(f"run of the model, seed {seed}")
     states = folder / "states.csv"
     states.unlink(missing_ok=True)
     with StatesWriter(states, log.actuators) as writer:
         for row in log.rows:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
     files += [states, info.write(folder)]
-    try:
-        return [*files, *draw_timeline(log, info, folder)], ""
-    except MissingExtraError as error:
-        return files, f"There is no figure. {error}"
-
-
-def _info(source: Source, seed: int) -> RunInfo:
-    from dataclasses import replace
-
-    from end_effector_hal.recording import RunInfo, run_info
-
-    scenario = f"run of the model, seed {seed}"
-    if source.description is None:
-        return RunInfo(scenario=scenario, description=Path(source.name).name, simulated=True)
-    return replace(run_info(source.description, scenario=scenario), simulated=True)
+    draw = Drawing()
+    return [*files, *draw(log, info, folder)], draw.note
 
 
 def _document(source: Source, trace: Trace, seed: int, files: list[Path], note: str) -> dict[str, object]:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._path_name import PathName
+from end_effector_hal.cli._options import PathName
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
+    from end_effector_hal.recording import RunInfo
     from timed_automata import Network
 
 DESCRIPTION = click.argument("description", type=PathName(), required=False)
@@ -28,6 +28,14 @@ class Source:
     network: Network = field(repr=False)
     description: Description | None
     told: dict[str, object] = field(repr=False)
+
+    def run_info(self, scenario: str = "") -> RunInfo:
+        """What a recording of a run of it says: that nothing real answered."""
+        from end_effector_hal.recording import RunInfo, run_info
+
+        if self.description is None:
+            return RunInfo(scenario=scenario, description=Path(self.name).name, simulated=True)
+        return replace(run_info(self.description, scenario=scenario), simulated=True)
 
 
 def open_source(description: Path | None, model: Path | None) -> Source:
@@ -81,23 +89,3 @@ def is_uppaal(path: Path) -> bool:
             return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<")
     except OSError:
         return False
-
-
-def the_folder(path: Path) -> Path:
-    """A folder, made if it does not exist."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(path)) from None
-    return path
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        beside.write_bytes(data)
-        beside.replace(path)
-    except OSError as error:
-        beside.unlink(missing_ok=True)
-        raise UsageError(f"The file cannot be written: {error.strerror}.", where=str(path)) from None

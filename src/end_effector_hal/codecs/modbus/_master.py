@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from end_effector_hal.codecs._polled import Polled
+from end_effector_hal.codecs._codec import Polled
 from end_effector_hal.codecs.modbus import _adu as adu
 from end_effector_hal.codecs.modbus._read import Read
 from end_effector_hal.signals import Frame, Value

@@ -19,7 +19,7 @@ def is_over(status: Status) -> bool:
 def judge(command: Command, status: Status) -> tuple[Outcome, str]:
     """The outcome of a command that is over, and the reason in words; the sensors have decided it."""
     if command in _WANTED_POSITIONS:
-        reached, position = ChangerState(status.changer), _WANTED_POSITIONS[command]
+        reached, position = status.changer, _WANTED_POSITIONS[command]
         if reached is position:
             return Outcome.SUCCEEDED, ""
         why = f"The tool changer is {reached.name}: its sensors do not prove {position.name}."
@@ -27,5 +27,5 @@ def judge(command: Command, status: Status) -> tuple[Outcome, str]:
     if status.ee == _WANTED_STATES[command]:
         return Outcome.SUCCEEDED, ""
     cancelled = command is Command.GRIP and status.cause == Cause.CANCELLED
-    reason = status.reason or f"The end-effector is {EndEffectorState(status.ee).name}."
+    reason = status.reason or f"The end-effector is {status.ee.name}."
     return (Outcome.CANCELLED if cancelled else Outcome.FAILED), reason

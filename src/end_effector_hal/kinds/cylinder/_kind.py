@@ -7,10 +7,18 @@ from collections.abc import Iterator, Mapping
 from end_effector_hal.kinds import ChannelKey, ChannelReadings, DeviceKind, JointRule, Quote
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Supply
 from end_effector_hal.signals import Kind
+from end_effector_hal.vocabulary import TableState
 
 from ._detector import CylinderDetector
 from ._stanza import CylinderActuator
-from ._states import CylinderState
+
+
+class CylinderState(TableState):
+    """A pneumatic cylinder."""
+
+    RETRACTED = 0
+    PENDING_EXTEND = 1
+    EXTENDED = 2
 
 
 def _apart(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, str] | None:

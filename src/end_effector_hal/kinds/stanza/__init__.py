@@ -1,15 +1,9 @@
 """What the stanzas of a description are made of: a frozen base, values with units, endings, the air of a tool."""
 
-from ._actuator import Actuator
 from ._endings import (
     ChangerEndings,
     Endings,
-    GrippingEndings,
-    HeldEndings,
     OwnEndings,
-    OwnGrippingEndings,
-    OwnHeldEndings,
-    ProgramEnding,
 )
 from ._part import (
     NO_CHANNEL,
@@ -27,7 +21,7 @@ from ._part import (
     Texts,
     Word,
 )
-from ._tool import Hold, Supply
+from ._tool import Actuator, Hold, Supply
 
 __all__ = [
     "NO_CHANNEL",
@@ -36,8 +30,6 @@ __all__ = [
     "BelowAmbient",
     "ChangerEndings",
     "Endings",
-    "GrippingEndings",
-    "HeldEndings",
     "Hold",
     "Kilopascal",
     "LineName",
@@ -45,10 +37,7 @@ __all__ = [
     "Name",
     "Names",
     "OwnEndings",
-    "OwnGrippingEndings",
-    "OwnHeldEndings",
     "Part",
-    "ProgramEnding",
     "RosName",
     "Samples",
     "Seconds",

@@ -1,7 +1,6 @@
 """The kind ``vacuum``: a generator with its cups, and a pressure sensor or switch."""
 
-from ._kind import Vacuum
+from ._kind import Vacuum, VacuumState
 from ._stanza import BlowOff, VacuumActuator
-from ._states import VacuumState
 
 __all__ = ["BlowOff", "Vacuum", "VacuumActuator", "VacuumState"]

@@ -10,7 +10,7 @@ from end_effector_hal.kinds.stanza import Hold
 from end_effector_hal.signals import PART, Streak, Trend
 from end_effector_hal.vocabulary import to_us
 
-from ._secure_detector import SecureDetector
+from ._detector import SecureDetector
 from ._stanza import VacuumActuator
 
 LASTS = 0.25

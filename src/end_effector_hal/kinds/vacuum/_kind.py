@@ -15,11 +15,20 @@ from end_effector_hal.kinds import (
 )
 from end_effector_hal.kinds.stanza import Hold, Supply
 from end_effector_hal.signals import Kind
+from end_effector_hal.vocabulary import TableState
 
 from ._detector import VacuumDetector
 from ._hold import VacuumWatch
 from ._stanza import VacuumActuator
-from ._states import VacuumState
+
+
+class VacuumState(TableState):
+    """A vacuum generator with its cups."""
+
+    OFF = 0
+    PENDING_ON = 1
+    ON = 2
+
 
 # Ambient pressure is 101 kPa at most at sea level; a transmitter may be a few kPa off. What is left of a vacuum that
 # is no longer "gone" must not pass for compressed air: then exchanged sensors would be believed.

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from enum import IntEnum
+from math import nan
 
 from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.nodes.interface import GRIP, TOOL_CHANGE
 from end_effector_hal.nodes.transport import StateMessage, StatusMessage
-from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
 
 from ._margins import Margins
 from ._positions import Positions
@@ -26,47 +29,70 @@ class Aggregate:
     ``held`` stay as they were last known: the line arbiter holds what was held.
     """
 
-    def __init__(self, description: Description, margins: Margins, positions: Positions) -> None:
+    def __init__(
+        self, description: Description, margins: Margins, positions: Positions, since_us: int
+    ) -> None:
+        self._since_us = since_us
         self._description, self._margins, self._positions = description, margins, positions
         self._kinds = [part.kind for _, part in description.ordered]
+        self._states = [kind_of(part).states for _, part in description.ordered]
         count = len(description.sequence)
         nothing = StatusMessage(actuators=[0] * count, outputs=[False] * count, evidence=[0] * count)
         self.grip = self.tool_change = nothing
 
     def message(self, at_us: int, now_us: int, silence: Silence, notices: Sequence[str] = ()) -> StateMessage:
-        """The state after a change at ``at_us``; ``notices`` are alarms of HALMain itself."""
+        """The state after a change at ``at_us``, without a number; ``notices`` are alarms of HALMain itself."""
         gone = silence.silent(now_us)
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
         alarms = dict.fromkeys((*notices, *grip.alarms, *change.alarms))
         absent = [(_SILENT if silence.has_reported(name) else _AWAITED).format(name) for name in gone]
         deadline = grip.deadline_us
+        state, command = EndEffectorState.OFF if lost else grip.state, self._command(gone)
+        evidence = [Evidence.UNKNOWN] * len(sequence) if lost else grip.evidence
+        changer = ChangerState.UNKNOWN if TOOL_CHANGE in gone else change.tool_changer
+        position, stand = self._positions.place(CHANGER, now_us), self._positions.place(STAND, now_us)
         return StateMessage(
+            since_us=self._since_us,
+            count=0,
             at_us=at_us,
-            state=EndEffectorState.OFF if lost else grip.state,
-            command=self._command(gone),
+            tool=self._description.name,
+            state=state,
+            state_name=_name(EndEffectorState, state),
+            command=command,
+            command_name=_name(Command, command),
             actuator_names=sequence,
             actuator_kinds=self._kinds,
             actuators=grip.actuators,
+            actuator_states=[
+                _name(states, state) for states, state in zip(self._states, grip.actuators, strict=False)
+            ],
             outputs=grip.outputs,
-            evidence=[Evidence.UNKNOWN] * len(sequence) if lost else grip.evidence,
+            evidence=evidence,
+            evidence_names=[_name(Evidence, each) for each in evidence],
             margins=self._margins.values(grip.stale if grip.link_up and not lost else None),
+            margin_units=["Pa"] * len(sequence),
+            positions=[nan] * len(sequence),
             actuator="" if lost or grip.step < 0 else sequence[grip.step],
             attempt=grip.attempt,
             attempts_allowed=grip.attempts_allowed,
-            time_left_s=float("nan") if lost or deadline < 0 else max(0, deadline - now_us) / 1e6,
+            time_left_s=nan if lost or deadline < 0 else max(0, deadline - now_us) / 1e6,
             steps=grip.steps,
             cause=grip.cause,
+            cause_name=_name(Cause, grip.cause),
             cause_actuator=sequence[grip.cause_at] if grip.cause_at >= 0 else "",
             reason=grip.reason,
             held=grip.held,
             lift_allowed=grip.lift_allowed and not lost,
             secure=grip.secure and not lost,
             maintenance=grip.maintenance and not lost,
-            tool_changer=0 if TOOL_CHANGE in gone else change.tool_changer,
+            tool_changer=changer,
+            tool_changer_name=_name(ChangerState, changer),
             unlock_output=change.unlock_output,
-            tool_position=self._positions.value(CHANGER, now_us),
-            tool_stand=self._positions.value(STAND, now_us),
+            tool_position=position,
+            tool_position_name=position.name,
+            tool_stand=stand,
+            tool_stand_name=stand.name,
             link_up=grip.link_up and not lost,
             stale=grip.stale,
             missed=grip.missed + change.missed,
@@ -79,3 +105,11 @@ class Aggregate:
         if GRIP not in gone and self.grip.command != Command.NONE:
             return int(self.grip.command)
         return int(Command.NONE if TOOL_CHANGE in gone else self.tool_change.command)
+
+
+def _name(words: type[IntEnum], value: int) -> str:
+    """The name of an integer that another node sent; one that is none of ours stands for itself."""
+    try:
+        return words(value).name
+    except ValueError:
+        return str(value)

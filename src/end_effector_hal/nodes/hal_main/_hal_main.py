@@ -36,6 +36,7 @@ from end_effector_hal.wires import now_us
 from ._aggregate import CHANGER, STAND, Aggregate
 from ._margins import Margins
 from ._positions import Positions
+from ._served_goals import ServedGoals
 from ._silence import Silence
 
 _ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
@@ -51,7 +52,9 @@ class HalMainNode:
         self._positions = Positions(
             {CHANGER: ChangerPlace, STAND: ToolPlace, **dict.fromkeys(cylinders, CylinderPlace)}
         )
-        self._aggregate = Aggregate(description, self._margins, self._positions)
+        self._at_us = now_us()
+        self._aggregate = Aggregate(description, self._margins, self._positions, self._at_us)
+        self._count = 0
         self._silence = Silence((GRIP, TOOL_CHANGE) if description.tool_changer else (GRIP,))
         self._known: dict[str, tuple[int, int]] = {}
         self._stamps = StampCheck("Internal states", node.log)
@@ -60,9 +63,8 @@ class HalMainNode:
         self._closed = False
         self._log, self._unknown_senders = node.log, node.unknown_senders
         self._publish = node.publisher(END_EFFECTOR_STATE)
-        self._at_us = now_us()
         self._state = self._aggregate.message(self._at_us, self._at_us, self._silence)
-        self._goals = node.serve_goals(lambda: self._state)
+        self._goals = ServedGoals(node, lambda: self._state)
         node.subscribe(GRIP_STATE, self._on_status(GRIP))
         node.subscribe(TOOL_CHANGE_STATE, self._on_status(TOOL_CHANGE))
         for channel, topic in pressure_topics(description):
@@ -97,6 +99,7 @@ class HalMainNode:
                 self._aggregate.tool_change = status
             # the exact time of the program that changed: the other one, over its own connection, may be a little ahead
             self._at_us = status.at_us
+            self._count += 1
             self._publish_state(self._at_us)
         self._goals.on_status(name, status)
 
@@ -104,10 +107,10 @@ class HalMainNode:
         now, before = now_us(), self._gone
         self._gone = self._silence.silent(now)
         if self._gone != before:
-            self._at_us = now
+            self._at_us, self._count = now, self._count + 1
         notices = (*self._unknown_senders.alarms(), *self._stamps.notices(now))
         state = self._aggregate.message(self._at_us, now, self._silence, notices)
-        state.header = MessageHeader(stamp_us)
+        state.header, state.count = MessageHeader(stamp_us), self._count
         earlier, self._state = self._state, state
         self._publish(state)
         if state.state != earlier.state:
@@ -137,8 +140,11 @@ class HalMainNode:
             self._closed = True
             self._state = replace(
                 self._state,
+                count=self._count + 1,
                 state=EndEffectorState.OFF,
+                state_name=EndEffectorState.OFF.name,
                 command=Command.NONE,
+                command_name=Command.NONE.name,
                 lift_allowed=False,
                 secure=False,
                 at_us=now_us(),

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
-from end_effector_hal.description import Actuator, Description
+from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.nodes.transport import AMBIENT_PA
 
 

@@ -23,11 +23,12 @@ class Positions:
         """A position was received at ``at_us``."""
         self._latest[name] = (position, at_us)
 
-    def value(self, name: str, now_us: int) -> int:
-        """The integer of a position; 0 when it was not received for a second."""
+    def place(self, name: str, now_us: int) -> IntEnum:
+        """Where a part stands; UNKNOWN when that was not received for a second."""
         position, at_us = self._latest.get(name, (0, 0))
-        return position if now_us - at_us <= GONE_AFTER_S * 1e6 else 0
+        places = {place.value: place for place in self._places[name]}
+        return places.get(position if now_us - at_us <= GONE_AFTER_S * 1e6 else 0, places[0])
 
     def names(self, now_us: int) -> dict[str, str]:
         """The names of all positions that were ever received."""
-        return {name: self._places[name](self.value(name, now_us)).name for name in self._latest}
+        return {name: self.place(name, now_us).name for name in self._latest}

@@ -1,40 +1,50 @@
 """What the nodes and a ROS generation agree upon: the protocol, the messages, and which of them are accepted."""
 
+from ._commander import CommandConnection, Commander
 from ._frames import AMBIENT_PA, absolute_pa, frame_from_message, frame_to_message
 from ._messages import (
     CommandMessage,
+    CylinderPositionMessage,
     DiagnosticMessage,
     DiagnosticsMessage,
+    FeedbackMessage,
     FrameMessage,
     KeyValueMessage,
     MessageHeader,
     PositionMessage,
     PressureMessage,
+    ResultMessage,
     StateMessage,
     StatusMessage,
     StepMessage,
 )
 from ._places import ChangerPlace, CylinderPlace
 from ._stamp_check import StampCheck
-from ._transport import CommandClient, GoalClient, GoalService, NodeTransport
+from ._transport import ActionClient, ActionServer, ClientGoal, CommandClient, NodeTransport
 from ._unknown_senders import UnknownSenders
 
 __all__ = [
     "AMBIENT_PA",
+    "ActionClient",
+    "ActionServer",
     "ChangerPlace",
+    "ClientGoal",
     "CommandClient",
+    "CommandConnection",
     "CommandMessage",
+    "Commander",
     "CylinderPlace",
+    "CylinderPositionMessage",
     "DiagnosticMessage",
     "DiagnosticsMessage",
+    "FeedbackMessage",
     "FrameMessage",
-    "GoalClient",
-    "GoalService",
     "KeyValueMessage",
     "MessageHeader",
     "NodeTransport",
     "PositionMessage",
     "PressureMessage",
+    "ResultMessage",
     "StampCheck",
     "StateMessage",
     "StatusMessage",

@@ -42,9 +42,20 @@ class PressureMessage:
 
 @dataclass(slots=True)
 class PositionMessage:
-    """``CylinderPosition``, ``ToolChangerPosition`` or ``ToolStandPosition``: an integer, 0 is UNKNOWN."""
+    """``ToolChangerPosition`` or ``ToolStandPosition``: an integer, 0 is UNKNOWN, and its name."""
 
     position: int
+    position_name: str
+    header: MessageHeader
+
+
+@dataclass(slots=True)
+class CylinderPositionMessage:
+    """``CylinderPosition``: also the fraction of the stroke, NaN where it is not known."""
+
+    position: int
+    position_name: str
+    fraction: float
     header: MessageHeader
 
 
@@ -53,6 +64,7 @@ class CommandMessage:
     """``SupervisorCommand``: an integer of Table II."""
 
     command: int
+    command_name: str
     header: MessageHeader = field(default_factory=MessageHeader)
 
 
@@ -104,21 +116,31 @@ class StatusMessage:
 class StateMessage:
     """``EndEffectorState``: the aggregated state."""
 
+    since_us: int
+    count: int
     at_us: int
+    tool: str
     state: int
+    state_name: str
     command: int
+    command_name: str
     actuator_names: Sequence[str]
     actuator_kinds: Sequence[str]
     actuators: Sequence[int]
+    actuator_states: Sequence[str]
     outputs: Sequence[bool]
     evidence: Sequence[int]
+    evidence_names: Sequence[str]
     margins: Sequence[float]
+    margin_units: Sequence[str]
+    positions: Sequence[float]
     actuator: str
     attempt: int
     attempts_allowed: int
     time_left_s: float
     steps: Sequence[StepMessage]
     cause: int
+    cause_name: str
     cause_actuator: str
     reason: str
     held: bool
@@ -126,15 +148,43 @@ class StateMessage:
     secure: bool
     maintenance: bool
     tool_changer: int
+    tool_changer_name: str
     unlock_output: bool
     tool_position: int
+    tool_position_name: str
     tool_stand: int
+    tool_stand_name: str
     link_up: bool
     stale: Sequence[str]
     missed: int
     worst_late_us: int
     alarms: Sequence[str]
     header: MessageHeader = field(default_factory=MessageHeader)
+
+
+@dataclass(slots=True)
+class FeedbackMessage:
+    """``EndEffector_Feedback``."""
+
+    state: int
+    state_name: str
+    actuator: str
+    attempt: int
+    attempts_allowed: int
+    time_left_s: float
+
+
+@dataclass(slots=True)
+class ResultMessage:
+    """``EndEffector_Result``."""
+
+    outcome: int
+    outcome_name: str
+    state: int
+    state_name: str
+    reason: str
+    seconds: float = 0.0
+    steps: Sequence[StepMessage] = ()
 
 
 @dataclass(slots=True)

@@ -30,12 +30,12 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from end_effector_hal.control import Answer
+from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.nodes.interface import Parameter, Service, Topic
-from end_effector_hal.vocabulary import Command
+from end_effector_hal.nodes.interface import Action, Parameter, Service, Topic
 
-from ._messages import StateMessage
+from ._messages import FeedbackMessage, ResultMessage
 from ._unknown_senders import UnknownSenders
 
 
@@ -45,41 +45,54 @@ class CommandClient(Protocol):
     def ask(self, command: int) -> Answer:
         """Give a command of Table II and wait for the answer, at most 4 s; a node that is silent is refused."""
 
+    def send(self, command: int, on_answer: Callable[[Answer], None]) -> None:
+        """Give a command and return at once; the answer comes in another thread, or never."""
 
-class GoalService(Protocol):
-    """The four actions: goals from clients, given to the programs and followed to their end."""
+    def give_up(self) -> None:
+        """The answer has not come in time: one that comes later does not count."""
 
-    def on_status(self, node: str, status: Any) -> None:
-        """A program has published a status."""
 
-    def tick(self, gone: tuple[str, ...]) -> None:
-        """Send feedback, at 10 Hz; ``gone``: names of the nodes that are silent."""
+class ClientGoal(Protocol):
+    """A goal that a client has sent; two are equal when they stand for the same one. Each call returns at once."""
+
+    def begin(self) -> None:
+        """Tell the client that its goal is being executed."""
+
+    def publish_feedback(self, feedback: FeedbackMessage) -> None:
+        """Tell the client how far its goal is."""
+
+    def end(self, result: ResultMessage, *, begun: bool) -> None:
+        """Tell the client how its goal ended; ``begun``: whether it was executed, as far as that is known."""
+
+
+class ActionServer(Protocol):
+    """The server of one action."""
 
     def close(self) -> None:
-        """Answer every goal, and reject those that still come."""
+        """Send the results that are not sent yet."""
 
 
-class GoalClient(Protocol):
-    """The four actions, from the side of the client."""
+class ActionClient(Protocol):
+    """A client of one action. Its callbacks come in any thread."""
 
-    @property
-    def any_failed(self) -> bool:
-        """Whether any goal has ended otherwise than in success."""
+    def is_ready(self) -> bool:
+        """Whether the server is there, as far as that is known."""
 
-    def wait_for_servers(self) -> None:
-        """Wait until every action is up; raises RosError after 30 s."""
+    def send(
+        self,
+        on_feedback: Callable[[Any], None],
+        on_end: Callable[[Any, bool], None],
+    ) -> None:
+        """Send a goal.
 
-    def send(self, command: Command) -> Any:
-        """Send a goal and return it for :meth:`wait`; what becomes of it is said when it is known."""
+        Args:
+            on_feedback: gets each feedback.
+            on_end: gets the result, and whether the server calls it a success; None: the server does not know the
+                goal any more.
+        """
 
-    def wait(self, goal: Any) -> None:
-        """Wait until a goal has ended, or its server was silent for too long."""
-
-    def wait_for_all(self) -> None:
-        """Wait until none of the goals runs."""
-
-    def cancel(self) -> bool:
-        """Cancel whatever runs, whoever sent it; returns whether a goal of this client is running."""
+    def cancel_all(self) -> None:
+        """Cancel every goal of this action, whoever sent it."""
 
 
 class NodeTransport(Protocol):
@@ -122,16 +135,24 @@ class NodeTransport(Protocol):
     def command_client(self, service: Service) -> CommandClient:
         """A client that gives commands to another node."""
 
-    def serve_goals(self, state: Callable[[], StateMessage]) -> GoalService:
-        """Serve the four actions; ``state`` gives the latest state."""
-
-    def goal_client(self, say: Callable[[str], None], patience_s: float) -> GoalClient:
-        """A client of the four actions.
+    def action_server(
+        self,
+        action: Action,
+        on_goal: Callable[[ClientGoal], None],
+        on_cancel: Callable[[ClientGoal], bool],
+        result: Callable[[Outcome, str], ResultMessage],
+    ) -> ActionServer:
+        """Serve an action.
 
         Args:
-            say: gets each sentence about a goal, in any thread.
-            patience_s: a goal is given up when its server does not list it for so long.
+            action: of the table.
+            on_goal: called with each goal that comes.
+            on_cancel: called when a client cancels a goal; returns whether that can change anything.
+            result: makes the result of a goal that the server refuses by itself: too many, or an id without bounds.
         """
+
+    def action_client(self, action: Action) -> ActionClient:
+        """A client of an action."""
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call ``callback`` at a rate; after a pause of the machine ticks are left out, not made up for."""

@@ -33,13 +33,14 @@ class UnknownSenders:
         self._lock = threading.Lock()
         self._dropped: dict[str, _Dropped] = {}
 
-    def drop(self, what: str, caller: str, known: str) -> str:
+    def drop(self, what: str, caller: str, known: str, also: str = "") -> str:
         """Count one message or call; returns the alarm.
 
         Args:
             what: resolved name of a topic or service of this tool.
             caller: the name that the sender gives; any text.
             known: the node whose messages count there, in words.
+            also: a sentence for the end of the alarm.
         """
         now = self._clock()
         with self._lock:
@@ -47,7 +48,8 @@ class UnknownSenders:
             fresh = not self._is_recent(dropped, now)
             if fresh:
                 who = ascii(caller[:LONGEST_NAME])[1:-1] or "a node without a name"
-                dropped.alarm = f"{what}: what {who} sends does not count, only {known} has a say there."
+                alarm = f"{what}: what {who} sends does not count, only {known} has a say there."
+                dropped.alarm = f"{alarm} {also}".rstrip()
             dropped.count, dropped.at_us = dropped.count + 1, now
             self._dropped[what] = dropped
         if fresh:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording.tables._rows import RowFile, read_lines
+from end_effector_hal.recording.tables._rows import TableWriter, read_lines
 
 COLUMNS = ("time_s", "event", "alarm")
 BEGUN, ENDED = "begun", "ended"
@@ -31,7 +30,7 @@ class AlarmRow:
         return self.text.split(":")[0].split(" (")[0].rstrip(".")
 
 
-class AlarmsWriter:
+class AlarmsWriter(TableWriter):
     """Writes what is new in the alarms of a state; safe to use from several threads.
 
     Raises:
@@ -41,7 +40,7 @@ class AlarmsWriter:
     def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
         self._shown: tuple[str, ...] = ()
         self._last_s = 0.0
-        self._file, self._lock = RowFile(path, COLUMNS, limits, self._opening), threading.Lock()
+        super().__init__(path, COLUMNS, limits)
 
     def write(self, time_s: float, alarms: Sequence[str]) -> bool:
         """The alarms that stand from ``time_s`` on; whether there is something new.
@@ -66,10 +65,6 @@ class AlarmsWriter:
         line = io.StringIO()
         csv.writer(line, lineterminator="\n").writerow((f"{self._last_s:.6f}", event, " ".join(text.split())))
         return line.getvalue()
-
-    def close(self) -> None:
-        """Close the file; may be called again."""
-        self._file.close()
 
 
 def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
-from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording.tables._rows import LONGEST_S, Line, RowFile, read_header, read_lines
+from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 
 FIXED = ("time_s",)
 PERIOD_S, JITTER_S = 0.02, 0.005
@@ -41,7 +38,7 @@ class PressuresLog:
         return tuple(values[index] for _, values in self.samples)
 
 
-class PressuresWriter:
+class PressuresWriter(TableWriter):
     """Writes at most 50 samples a second, and of a steady pressure two a second.
 
     A sample is left out while every channel stays within 0.2 kPa of the last written one, for at most 0.5 s.
@@ -55,25 +52,14 @@ class PressuresWriter:
     ) -> None:
         self._channels = tuple(channels)
         self._gap: Sample | None = None
-        self._file = RowFile(path, (*FIXED, *self._channels), limits, self._opening)
-        self._lock = threading.Lock()
-        self._last: Sample | None = None
         self._left_out: Sample | None = None
         self._due_s = 0.0
-        if self._file.last is not None:
-            line = Line(str(path), 0, ",".join(self._file.last), complete=True)
-            try:
-                self._last = _sample(line, self._channels, 0.0)
-            except UsageError:
-                self._file.close()
-                raise UsageError(
-                    "The last row cannot be read.", where=str(path), todo="Choose another name."
-                ) from None
+        super().__init__(path, (*FIXED, *self._channels), limits)
+        self._last = self._resumed(lambda line: _sample(line, self._channels, 0.0))
 
     def write(self, time_s: float, kpa: Mapping[str, float | None]) -> bool:
         """Offer a sample (seconds since start, gauge kPa, missing or None = invalid); True when written."""
-        if not 0 <= time_s <= LONGEST_S:
-            raise UsageError(f"{time_s} is no time since the start in seconds.", where=str(self._file.path))
+        self._check_time(time_s)
         values = tuple(_finite(kpa.get(channel)) for channel in self._channels)
         with self._lock:
             sample: Sample = (max(time_s, self._last[0] if self._last else 0.0), values)
@@ -118,13 +104,7 @@ class PressuresWriter:
                 if self._left_out is not None:
                     self._append(self._left_out, with_left_out=False)
             finally:
-                self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+                super().close()
 
 
 def read_pressures(path: str | Path) -> PressuresLog:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import os
 import re
+import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self, TypeVar
 
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.recording._limits import RecordingLimits, lock, make_room, read_file, still_there
+from end_effector_hal.recording._files import append_whole, lock, numbered_files, read_file, still_there
+from end_effector_hal.recording._limits import RecordingLimits, make_room
 
+Row = TypeVar("Row")
 LONGEST_S = 1e9
 _TAIL = 65536
 _NUMBER = re.compile(r"[+-]?(\d{1,15}(\.\d{0,12})?|\.\d{1,12})([eE][+-]?\d{1,2})?", re.ASCII)
@@ -48,7 +53,12 @@ class RowFile:
             raise UsageError(f"Cannot be written: {error.strerror}.", where=str(self.path)) from None
         self.last: tuple[str, ...] | None = None
         try:
-            self._claim()
+            if not lock(self._fd):
+                raise UsageError(
+                    "Another program is writing this file.",
+                    where=str(self.path),
+                    todo="Stop it, or choose another name.",
+                )
             self._resume()
         except OSError as error:
             self.close()
@@ -57,20 +67,12 @@ class RowFile:
             self.close()
             raise
 
-    def _claim(self) -> None:
-        if not lock(self._fd):
-            raise UsageError(
-                "Another program is writing this file.",
-                where=str(self.path),
-                todo="Stop it, or choose another name.",
-            )
-
     def _resume(self) -> None:
         size = os.fstat(self._fd).st_size
         head = os.pread(self._fd, len(self._header), 0).decode(errors="replace")
         if size < len(self._header) and self._header.startswith(head):
             os.ftruncate(self._fd, 0)
-            _write(self._fd, self._header.encode())
+            append_whole(self._fd, self._header.encode())
             return
         if head != self._header:
             found = head.splitlines()[0] if head.strip() else ""
@@ -97,7 +99,7 @@ class RowFile:
             size = os.fstat(self._fd).st_size
             if self._limits is not None and size + len(data) > self._limits.segment_bytes:
                 self._begin_segment(self._limits)
-            _write(self._fd, data)
+            append_whole(self._fd, data)
         except OSError as error:
             what = f"A row could not be written: {error.strerror}."
             raise ReportedError(what, where=str(self.path)) from None
@@ -109,8 +111,8 @@ class RowFile:
         fd = os.open(fresh, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND | os.O_CLOEXEC, 0o644)
         try:
             lock(fd)
-            _write(fd, (self._header + self._opening()).encode())
-            numbers = [number for number, _ in closed_segments(self.path)]
+            append_whole(fd, (self._header + self._opening()).encode())
+            numbers = [number for number, _ in numbered_files(self.path)]
             self.path.rename(self.path.with_stem(f"{self.path.stem}-{max(numbers, default=0) + 1}"))
             fresh.rename(self.path)
         except BaseException:
@@ -126,28 +128,6 @@ class RowFile:
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
-
-
-def _write(fd: int, data: bytes) -> None:
-    """All or nothing: a piece of a row would spoil every row after it."""
-    size = os.fstat(fd).st_size
-    try:
-        while data:
-            data = data[os.write(fd, data) :]
-    except OSError:
-        with suppress(OSError):
-            os.ftruncate(fd, size)
-        raise
-
-
-def closed_segments(path: str | Path) -> list[tuple[int, Path]]:
-    """The segments that were written before a CSV file, oldest first, with their numbers."""
-    path = Path(path)
-    pattern = re.compile(rf"{re.escape(path.stem)}-(\d{{1,9}}){re.escape(path.suffix)}", re.ASCII)
-    with suppress(OSError):
-        found = [(pattern.fullmatch(each.name), each) for each in path.parent.iterdir()]
-        return sorted((int(match[1]), each) for match, each in found if match)
-    return []
 
 
 @dataclass(frozen=True)
@@ -191,6 +171,46 @@ class Line:
         return float(text)
 
 
+class TableWriter(ABC):
+    """What the writers of all tables have in common; see `RowFile` for the arguments and for what they raise."""
+
+    def __init__(
+        self, path: str | Path, columns: Sequence[str], limits: RecordingLimits | None = None
+    ) -> None:
+        self._file, self._lock = RowFile(path, columns, limits, self._opening), threading.Lock()
+
+    @abstractmethod
+    def _opening(self) -> str:
+        """The rows with which the next segment begins."""
+
+    def _resumed(self, read: Callable[[Line], Row]) -> Row | None:
+        """The row written last by whoever wrote this file before."""
+        if self._file.last is None:
+            return None
+        where = str(self._file.path)
+        try:
+            return read(Line(where, 0, ",".join(self._file.last), complete=True))
+        except UsageError:
+            self._file.close()
+            raise UsageError(
+                "The last row cannot be read.", where=where, todo="Choose another name."
+            ) from None
+
+    def _check_time(self, time_s: float) -> None:
+        if not 0 <= time_s <= LONGEST_S:
+            raise UsageError(f"{time_s} is no time since the start in seconds.", where=str(self._file.path))
+
+    def close(self) -> None:
+        """Close the file; may be called again."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
 def read_lines(path: str | Path) -> Iterator[Line]:
     """The lines of a file that are not blank, those of the segments before it first; one header for all.
 
@@ -198,7 +218,7 @@ def read_lines(path: str | Path) -> Iterator[Line]:
         UsageError: a file cannot be read, or has another header than the first.
     """
     header = ""
-    for each in (*(older for _, older in closed_segments(path)), path):
+    for each in (*(older for _, older in numbered_files(path)), path):
         for line in _lines_of(each):
             if line.number == 1 and header:
                 if line.text != header:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording.tables._rows import LONGEST_S, Line, RowFile, read_header, read_lines
+from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 FIXED = ("time_s", "end_effector", "command")
@@ -51,7 +49,7 @@ class StatesLog:
         return tuple(row.time_s for row in self.rows)
 
 
-class StatesWriter:
+class StatesWriter(TableWriter):
     """Writes a row whenever a state has changed; safe to use from several threads.
 
     Args:
@@ -65,19 +63,9 @@ class StatesWriter:
     ) -> None:
         self._actuators = tuple(actuators)
         self._lacking = False
-        self._file = RowFile(path, (*FIXED, *self._actuators), limits, self._opening)
-        self._lock = threading.Lock()
-        self._last: StatesRow | None = None
-        if self._file.last is not None:
-            # the row after it must differ from it and not be earlier
-            line = Line(str(path), 0, ",".join(self._file.last), complete=True)
-            try:
-                self._last = _row(line, self._actuators, 0.0)
-            except UsageError:
-                self._file.close()
-                raise UsageError(
-                    "The last row cannot be read.", where=str(path), todo="Choose another name."
-                ) from None
+        super().__init__(path, (*FIXED, *self._actuators), limits)
+        # the row after it must differ from it and not be earlier
+        self._last = self._resumed(lambda line: _row(line, self._actuators, 0.0))
 
     @property
     def last(self) -> StatesRow | None:
@@ -106,8 +94,7 @@ class StatesWriter:
             raise UsageError(
                 f"{len(values)} values for {len(self._actuators)} actuators.", where=str(self._file.path)
             )
-        if not 0 <= time_s <= LONGEST_S:
-            raise UsageError(f"{time_s} is no time since the start in seconds.", where=str(self._file.path))
+        self._check_time(time_s)
         try:
             states = (EndEffectorState(end_effector), Command(command))
             row = tuple(int(ActuatorState(value)) for value in values)
@@ -125,16 +112,6 @@ class StatesWriter:
 
     def _opening(self) -> str:
         return _text(self._last) if self._last is not None else ""
-
-    def close(self) -> None:
-        """Close the file; may be called again."""
-        self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def read_states(path: str | Path) -> StatesLog:

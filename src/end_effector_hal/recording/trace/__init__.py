@@ -1,6 +1,6 @@
 """Traces: every event at the boundary of a program, in MCAP files that can be run again."""
 
 from ._trace_file import Record, TraceFile, read_trace
-from ._trace_writer import Entry, Gap, Opening, TraceWriter
+from ._trace_writer import Gap, Opening, TraceWriter
 
-__all__ = ["Entry", "Gap", "Opening", "Record", "TraceFile", "TraceWriter", "read_trace"]
+__all__ = ["Gap", "Opening", "Record", "TraceFile", "TraceWriter", "read_trace"]

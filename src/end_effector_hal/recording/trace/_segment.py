@@ -11,16 +11,18 @@ from functools import cache
 from io import BytesIO
 from pathlib import Path
 from time import time_ns
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from pydantic import TypeAdapter
 from pydantic_core import to_json
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._limits import MEGABYTE, lock, next_number, numbered, still_there
-from end_effector_hal.recording.trace._json_schema import plain_schema
+from end_effector_hal.recording._files import append_whole, lock, next_number, still_there
+from end_effector_hal.recording._limits import MEGABYTE
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
+
 
 SUFFIX = ".mcap"
 LEAST_ROOM = MEGABYTE // 2
@@ -80,16 +82,8 @@ class SegmentFile:
     def write(self) -> None:
         """Write what was added, all of it or nothing; raises OSError."""
         data = self._sink.take()
-        written = 0
         still_there(self.path, self._fd)
-        try:
-            while written < len(data):
-                written += os.write(self._fd, data[written:])
-        except OSError:
-            # what is cut off here would be a torn record at the end
-            with suppress(OSError):
-                os.ftruncate(self._fd, self.size)
-            raise
+        append_whole(self._fd, data)
         self.size += len(data)
 
     def finish(self) -> None:
@@ -165,10 +159,33 @@ def _create(folder: Path, program: str) -> tuple[Path, int]:
         raise UsageError("This is no folder.", where=str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
-    number = next_number(folder, program, SUFFIX)
+    first = folder / f"{program}{SUFFIX}"
+    number = next_number(first)
     while True:
-        path = numbered(folder, program, SUFFIX, number)
+        path = first if number == 1 else first.with_stem(f"{program}-{number}")
         try:
             return path, os.open(path, flags, 0o644)
         except FileExistsError:
             number += 1
+
+
+def plain_schema(kind: type) -> dict[str, Any]:
+    """The schema of a dataclass."""
+    schema = TypeAdapter(kind).json_schema()
+    found = _without_references(schema, schema.get("$defs", {}))
+    assert isinstance(found, dict)
+    return found
+
+
+def _without_references(schema: Any, known: Mapping[str, Any]) -> Any:
+    if isinstance(schema, list):
+        return [_without_references(item, known) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    if "$ref" in schema:
+        return _without_references(known[schema["$ref"].rpartition("/")[2]], known)
+    if "anyOf" in schema:
+        first, *_ = [option for option in schema["anyOf"] if option.get("type") != "null"]
+        return _without_references(first, known)
+    left_out = ("$defs", "default", "prefixItems", "minItems", "maxItems")
+    return {key: _without_references(value, known) for key, value in schema.items() if key not in left_out}

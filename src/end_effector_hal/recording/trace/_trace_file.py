@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._limits import read_file
+from end_effector_hal.recording._files import read_file
 
 MAGIC = b"\x89MCAP0\r\n"
 DATA_END_BYTES = 13

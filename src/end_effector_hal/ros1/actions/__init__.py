@@ -5,18 +5,29 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from end_effector_hal.nodes.transport import GoalClient, GoalService, StateMessage
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.nodes.interface import Action
+from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal, ResultMessage
 
 
-def serve_goals(state: Callable[[], StateMessage], log: logging.Logger) -> GoalService:
-    """Serve the four actions; ``state`` gives the latest state."""
-    from ._served_goals import ServedGoals
+def action_server(
+    action: Action,
+    on_goal: Callable[[ClientGoal], None],
+    on_cancel: Callable[[ClientGoal], bool],
+    result: Callable[[Outcome, str], ResultMessage],
+    log: logging.Logger,
+) -> ActionServer:
+    """Serve an action; see `NodeTransport.action_server`."""
+    from ._action_server import GoalServer
+    from ._later import Later
 
-    return ServedGoals(state, log)
+    server = GoalServer(action, on_goal, on_cancel, result, Later(log))
+    server.start()
+    return server
 
 
-def goal_client(say: Callable[[str], None], patience_s: float) -> GoalClient:
-    """A client of the four actions; see `NodeTransport.goal_client`."""
-    from ._goals import ActionClients
+def action_client(action: Action) -> ActionClient:
+    """A client of an action; see `NodeTransport.action_client`."""
+    from ._action_client import GoalSender
 
-    return ActionClients(say, patience_s)
+    return GoalSender(action)

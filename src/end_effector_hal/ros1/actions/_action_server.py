@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from copy import copy
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -14,7 +15,8 @@ from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
 from end_effector_hal.control.goals import NOT_BEGUN, Outcome
 from end_effector_hal.nodes.interface import Action
-from end_effector_hal.ros1.connections import message_class
+from end_effector_hal.nodes.transport import ClientGoal, FeedbackMessage, ResultMessage
+from end_effector_hal.ros1.connections import MessageMaker, message_class
 from end_effector_hal.wires import now_us
 
 from ._cancels import Cancels
@@ -41,6 +43,33 @@ _DONE = (
 )
 
 
+@dataclass(frozen=True)
+class ActionlibGoal:
+    """A goal, by its handle in actionlib."""
+
+    handle: Any
+    make_result: Callable[[Any], Any] = field(compare=False)
+    make_feedback: Callable[[Any], Any] = field(compare=False)
+
+    def begin(self) -> None:
+        """It is ACTIVE."""
+        self.handle.set_accepted()
+
+    def publish_feedback(self, feedback: FeedbackMessage) -> None:
+        """How far it is."""
+        self.handle.publish_feedback(self.make_feedback(feedback))
+
+    def end(self, result: ResultMessage, *, begun: bool) -> None:
+        """SUCCEEDED, PREEMPTED or ABORTED; RECALLED or REJECTED where it was not begun."""
+        ends = {Outcome.SUCCEEDED: self.handle.set_succeeded, Outcome.CANCELLED: self.handle.set_canceled}
+        if begun:
+            end = ends.get(Outcome(result.outcome), self.handle.set_aborted)
+        else:
+            not_executed = result.outcome == Outcome.NOT_EXECUTED
+            end = self.handle.set_canceled if not_executed else self.handle.set_rejected
+        end(self.make_result(result), result.reason)
+
+
 class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
     """Passes on goals and cancels of one action; it does not decide what becomes of them.
 
@@ -52,26 +81,38 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
 
     Args:
         action: its name and type.
-        on_goal, on_cancel: called with the handle of a goal, under the lock of this server.
-        result: makes a result from an outcome and a reason.
+        on_goal, on_cancel: called with a goal, under the lock of this server.
+        result: makes the result of a goal that this server refuses.
         later: calls what is due later.
     """
 
     def __init__(
         self,
         action: Action,
-        on_goal: Callable[[Any], None],
-        on_cancel: Callable[[Any], None],
-        result: Callable[[Outcome, str], Any],
+        on_goal: Callable[[ClientGoal], None],
+        on_cancel: Callable[[ClientGoal], bool],
+        result: Callable[[Outcome, str], ResultMessage],
         later: Later,
     ) -> None:
+        make_result = MessageMaker(message_class(f"{action.type}Result"))
+        make_feedback = MessageMaker(message_class(f"{action.type}Feedback"))
+
+        def goal_of(handle: Any) -> ActionlibGoal:
+            return ActionlibGoal(handle, make_result, make_feedback)
+
         super().__init__(
-            action.name, message_class(action.type + "Action"), on_goal, on_cancel, auto_start=False
+            action.name,
+            message_class(f"{action.type}Action"),
+            lambda handle: on_goal(goal_of(handle)),
+            lambda handle: on_cancel(goal_of(handle)),
+            auto_start=False,
         )
-        self._name, self._result, self._later = action.name, result, later
+        self._name, self._later = action.name, later
+        self._result: Callable[[Outcome, str], Any] = lambda outcome, reason: make_result(
+            result(outcome, reason)
+        )
         self._cancels = Cancels()
         self._came: dict[str, int] = {}
-        self._ended = ""
 
     def initialize(self) -> None:
         """Begin to listen, without waiting for Nagle; parameters of actionlib change nothing."""
@@ -86,10 +127,9 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         self.status_list_timeout = rospy.Duration(FORGOTTEN_S)
         self.status_timer = rospy.Timer(rospy.Duration(1 / STATUS_HZ), self.publish_status_async)
 
-    def close(self, reason: str) -> None:
-        """Reject what comes from now on."""
-        with self.lock:
-            self._ended = reason
+    def close(self) -> None:
+        """Send the results that are not sent yet."""
+        self._later.close()
 
     # In place of actionlib's own.
 
@@ -146,7 +186,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
             return (
                 f"{OPEN} goals of {self._name} wait for their answer: more are not taken. Wait for their end."
             )
-        return self._ended
+        return ""
 
     def _refuse(self, goal_id: Any, reason: str) -> None:
         status = GoalStatus(goal_id, GoalStatus.REJECTED, reason)

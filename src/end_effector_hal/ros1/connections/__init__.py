@@ -1,6 +1,6 @@
 """Messages and calls in ROS 1: their types, how they are sent, and whose count."""
 
-from ._commander import Commander
+from ._command_service import CommandService
 from ._direct_send import send_directly
 from ._known_publishers import KnownPublishers, caller_of, nodes_of
 from ._messages import MessageMaker, answer_of, response_maker
@@ -8,7 +8,7 @@ from ._publish import publisher
 from ._types import message_class, service_class
 
 __all__ = [
-    "Commander",
+    "CommandService",
     "KnownPublishers",
     "MessageMaker",
     "answer_of",

@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping
 
 from end_effector_hal.control import Answer, Controller, ControllerSnapshot, Status
 from end_effector_hal.description import Description
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from timed_automata import Begun, Network, Observation, Received, Step, Written
 
-from ._records import Acknowledged, Answered, Commanded, FrameTaken, Refused, Start, TimeTold, Told
+from ._records import Acknowledged, ActivationRefused, Answered, Commanded, FrameTaken, Start, TimeTold, Told
 
 Put = Callable[[str, int, object], None]
 """Takes the kind of a record, its time and its content."""
@@ -19,15 +20,28 @@ _KIND_OF: Mapping[type, str] = {Begun: "begin", Written: "write", Received: "eve
 class RecordedController:
     """Has the methods of a :class:`Controller`; each input is recorded before, each output after it, in order."""
 
-    def __init__(self, description: Description, network: Network, program: str, put: Put) -> None:
+    def __init__(
+        self,
+        description: Description,
+        network: Network,
+        program: str,
+        put: Put,
+        judge: FrameJudge | None = None,
+    ) -> None:
         self._put = put
-        self._controller = Controller(description, network, program, observe=self._observed)
+        self._controller = Controller(description, network, program, observe=self._observed, judge=judge)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
+        self.look_ahead = self._controller.look_ahead
 
     @property
     def deadline(self) -> int | None:
         """µs of the next thing that happens by itself, or None."""
         return self._controller.deadline
+
+    @property
+    def discrete_state(self) -> object:
+        """Equal for equal locations and values of the automata."""
+        return self._controller.discrete_state
 
     def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
         """Begin."""
@@ -47,7 +61,7 @@ class RecordedController:
 
     def refused(self, at: int) -> list[Status]:
         """The line arbiter refused an activation."""
-        self._put("refused", at, Refused(at))
+        self._put("refused", at, ActivationRefused(at))
         return self._decided(self._controller.refused(at))
 
     def acknowledge(self, at: int) -> list[Status]:

@@ -10,6 +10,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import TraceWriter
 from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.runtime._outputs import LineWriter
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 from timed_automata import Network
 
@@ -41,11 +42,13 @@ class Recorder:
         if self._writer is not None:
             self._writer.on_trouble = on_trouble
 
-    def controller(self, description: Description, network: Network, program: str) -> AnyController:
+    def controller(
+        self, description: Description, network: Network, program: str, judge: FrameJudge | None = None
+    ) -> AnyController:
         """A new controller."""
         if self._writer is None:
-            return Controller(description, network, program)
-        self._controller = RecordedController(description, network, program, self._writer.put)
+            return Controller(description, network, program, judge=judge)
+        self._controller = RecordedController(description, network, program, self._writer.put, judge)
         self._controller.snapshot()  # the first one takes milliseconds: better now than in a grip
         return self._controller
 

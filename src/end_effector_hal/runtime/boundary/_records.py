@@ -81,7 +81,7 @@ class Told:
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class ActivationRefused:
     """The line arbiter refused to activate what the last status asked for."""
 
     at: int
@@ -136,7 +136,7 @@ INPUTS: Mapping[str, type] = {
     "frame": FrameTaken,
     "command": Commanded,
     "tell": Told,
-    "refused": Refused,
+    "refused": ActivationRefused,
     "acknowledge": Acknowledged,
     "time": TimeTold,
 }

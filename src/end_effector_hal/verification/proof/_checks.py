@@ -2,43 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from time import perf_counter
 
-from timed_automata import Network, Trace, make_network
+from timed_automata import Network, make_network
 from timed_automata.explore import CoverageReport, Explorer, Overview, overview
 
 from ._finding import Finding
 
 
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One of them; ``states`` and ``seconds`` are zero if the one exploration of all requirements decided it."""
-
-    id: str
-    sentence: str
-    remark: str = ""
-    trace: Trace | None = field(default=None, repr=False)
-    states: int = 0
-    seconds: float = 0.0
-
-    def finding(self, states: int, seconds: float) -> Finding:
-        """As a finding; the arguments are those of the one exploration."""
-        states, seconds = self.states or states, self.seconds or seconds
-        return Finding(self.id, self.sentence, "", not self.remark, states, seconds, self.remark, self.trace)
-
-
-def checks(network: Network, explorer: Explorer, found: Overview) -> tuple[Check, ...]:
-    """Of one network, after the exploration ``found``.
+def checks(explorer: Explorer, found: Overview) -> tuple[Finding, ...]:
+    """Of one network, after the exploration ``found``; where that decides, states and seconds are zero.
 
     Raises:
         RunTimeError: a value leaves its range.
     """
     missing = found.coverage
     return (
-        Check("locations", "Every location can be reached.", _listed(missing.locations)),
-        Check("edges", "Every edge can fire.", _listed(missing.edges)),
-        Check("channels", "Every channel has both ends.", _listed(found.open_channels)),
+        _nothing("locations", "Every location can be reached.", missing.locations),
+        _nothing("edges", "Every edge can fire.", missing.edges),
+        _nothing("channels", "Every channel has both ends.", found.open_channels),
         _time(explorer, found),
     )
 
@@ -58,14 +41,15 @@ def without_unused(network: Network, found: Overview) -> Overview:
     return replace(found, coverage=CoverageReport(locations, edges, (*missing.disabled, *unused)))
 
 
-def _listed(faults: tuple[str, ...]) -> str:
-    return "; ".join(faults)
+def _nothing(id_: str, sentence: str, faults: tuple[str, ...]) -> Finding:
+    """That there are no such faults."""
+    return Finding(id_, sentence, "", not faults, 0, 0.0, "; ".join(faults))
 
 
-def _time(explorer: Explorer, found: Overview) -> Check:
+def _time(explorer: Explorer, found: Overview) -> Finding:
     id_, sentence = "time", "Time can always pass: no timelock, and no endless run in finite time."
     if not (found.stopped or found.zeno):
-        return Check(id_, sentence)
+        return Finding(id_, sentence, "", True, 0, 0.0)
     begun, verdict = perf_counter(), None
     if found.stopped:
         verdict = explorer.timelock()
@@ -73,4 +57,5 @@ def _time(explorer: Explorer, found: Overview) -> Check:
         verdict = explorer.zeno()
     assert verdict is not None
     remark = "" if verdict.trace is None else verdict.trace.remark
-    return Check(id_, sentence, remark, verdict.trace, verdict.states, perf_counter() - begun)
+    seconds = perf_counter() - begun
+    return Finding(id_, sentence, "", not remark, verdict.states, seconds, remark, verdict.trace)

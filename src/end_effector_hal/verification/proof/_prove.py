@@ -12,8 +12,7 @@ from timed_automata.explore import Explorer, Overview, RunTimeError, Verdict, ov
 from timed_automata.queries import Query
 
 from ._checks import checks, without_unused
-from ._finding import Finding, Proof, WorstCase
-from ._requirement import Requirement, requirements_of
+from ._finding import Finding, Proof, Requirement, WorstCase, requirements_of
 
 Progress = Callable[[str, int], None]
 _FAR = 4  # times the required bound: a worst case beyond is told as "at least"
@@ -48,14 +47,16 @@ class _Proving:
         found = without_unused(self.network, found)
         explorer = Explorer(self.network, lambda states: self.progress("the shortest runs", states))
         others = self._others(explorer, found)
-        extra = checks(self.network, explorer, found)
+        extra = checks(explorer, found)
         answered = sum(answer is not None for answer in found.answers)
         share = seconds / max(1, answered + sum(not check.seconds for check in extra))
         findings = [
             others.get(number) or self._finding(number, requirement, found, share)
             for number, requirement in enumerate(self.requirements)
         ]
-        findings += [check.finding(found.states, share) for check in extra]
+        findings += [
+            check if check.seconds else replace(check, states=found.states, seconds=share) for check in extra
+        ]
         off = tuple(map(str, found.coverage.disabled))
         return Proof(tuple(findings), found.states, perf_counter() - self.begun, off)
 
@@ -67,10 +68,7 @@ class _Proving:
         if response := found.bounded.get(number):
             longest = response.longest
             worst = WorstCase(longest.value if longest else None, response.most)
-        query = str(requirement.query)
-        return Finding(
-            requirement.id, requirement.sentence, query, holds, found.states, share, unmet, worst=worst
-        )
+        return requirement.finding(holds, found.states, share, unmet, worst=worst)
 
     def _others(self, explorer: Explorer, found: Overview) -> dict[int, Finding]:
         """What is left open: refuted with the shortest run, or of another kind."""
@@ -117,18 +115,8 @@ class _Proving:
         return answers
 
     def _exact(self, number: int, verdict: Verdict, seconds: float) -> Finding:
-        requirement = self.requirements[number]
-        remark = ", ".join(map(str, verdict.extremes))
-        return Finding(
-            requirement.id,
-            requirement.sentence,
-            verdict.query,
-            verdict.holds,
-            verdict.states,
-            seconds,
-            remark,
-            None if verdict.holds else verdict.trace,
-        )
+        remark, trace = ", ".join(map(str, verdict.extremes)), None if verdict.holds else verdict.trace
+        return self.requirements[number].finding(verdict.holds, verdict.states, seconds, remark, trace)
 
     def _out_of_range(self) -> Proof:
         """A run of the network leaves a range, or what a query asks does: nothing else is said of such a model."""
@@ -148,19 +136,8 @@ class _Proving:
         sentence = "Every value stays in its range, every index in its array."
         what, steps, seconds = str(error), len(trace.steps) if trace else 0, perf_counter() - self.begun
         first = Finding("ranges", sentence, "", False, steps, seconds, what, trace)
-        rest = [
-            Finding(
-                each.id,
-                each.sentence,
-                str(each.query),
-                False,
-                0,
-                0.0,
-                "not decided: see [ranges]",
-                decided=False,
-            )
-            for each in self.requirements
-        ]
+        undecided = "not decided: see [ranges]"
+        rest = [each.finding(False, 0, 0.0, undecided, decided=False) for each in self.requirements]
         return Proof((first, *rest), first.states, seconds)
 
 

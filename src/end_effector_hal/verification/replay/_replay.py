@@ -117,10 +117,7 @@ class _Replay:
 
     def _state(self) -> dict[str, Any] | None:
         snapshot = self._controller.snapshot() if self._controller is not None else None
-        if snapshot is None:
-            return None
-        found: dict[str, Any] = json.loads(to_json(snapshot, fallback=dict))
-        return found
+        return None if snapshot is None else _as_json(snapshot)
 
     def _new_controller(self) -> RecordedController:
         program = self._trace.header.program
@@ -146,7 +143,7 @@ class _Replay:
         if not self._decided:
             return Difference(recorded["at"], kind, _brief(recorded), NOTHING)
         replayed_kind, _, content = self._decided.popleft()
-        replayed = json.loads(to_json(content, fallback=dict))
+        replayed = _as_json(content)
         if replayed_kind != kind:
             at = recorded["at"]
             return Difference(
@@ -159,7 +156,13 @@ class _Replay:
         if not self._decided:
             return None
         kind, at, content = self._decided[0]
-        return Difference(at, kind, NOTHING, _brief(json.loads(to_json(content, fallback=dict))))
+        return Difference(at, kind, NOTHING, _brief(_as_json(content)))
+
+
+def _as_json(content: object) -> dict[str, Any]:
+    """As it would be recorded."""
+    found: dict[str, Any] = json.loads(to_json(content, fallback=dict))
+    return found
 
 
 def _brief(content: dict[str, Any]) -> str:

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.control import model_constants
+from end_effector_hal.control import model_constants, network_of
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import DescriptionError
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import OBSERVED, STATE
-from timed_automata import load_network
 from timed_automata.monitor import Monitor, Objection
 
 from ._chain import Chain, SegmentEnd
@@ -104,7 +103,7 @@ def review(
 
 def _review(trace: ProgramTrace, description: Description, before: SegmentEnd | None) -> Review:
     chain = Chain(trace, before)
-    network = load_network(description.automata_path, model_constants(description))
+    network = network_of(description)
     processes = getattr(description.automata, trace.header.program)
     monitor = Monitor(network, processes, description.automata.interface, requirements=True)
     joint: list[Objection] = list(chain.objections)

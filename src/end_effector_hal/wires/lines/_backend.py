@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
+
+from end_effector_hal.errors import LineNotFoundError
+from end_effector_hal.vocabulary import hint
 
 
 class LineBackend(Protocol):
@@ -35,3 +38,28 @@ class LineBackend(Protocol):
     def close(self) -> None:
         """Give the claim back; the levels stay where the hardware keeps them."""
         ...
+
+
+@runtime_checkable
+class LineHandover(Protocol):
+    """A `LineBackend` whose claim lies in descriptors that a service manager can store."""
+
+    def descriptors(self) -> Mapping[str, int]:
+        """Descriptors of what is claimed now, by names without a colon; this back-end keeps them, too."""
+        ...
+
+    def restore(self, descriptors: Mapping[str, int]) -> None:
+        """Use the stored descriptors of a predecessor; call it before `request`. One that fits no line is closed."""
+        ...
+
+
+def line_not_found(
+    missing: Sequence[str], found: Sequence[str], looked_at: Sequence[str]
+) -> LineNotFoundError:
+    """Names every missing line at once, what it may have meant, and where was looked."""
+    texts = [f"{name}{hint(name, found)}" for name in missing]
+    return LineNotFoundError(
+        f"there is no line {', '.join(texts)}.",
+        where=", ".join(looked_at),
+        todo="gpioinfo lists the lines of the GPIO chips.",
+    )

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
-from end_effector_hal.wires.lines._holders import stop_holders
-from end_effector_hal.wires.lines._not_found import line_not_found
+from end_effector_hal.wires._processes import holders_of_lines
+from end_effector_hal.wires.lines._backend import line_not_found
 
 CONSUMER = "end-effector-hal"
 
@@ -41,7 +41,7 @@ class GpiodLines:
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
         """Claim and adopt; see `LineBackend.request`."""
-        self._gpiod = _load_gpiod()
+        self._gpiod = load_gpiod()
         by_chip: dict[str, dict[str, int]] = {}
         for name, (chip, offset) in self._find(names).items():
             by_chip.setdefault(chip, {})[name] = offset
@@ -98,11 +98,11 @@ class GpiodLines:
     def _find(self, names: Sequence[str]) -> dict[str, tuple[str, int]]:
         """Chip and offset of each name; on other boards the same names stand on other chips."""
         found: dict[str, list[tuple[str, int]]] = {}
-        chips = self._chips()
+        chips = find_chips(self._gpiod, self._pattern)
         for path in chips:
-            with self._open(path) as chip:
-                for offset in range(chip.get_info().num_lines):
-                    found.setdefault(chip.get_line_info(offset).name, []).append((path, offset))
+            with open_chip(self._gpiod, path) as chip:
+                for offset, info in enumerate(line_infos(chip)):
+                    found.setdefault(info.name, []).append((path, offset))
         missing = [name for name in names if name not in found]
         if missing:
             raise line_not_found(missing, list(found), looked_at=chips)
@@ -114,29 +114,6 @@ class GpiodLines:
                     todo="Give the lines unique names in the device tree.",
                 )
         return {name: found[name][0] for name in names}
-
-    def _chips(self) -> list[str]:
-        paths = sorted({str(Path(path).resolve()) for path in glob.glob(self._pattern)})
-        chips = [path for path in paths if self._gpiod.is_gpiochip_device(path)]
-        if not chips:
-            raise WireError(
-                f"there is no GPIO chip on this machine ({self._pattern} matches none).",
-                todo="The kernel needs CONFIG_GPIO_CDEV and a driver; a container needs "
-                "--device /dev/gpiochip0. Without hardware use the virtual back-end.",
-            )
-        return chips
-
-    def _open(self, path: str) -> Any:
-        try:
-            return self._gpiod.Chip(path)
-        except PermissionError as error:
-            raise WireError(
-                "the GPIO chip cannot be opened: permission denied.",
-                where=path,
-                todo="Add the user to the group gpio, then log in again; in a container: --group-add gpio.",
-            ) from error
-        except OSError as error:
-            raise WireError(f"the GPIO chip cannot be opened: {error.strerror}.", where=path) from error
 
     def _claimed(self, name: str, chip: str, offsets: Mapping[str, int]) -> Any:
         if name in self._stored:
@@ -152,7 +129,7 @@ class GpiodLines:
         take the lines. `reconfigure_lines` resets what it does not name; here it names every line.
         """
         line, settings = self._gpiod.line, self._gpiod.LineSettings
-        with self._open(path) as chip:
+        with open_chip(self._gpiod, path) as chip:
             request = None
             try:
                 as_is = {tuple(offsets.values()): settings(direction=line.Direction.AS_IS)}
@@ -191,7 +168,7 @@ def _stored_name(chip: str, offsets: Mapping[str, int]) -> str:
     return ".".join([Path(chip).name, *map(str, offsets.values())])
 
 
-def _load_gpiod() -> Any:
+def load_gpiod() -> Any:
     """The module, imported late; Debian's ``python3-libgpiod`` 1.6 has the same name and another API."""
     try:
         gpiod = importlib.import_module("gpiod")
@@ -204,3 +181,47 @@ def _load_gpiod() -> Any:
             todo="pip install 'gpiod>=2.1,<3' into this environment.",
         )
     return gpiod
+
+
+def find_chips(gpiod: Any, pattern: str) -> list[str]:
+    """The character devices of GPIO chips; raises WireError if there is none."""
+    paths = sorted({str(Path(path).resolve()) for path in glob.glob(pattern)})
+    chips = [path for path in paths if gpiod.is_gpiochip_device(path)]
+    if not chips:
+        raise WireError(
+            f"there is no GPIO chip on this machine ({pattern} matches none).",
+            todo="The kernel needs CONFIG_GPIO_CDEV and a driver; a container needs "
+            "--device /dev/gpiochip0. Without hardware use the virtual back-end.",
+        )
+    return chips
+
+
+def open_chip(gpiod: Any, path: str) -> Any:
+    """A chip, which ends with its block; raises WireError."""
+    try:
+        return gpiod.Chip(path)
+    except PermissionError as error:
+        raise WireError(
+            "the GPIO chip cannot be opened: permission denied.",
+            where=path,
+            todo="Add the user to the group gpio (gid 49 on Torizon) and log in again; "
+            "a container needs --group-add 49.",
+        ) from error
+    except OSError as error:
+        raise WireError(
+            f"the GPIO chip cannot be opened: {error.strerror}.", where=path, todo="dmesg may say why."
+        ) from error
+
+
+def line_infos(chip: Any) -> list[Any]:
+    """What is known of each line of a chip, in the order of their offsets; reading it claims nothing."""
+    return [chip.get_line_info(offset) for offset in range(chip.get_info().num_lines)]
+
+
+def stop_holders(proc: str = "/proc") -> str:
+    """What to do about a busy line: the kernel tells a name that its holder chose, /proc who holds any."""
+    found = holders_of_lines(proc)
+    if not found:
+        return "Stop the program that holds it."
+    holds = "hold" if len(found) > 1 else "holds"
+    return f"Stop the program that holds it; {' and '.join(map(str, found))} {holds} lines."

@@ -2,10 +2,9 @@
 
 from ._codec_calls import CodecCalls, CodecFailure
 from ._guard import GuardedDecoder
-from ._health import LinkHealth, LinkState
 from ._port import open_port
 from ._pty import PtyPair
-from ._reader import LinkReader
+from ._reader import LinkHealth, LinkReader, LinkState
 
 __all__ = [
     "CodecCalls",

@@ -6,12 +6,19 @@ from collections.abc import Callable, Iterable
 from itertools import islice
 from typing import cast
 
-from end_effector_hal.codecs import Codec, Polled, PolledDecoder, asks
+from end_effector_hal.codecs import (
+    Codec,
+    Counters,
+    Polled,
+    PolledDecoder,
+    asks,
+    counters_of,
+    frame_fault,
+    weight,
+)
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.link._checked import checked, weight
 from end_effector_hal.wires.link._codec_calls import CodecCalls
-from end_effector_hal.wires.link._counters import Counters, counters_of
 
 MOST_KEPT = 65_536
 """Bytes and elements that a decoder may keep between two calls."""
@@ -77,7 +84,7 @@ class GuardedDecoder:
             raise self._calls.failure(f"{what} returned more than {most} frames")
         now = now_us()
         for frame in frames:
-            if wrong := checked(frame, self._kinds, self._last, now):
+            if wrong := frame_fault(frame, self._kinds, self._last, now):
                 raise self._calls.failure(f"{what} returned {wrong}")
             self._last = frame.at
         self.counters = self._count()

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import errno
 import glob
-import os
 import re
 from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import LinkBusyError, LinkError
-from end_effector_hal.wires._claim import program_name
+from end_effector_hal.wires._processes import holders_of
 
 if TYPE_CHECKING:
     import serial
@@ -57,7 +56,7 @@ def _explained(path: str, baudrate: int, error: OSError | ValueError) -> LinkErr
         )
     if number in (errno.EBUSY, errno.EAGAIN):
         return LinkBusyError(
-            f"the port is used by {_holders(path) or 'another program'}.",
+            f"the port is used by {' and '.join(map(str, holders_of(path, own=True))) or 'another program'}.",
             where=path,
             todo="Stop that program: two readers would steal each other's bytes.",
         )
@@ -69,18 +68,3 @@ def _explained(path: str, baudrate: int, error: OSError | ValueError) -> LinkErr
             todo="Give the device of the UART, such as /dev/verdin-uart1.",
         )
     return LinkError(f"the port cannot be opened at {baudrate} baud: {error}.", where=path)
-
-
-def _holders(path: str) -> str:
-    """Who has the port open, as far as /proc lets this user see."""
-    device, found = os.path.realpath(path), []
-    for link in glob.iglob("/proc/[0-9]*/fd/*"):
-        pid = link.split("/")[2]
-        try:
-            same = os.readlink(link) == device
-        except OSError:
-            continue
-        text = f"pid {pid} ({program_name(pid)})"
-        if same and text not in found:
-            found.append(text)
-    return " and ".join(found)

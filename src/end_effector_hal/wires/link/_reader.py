@@ -9,21 +9,56 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
+from dataclasses import asdict, dataclass
+from enum import Enum
 from typing import TYPE_CHECKING
 
-from end_effector_hal.codecs import Codec, get_codec, parity_of
+from end_effector_hal.codecs import Codec, Counters, get_codec, parity_of
 from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.plugins import named
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.link._codec_calls import CodecCalls, CodecFailure
-from end_effector_hal.wires.link._counters import Counters
 from end_effector_hal.wires.link._guard import GuardedDecoder
-from end_effector_hal.wires.link._health import LinkHealth, LinkState
 from end_effector_hal.wires.link._port import open_port
 
 if TYPE_CHECKING:
     import serial
+
+
+class LinkState(Enum):
+    """What is known of the port; whether readings are stale is judged by time, elsewhere."""
+
+    OPENING = "opening"
+    """Not opened yet."""
+    SILENT = "silent"
+    """Open, and no frame since."""
+    UP = "up"
+    """Open, and a frame has come; ``last_frame`` tells when the last one did."""
+    DOWN = "down"
+    """It could not be opened, or was lost; it is tried again."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkHealth(Counters):
+    """A snapshot.
+
+    Attributes:
+        state: see `LinkState`.
+        since: µs, when it became so.
+        error: why it is down; a sentence, else "".
+        last_frame: µs, when the last frame came; None: none has.
+        opened: how many times the port was opened.
+        bytes, frames, lost, reboots, errors: counters of the decoders since the start, see `Decoder`;
+            ``errors["codec"]``: how often the codec itself failed.
+    """
+
+    state: LinkState
+    since: int
+    error: str = ""
+    last_frame: int | None = None
+    opened: int = 0
+
 
 _log = logging.getLogger("end_effector_hal.wires")
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
@@ -118,11 +153,7 @@ class LinkReader:
             error=error,
             last_frame=self._last_frame,
             opened=self._opened,
-            bytes=counters.bytes,
-            frames=counters.frames,
-            lost=counters.lost,
-            reboots=counters.reboots,
-            errors=dict(counters.errors),
+            **asdict(counters),
         )
 
     @property

@@ -1,5 +1,5 @@
-"""Templates drawn as in Fig. 5 of the paper; matplotlib is imported only when one is drawn."""
+"""Templates drawn as in Fig. 5 of the paper."""
 
-from ._template import draw_template
+from ._figure import draw
 
-__all__ = ["draw_template"]
+__all__ = ["draw"]

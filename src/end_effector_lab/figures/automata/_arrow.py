@@ -21,12 +21,10 @@ class Arrow:
 
     @property
     def segments(self) -> tuple[tuple[Spot, Spot], ...]:
-        """Its straight parts."""
         return tuple(zip(self.corners, self.corners[1:], strict=False))
 
     @property
     def middle(self) -> Spot:
-        """Half way."""
         left = sum(_length(a, b) for a, b in self.segments) / 2
         for a, b in self.segments:
             length = _length(a, b)
@@ -55,7 +53,6 @@ class Arrow:
 
 
 def arrow_between(source: Spot, nails: list[Spot], target: Spot) -> Arrow:
-    """An edge between the centres of two locations."""
     if not nails and source == target:
         nails = [(source[0] + x, source[1] + y) for x, y in _LOOP]
     way = [spot for spot, before in zip([*nails, target], [source, *nails], strict=True) if spot != before]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,11 +13,10 @@ from matplotlib.path import Path
 from end_effector_hal.errors import UsageError
 from end_effector_lab.figures._labels import width_of, wrapped
 from end_effector_lab.figures._style import INK, MUTED, drawing, plain
-from end_effector_lab.figures.automata._arrow import RADIUS, Arrow
-from end_effector_lab.figures.automata._constants import mentioned
-from end_effector_lab.figures.automata._layout import Disc, layout_of
-from end_effector_lab.figures.automata._words import COLOURS, FONT_PT, LEGEND, LINE_PX, PX_PER_IN, Words
 from timed_automata import Template
+
+from ._arrow import RADIUS, Arrow
+from ._layout import COLOURS, FONT_PT, LEGEND, LINE_PX, PX_PER_IN, Disc, Words, layout_of
 
 _MARGIN, _GAP = 24, 26
 _TITLE_PT, _TITLE_PX = 13.5, 26
@@ -26,7 +26,7 @@ _FILL, _LINE = "#e6e9f5", "#414b58"
 
 
 def draw(template: Template, constants: Mapping[str, object]) -> Figure:
-    """A template; see :func:`draw_template`."""
+    """See `end_effector_lab.figures.draw_template`."""
     with drawing():
         return _draw(template, constants)
 
@@ -123,3 +123,33 @@ def _colour(given: str, otherwise: str) -> str:
         len(given) == 7 and given[0] == "#" and all(each in "0123456789abcdefABCDEF" for each in given[1:])
     )
     return given if known else otherwise
+
+
+_SHORT = 4  # as many equal elements are written out
+
+
+def mentioned(template: Template, constants: Mapping[str, object]) -> list[str]:
+    """``N = 3``, ``T_CONFIRM = {5000, 5000, 5000}``: in the order of the file."""
+    words = {word for text in _texts(template) for word in re.findall(r"\w+", text)}
+    return [f"{name} = {_written(value)}" for name, value in constants.items() if name in words]
+
+
+def _texts(template: Template) -> Iterator[str]:
+    for text in (template.parameters, template.declarations):
+        if text:
+            yield text.content
+    labels = [each.labels for each in template.locations] + [each.labels for each in template.edges]
+    for kind, label in (item for each in labels for item in each.items()):
+        if kind != "comments":
+            yield label.text.content
+
+
+def _written(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if not isinstance(value, Sequence):
+        return str(value)
+    items = [_written(item) for item in value]
+    if len(items) > _SHORT and len(set(items)) == 1:
+        return f"{{{items[0]}, … {len(items)} times}}"
+    return "{" + ", ".join(items) + "}"

@@ -1,4 +1,4 @@
-"""A template on the canvas: where its file says, and at a readable place where the file says nothing."""
+"""A template on the canvas: where its file says, and at a readable place where it says nothing; UPPAAL's pixels."""
 
 from __future__ import annotations
 
@@ -6,10 +6,59 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import cos, pi, sin
 
-from end_effector_lab.figures._labels import Box
-from end_effector_lab.figures.automata._arrow import RADIUS, Arrow, Spot, arrow_between
-from end_effector_lab.figures.automata._words import LINE_PX, Words, lines_of
+from end_effector_lab.figures._labels import Box, width_of
+from end_effector_lab.figures._style import plain
 from timed_automata import DrawnEdge, DrawnLocation, Label, Template
+
+from ._arrow import RADIUS, Arrow, Spot, arrow_between
+
+PX_PER_IN = 96
+FONT_PX, LINE_PX = 12, 15
+FONT_PT = FONT_PX * 72 / PX_PER_IN
+_LONGEST = 10_000  # letters of a line
+
+COLOURS = {
+    "select": "#8f7400",
+    "guard": "#16782f",
+    "synchronisation": "#008391",
+    "assignment": "#2438c8",
+    "invariant": "#96249c",
+    "name": "#7c2415",
+    "comments": "#68727f",
+}
+"""Kind of label -> colour: UPPAAL's own, as dark as letters on white need them."""
+
+LEGEND = {
+    "select": "select",
+    "guard": "guard",
+    "synchronisation": "synchronisation",
+    "assignment": "update",
+    "invariant": "invariant",
+    "comments": "comment",
+}
+
+
+@dataclass(frozen=True)
+class Words:
+    """Lines of one label; ``x`` and ``y`` of its upper left corner."""
+
+    kind: str
+    lines: tuple[str, ...]
+    x: float
+    y: float
+
+    @property
+    def box(self) -> Box:
+        width = max(width_of(line, FONT_PT) for line in self.lines) * PX_PER_IN
+        return Box(self.x, self.y, self.x + width, self.y + LINE_PX * len(self.lines))
+
+    def baseline(self, line: int) -> float:
+        return self.y + LINE_PX * line + 12
+
+
+def lines_of(text: str) -> tuple[str, ...]:
+    return tuple(plain(line.expandtabs(4).rstrip(), _LONGEST) for line in text.strip("\n").split("\n"))
+
 
 _ON_EDGES = ("select", "guard", "synchronisation", "assignment", "comments")
 _SPACING = 220.0  # between locations that have no coordinates
@@ -27,21 +76,17 @@ class Disc:
 
     @property
     def box(self) -> Box:
-        """What it covers."""
         return Box(self.x - RADIUS, self.y - RADIUS, self.x + RADIUS, self.y + RADIUS)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Everything that is drawn of a template."""
-
     discs: tuple[Disc, ...]
     arrows: tuple[tuple[Arrow, str], ...]  # with their colour, or nothing
     words: tuple[Words, ...]
 
     @property
     def box(self) -> Box:
-        """What all of it covers."""
         boxes = [disc.box for disc in self.discs] + [words.box for words in self.words]
         spots = [spot for arrow, _ in self.arrows for spot in arrow.corners]
         boxes += [Box(x - 4, y - 4, x + 4, y + 4) for x, y in spots]
@@ -54,7 +99,6 @@ class Layout:
 
 
 def layout_of(template: Template) -> Layout:
-    """The layout of a template."""
     spots = _spots(template.locations)
     discs = tuple(
         Disc(*spots[each.id], each.id == template.initial, _mark(each), each.color or "")

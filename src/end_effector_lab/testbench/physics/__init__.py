@@ -5,15 +5,11 @@ under the name of the kind, and a test that inherits `PhysicsConformance` of its
 """
 
 from ._cylinder import Cylinder
-from ._device import ACTUATOR, CHANGER, LEAKS, PRESSURE, Device
-from ._grid import STEP_S, STEP_US, Model
-from ._plant import Plant
+from ._device import ACTUATOR, CHANGER, LEAKS, PRESSURE, Device, Plant
+from ._parts import STEP_S, STEP_US, Model, Sensor, Supply, Valve
 from ._registry import physics_of
-from ._sensor import Sensor
-from ._supply import Supply
 from ._tool_changer import ToolChanger
 from ._vacuum import VacuumCircuit
-from ._valve import Valve
 
 __all__ = [
     "ACTUATOR",

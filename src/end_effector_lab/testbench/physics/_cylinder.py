@@ -7,11 +7,14 @@ from collections.abc import Mapping
 from typing import ClassVar, Self
 
 from ._device import ACTUATOR, PRESSURE, Device
-from ._grid import STEP_S
-from ._sensor import Sensor
-from ._supply import Supply
-from ._valve import Valve
+from ._parts import STEP_S, Sensor, Supply, Valve
 
+RETRACT_S = 0.4
+TRAVEL_KPA, RETURN_KPA = 270.0, 90.0
+"""Plateaus: while it extends (load and friction decide it), and while the spring pushes it back."""
+FILL_S = 0.025
+"""Time constant of the pressure."""
+_SHARE = 1.0 - math.exp(-STEP_S / FILL_S)
 _CLOSE_KPA = 1e-6
 _SWITCH = 0.02  # a position switch is made over the last 2 % of the stroke
 
@@ -23,11 +26,6 @@ class Cylinder(Device):
         valve: fills the chamber when open, exhausts it when closed.
         supply: the air that it is fed with.
         extend_s: duration of the stroke (100 mm in 0.2 to 1 s).
-        retract_s: duration of the way back.
-        travel_kpa: plateau while it extends; load and friction decide it.
-        return_kpa: plateau while the spring pushes it back.
-        fill_s: time constant of the pressure.
-        lag_s: of its sensor.
     """
 
     traits: ClassVar = frozenset({ACTUATOR, PRESSURE})
@@ -38,20 +36,13 @@ class Cylinder(Device):
         supply: Supply | None = None,
         *,
         extend_s: float = 0.4,
-        retract_s: float = 0.4,
-        travel_kpa: float = 270.0,
-        return_kpa: float = 90.0,
-        fill_s: float = 0.025,
-        lag_s: float = 0.007,
         start: int = 0,
     ) -> None:
         super().__init__(valve or Valve(30_000), start)
         self._supply = supply or Supply(start=start)
-        self._extend, self._retract = STEP_S / extend_s, STEP_S / retract_s
-        self._travel_kpa, self._return_kpa = travel_kpa, return_kpa
-        self._share = 1.0 - math.exp(-STEP_S / fill_s)
+        self._extend = STEP_S / extend_s
         self._kpa = 0.0
-        self._sensor = Sensor(lag_s)
+        self._sensor = Sensor()
         self.position = 0.0  # 0 retracted, 1 extended
 
     @classmethod
@@ -83,14 +74,14 @@ class Cylinder(Device):
 
     def step(self) -> None:
         opened = self.valve.advance(self.now)
-        self._kpa += (self._target() - self._kpa) * self._share
-        if opened and self._kpa >= 0.95 * self._travel_kpa:
+        self._kpa += (self._target() - self._kpa) * _SHARE
+        if opened and self._kpa >= 0.95 * TRAVEL_KPA:
             self.position = min(self.position + self._extend, 1.0)
-        elif not opened and self._kpa <= 1.1 * self._return_kpa:
-            self.position = max(self.position - self._retract, 0.0)
+        elif not opened and self._kpa <= 1.1 * RETURN_KPA:
+            self.position = max(self.position - STEP_S / RETRACT_S, 0.0)
         self._sensor.follow(self._kpa)
 
     def _target(self) -> float:
         if self.valve.is_open:
-            return min(self._travel_kpa, self._supply.kpa) if self.position < 1.0 else self._supply.kpa
-        return self._return_kpa if self.position > 0.0 else 0.0
+            return min(TRAVEL_KPA, self._supply.kpa) if self.position < 1.0 else self._supply.kpa
+        return RETURN_KPA if self.position > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""What every driven device of the bench has: a valve, and a way to fail."""
+"""What every driven device of the bench has, and all devices of one tool in step."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar, Self
 
-from ._grid import Model
-from ._supply import Supply
-from ._valve import Valve
+from ._parts import Model, Supply, Valve
 
 ACTUATOR, PRESSURE, LEAKS, CHANGER = "actuator", "pressure", "leaks", "changer"
 """What the faults of a scenario ask for: it holds something, has a pressure sensor, can leak, is a tool changer."""
@@ -35,7 +33,6 @@ class Device(Model):
         return cls(valve, start=start)
 
     def command(self, active: bool, at: int) -> None:
-        """Switch the valve's coil at ``at`` (µs)."""
         self.valve.command(active, at)
 
     def lose(self, at: int) -> None:
@@ -65,3 +62,29 @@ class Device(Model):
     @abstractmethod
     def bits(self) -> Mapping[str, bool]:
         """Its switches, by what they mean: ``extended`` is shown on the channel that ``extended_bit`` names."""
+
+
+class Plant(Model):
+    """Devices that feel each other by the pressure of their supply only.
+
+    Args:
+        supply: feeds them all.
+        devices: by name.
+        start: µs, the time of the initial state of all of them.
+    """
+
+    def __init__(self, supply: Supply, devices: Mapping[str, Device], start: int = 0) -> None:
+        super().__init__(start)
+        self.supply = supply
+        self.devices = dict(devices)
+        self._models: tuple[Model, ...] = (supply, *self.devices.values())
+
+    @property
+    def settled(self) -> bool:
+        return all(model.settled for model in self._models)
+
+    def step(self) -> None:
+        self.supply.draw_kpa = sum(device.draw_kpa for device in self.devices.values())
+        for model in self._models:
+            model.now = self.now
+            model.step()

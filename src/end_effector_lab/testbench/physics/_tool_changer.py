@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from ._device import CHANGER, Device
-from ._grid import STEP_S
-from ._valve import Valve
+from ._parts import STEP_S, Valve
 
 _SWITCH = 0.02
+_TRAVEL = STEP_S / 0.15  # from one end to the other
 
 
 class ToolChanger(Device):
@@ -17,14 +17,12 @@ class ToolChanger(Device):
 
     Args:
         valve: unlocks when open.
-        travel_s: from one end to the other.
     """
 
     traits: ClassVar = frozenset({CHANGER})
 
-    def __init__(self, valve: Valve | None = None, *, travel_s: float = 0.15, start: int = 0) -> None:
+    def __init__(self, valve: Valve | None = None, *, start: int = 0) -> None:
         super().__init__(valve or Valve(30_000), start)
-        self._travel = STEP_S / travel_s
         self.position = 0.0  # 0 locked, 1 unlocked
 
     @property
@@ -45,6 +43,6 @@ class ToolChanger(Device):
 
     def step(self) -> None:
         if self.valve.advance(self.now):
-            self.position = min(self.position + self._travel, 1.0)
+            self.position = min(self.position + _TRAVEL, 1.0)
         else:
-            self.position = max(self.position - self._travel, 0.0)
+            self.position = max(self.position - _TRAVEL, 0.0)

@@ -6,55 +6,39 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from ._device import ACTUATOR, LEAKS, PRESSURE, Device
-from ._grid import STEP_S
-from ._sensor import Sensor
-from ._valve import Valve
+from ._parts import STEP_S, Sensor, Valve
 
 ATMOSPHERE_KPA = 101.325
 LEAK_AT_KPA = 60.0  # a leak's flow is stated at this vacuum
 LOST_L_MIN = 200.0
+VENT_L_MIN = 120.0  # fills it when off, at the same vacuum
+VOLUME_L = 0.25  # hose and cup
+_SUCTION = 67.0 / 60.0 / VOLUME_L  # S0 / V, at atmosphere
+_ULTIMATE_KPA = ATMOSPHERE_KPA - 85.0  # the deepest vacuum, absolute
+_PER_L_MIN = ATMOSPHERE_KPA / LEAK_AT_KPA / 60.0 / VOLUME_L
 _STILL_KPA = 1e-7
 
 
 class VacuumCircuit(Device):
     """Volume, ejector and leak: ``dp/dt = (Q p_atm - S(p) p) / V``, p absolute.
 
-    ``S(p) = S0 (p - p_ult) / (p_atm - p_ult)``, ``Q = k (p_atm - p)``. With its defaults it passes 55 kPa
+    ``S(p) = S0 (p - p_ult) / (p_atm - p_ult)``, ``Q = k (p_atm - p)``. It passes 55 kPa
     after 0.33 s and 75 kPa after 0.95 s; with a leak of 4 l/min 55 kPa after 0.38 s and 75 kPa never; with
     20 l/min it never reaches 55 kPa. When the valve closes, ambient air comes in by the ejector.
 
     Args:
         valve: switches the ejector.
-        volume_l: hose and cup.
-        suction_l_min: S0, suction at atmosphere.
-        ultimate_kpa: deepest vacuum, below ambient.
-        vent_l_min: flow that fills it when off, at 60 kPa.
-        lag_s: of its sensor.
     """
 
     traits: ClassVar = frozenset({ACTUATOR, PRESSURE, LEAKS})
     valve_us: ClassVar = (20_000, 45_000)
 
-    def __init__(
-        self,
-        valve: Valve | None = None,
-        *,
-        volume_l: float = 0.25,
-        suction_l_min: float = 67.0,
-        ultimate_kpa: float = 85.0,
-        vent_l_min: float = 120.0,
-        lag_s: float = 0.007,
-        start: int = 0,
-    ) -> None:
+    def __init__(self, valve: Valve | None = None, *, start: int = 0) -> None:
         super().__init__(valve or Valve(22_000), start)
-        self._suction = suction_l_min / 60.0 / volume_l
-        self._ultimate = ATMOSPHERE_KPA - ultimate_kpa
-        self._per_l_min = ATMOSPHERE_KPA / LEAK_AT_KPA / 60.0 / volume_l
-        self._vent_l_min = vent_l_min
         self._leak_l_min = self._leak_grows = 0.0
         self._lost = False
         self._absolute = ATMOSPHERE_KPA
-        self._sensor = Sensor(lag_s)
+        self._sensor = Sensor()
 
     @property
     def vacuum_kpa(self) -> float:
@@ -92,7 +76,7 @@ class VacuumCircuit(Device):
 
     def settle(self, active: bool) -> None:
         self.valve.is_open = active
-        low, high = self._ultimate, ATMOSPHERE_KPA
+        low, high = _ULTIMATE_KPA, ATMOSPHERE_KPA
         for _ in range(60):  # the slope falls with the pressure: bisect for its zero
             middle = (low + high) / 2
             low, high = (middle, high) if self._slope(middle) > 0 else (low, middle)
@@ -110,10 +94,8 @@ class VacuumCircuit(Device):
         """kPa/s."""
         leak = self._leak_l_min + (LOST_L_MIN if self._lost else 0.0)
         if not self.valve.is_open:
-            leak += self._vent_l_min
-        slope = leak * self._per_l_min * (ATMOSPHERE_KPA - absolute)
+            leak += VENT_L_MIN
+        slope = leak * _PER_L_MIN * (ATMOSPHERE_KPA - absolute)
         if self.valve.is_open:
-            slope -= (
-                self._suction * (absolute - self._ultimate) / (ATMOSPHERE_KPA - self._ultimate) * absolute
-            )
+            slope -= _SUCTION * (absolute - _ULTIMATE_KPA) / (ATMOSPHERE_KPA - _ULTIMATE_KPA) * absolute
         return slope

@@ -19,9 +19,8 @@ from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import Evidence
 
 from ._device import LEAKS, PRESSURE, Device
-from ._grid import STEP_US
-from ._supply import Supply as Air
-from ._valve import Valve
+from ._parts import STEP_US, Valve
+from ._parts import Supply as Air
 
 SAMPLE_US = 20 * STEP_US
 

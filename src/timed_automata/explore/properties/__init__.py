@@ -1,14 +1,11 @@
 """The properties that are decided by searches: queries, worst cases, coverage, divergence of time."""
 
-from ._bounded import BoundedResponse, bounded, relaxed
 from ._coverage_report import CoverageReport, coverage_report, open_channels
-from ._divergence import Timelocks, taken, zeno_run
 from ._extremes import FoundExtreme, extreme_clock, extreme_integer
-from ._leads_to import LeadsTo
-from ._reachability import Reachability, answer
-from ._sanity import SanityReport, sanity_of
+from ._reachability import Reachability, answer, reachability, timelock
+from ._responses import BoundedResponse, LeadsTo, bounded, relaxed
 from ._verdict import Extreme, Verdict
-from ._zeno import zeno_cycle
+from ._zeno import taken, zeno_cycle, zeno_run
 
 __all__ = [
     "BoundedResponse",
@@ -17,8 +14,6 @@ __all__ = [
     "FoundExtreme",
     "LeadsTo",
     "Reachability",
-    "SanityReport",
-    "Timelocks",
     "Verdict",
     "answer",
     "bounded",
@@ -26,9 +21,10 @@ __all__ = [
     "extreme_clock",
     "extreme_integer",
     "open_channels",
+    "reachability",
     "relaxed",
-    "sanity_of",
     "taken",
+    "timelock",
     "zeno_cycle",
     "zeno_run",
 ]

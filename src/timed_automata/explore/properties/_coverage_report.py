@@ -1,14 +1,14 @@
-"""What of a model can happen: locations that are entered, edges that are taken."""
+"""What of a model can happen: locations that are entered, edges that are taken; and what its constants switch off."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple
 
 from timed_automata.document import DrawnEdge
-from timed_automata.explore.properties._statically_disabled import statically_disabled
 from timed_automata.explore.properties._zeno import Taken
 from timed_automata.explore.states import SymbolicSpace
+from timed_automata.language import names_in
 from timed_automata.network import Edge, Network, Process
 
 
@@ -31,7 +31,7 @@ def coverage_report(space: SymbolicSpace, arcs: Iterable[Taken]) -> CoverageRepo
     network, actions = space.discrete.network, {move.action for _, _, move in arcs}
     fired = {id(edge.drawn) for action in actions for edge in action.edges}
     visited = {record.discrete.vector.locations for record in space.records if record.passed}
-    off = statically_disabled(network)
+    off = _statically_disabled(network)
     reached = {
         (process.template, at)
         for locations in visited
@@ -83,3 +83,68 @@ def open_channels(network: Network) -> Iterator[str]:
         if found != {"!", "?"}:
             missing = {frozenset("!"): "nobody receives on it", frozenset("?"): "nobody sends on it"}
             yield f"{network.channels[number].name}: {missing.get(frozenset(found), 'nobody uses it')}"
+
+
+class _DisabledParts(NamedTuple):
+    """Edges by the ``id`` of what was drawn, which all processes of a template share; template and location."""
+
+    edges: frozenset[int]
+    locations: frozenset[tuple[str, int]]
+
+
+def _statically_disabled(network: Network) -> _DisabledParts:
+    """Edges whose guard the constants make false, and all that can only happen after such edges.
+
+    A guard that is false and names no constant is no switch: what lies behind it is expected to happen.
+    """
+    every = [edge for process in network.processes for edge in process.edges]
+    possible = {id(edge.drawn) for edge in every if not edge.guard.never}
+    switches = {
+        id(edge.drawn)
+        for edge in every
+        if id(edge.drawn) not in possible and _mentions(edge, network.constants.keys())
+    }
+    if not switches:
+        return _DisabledParts(frozenset(), frozenset())
+    without, with_ = _dead(network, frozenset()), _dead(network, frozenset(switches))
+    return _DisabledParts(with_.edges - without.edges, with_.locations - without.locations)
+
+
+def _mentions(edge: Edge, names: Collection[str]) -> bool:
+    guard = edge.drawn.labels.get("guard")
+    return guard is not None and not names_in(guard.text.content).isdisjoint(names)
+
+
+def _dead(network: Network, off: frozenset[int]) -> _DisabledParts:
+    """What no process can do without the edges that are off, by the graphs of the processes and by who sends."""
+    while True:
+        reached = {process.index: set(_reached(process, off)) for process in network.processes}
+        edges = [
+            edge
+            for process in network.processes
+            for edge in process.edges
+            if edge.source in reached[process.index] and id(edge.drawn) not in off
+        ]
+        sent = {channel for edge in edges if edge.direction == "!" for channel in edge.channels}
+        alive = {
+            id(edge.drawn) for edge in edges if edge.direction != "?" or sent.intersection(edge.channels)
+        }
+        dead = frozenset({id(e.drawn) for p in network.processes for e in p.edges} - alive)
+        if dead == off:
+            break
+        off = dead
+    places = {(process.template, at) for process in network.processes for at in reached[process.index]}
+    every = {(process.template, at) for process in network.processes for at in range(len(process.locations))}
+    return _DisabledParts(dead, frozenset(every - places))
+
+
+def _reached(process: Process, off: frozenset[int]) -> Iterator[int]:
+    """Locations that are connected to the initial one."""
+    seen, waiting = {process.initial}, [process.initial]
+    while waiting:
+        at = waiting.pop()
+        yield at
+        for edge in process.edges:
+            if edge.source == at and id(edge.drawn) not in off and edge.target not in seen:
+                seen.add(edge.target)
+                waiting.append(edge.target)

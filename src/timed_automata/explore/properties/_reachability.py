@@ -1,38 +1,77 @@
-"""Queries of the kinds A[] and E<>, several of them answered by one search."""
+"""What one search looks for: the answers to A[] and E<>, and states in which time stands still."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
 from timed_automata.explore.properties._verdict import Verdict
-from timed_automata.explore.search import MOST_DOUBTS, NoRunError, Search, SearchNode, ZoneCondition, concrete
+from timed_automata.explore.search import (
+    MOST_DOUBTS,
+    Deadlocks,
+    Ending,
+    NoRunError,
+    Search,
+    SearchNode,
+    ZoneCondition,
+    concrete,
+)
+from timed_automata.explore.states import StateRecord
+from timed_automata.explore.zones import Limit, Zone, limits_of
 from timed_automata.network import Network
 from timed_automata.queries import Query, compile_formula, mentions_deadlock
 
 
+@dataclass(slots=True, eq=False)
 class Reachability:
-    """A query of the kind A[] or E<> that waits for its answer.
+    """Something that is looked for, and waits for its answer.
 
     Attributes:
-        query: as read.
-        wanted: what is looked for: p of ``E<> p``, the contrary of p of ``A[] p``.
-        about_deadlock: whether that asks for deadlocks.
+        query: as asked.
+        part: the part of a zone in which it is there.
+        remark: how a run there ends.
+        invariance: whether it must not be there.
+        about_deadlock: whether it asks for deadlocks.
+        limits: that the zones must keep.
         verdict: None: not answered yet.
         doubts: deadlocks that were found in widened zones and are none.
     """
 
-    def __init__(self, network: Network, query: Query) -> None:
-        assert query.condition is not None
-        self.query, self.invariance = query, query.kind == "A[]"
-        self.wanted = compile_formula(network, query.condition, negated=self.invariance)
-        self.cases = ZoneCondition(self.wanted)
-        self.about_deadlock = mentions_deadlock(self.wanted)
-        self.remark = f"{query.condition.span.snippet}: {'does not hold' if self.invariance else 'holds'}"
-        self.verdict: Verdict | None = None
-        self.doubts = 0
+    query: str
+    part: Ending
+    remark: str
+    invariance: bool
+    about_deadlock: bool
+    limits: Mapping[int, Limit] = field(default_factory=dict)
+    verdict: Verdict | None = None
+    doubts: int = 0
 
     def decide(self, search: Search, node: SearchNode | None) -> None:
         """Found, or not found anywhere."""
-        trace = None if node is None else concrete(search.space, node.legs, self.cases.part, self.remark)
-        self.verdict = Verdict(str(self.query), (node is None) == self.invariance, search.states, trace)
+        trace = None if node is None else concrete(search.space, node.legs, self.part, self.remark)
+        self.verdict = Verdict(self.query, (node is None) == self.invariance, search.states, trace)
+
+
+def reachability(network: Network, query: Query) -> Reachability:
+    """What a query of the kind A[] or E<> looks for: p of ``E<> p``, the contrary of p of ``A[] p``."""
+    assert query.condition is not None
+    invariance = query.kind == "A[]"
+    wanted = compile_formula(network, query.condition, negated=invariance)
+    remark = f"{query.condition.span.snippet}: {'does not hold' if invariance else 'holds'}"
+    part, limits = ZoneCondition(wanted).part, limits_of(wanted)
+    return Reachability(str(query), part, remark, invariance, mentions_deadlock(wanted), limits)
+
+
+def timelock() -> Reachability:
+    """A deadlock in which time cannot go on either, which must not be there."""
+    deadlocks = Deadlocks()
+
+    def part(record: StateRecord, zone: Zone) -> Zone | None:
+        endless = record.discrete.delays and not record.discrete.invariant
+        return None if endless or deadlocks.ruled_out(record) else deadlocks.part(record, zone)
+
+    remark = "no transition is possible, and time cannot go on"
+    return Reachability("", part, remark, invariance=True, about_deadlock=True)
 
 
 def answer(search: Search, asked: list[Reachability], *, trusted: bool) -> None:
@@ -46,7 +85,7 @@ def answer(search: Search, asked: list[Reachability], *, trusted: bool) -> None:
     for node in search.nodes():
         answered = False
         for one in open_:
-            if one.doubts <= MOST_DOUBTS and one.cases.part(node.record, node.zone) is not None:
+            if one.doubts <= MOST_DOUBTS and one.part(node.record, node.zone) is not None:
                 try:
                     one.decide(search, node)
                     answered = True

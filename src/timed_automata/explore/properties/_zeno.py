@@ -8,14 +8,49 @@ levels count too). If no set of transitions with that property contains a cycle,
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from timed_automata.explore.search import components
+from timed_automata.explore.search import (
+    Leg,
+    NoRunError,
+    Search,
+    anywhere,
+    components,
+    concrete,
+    shortest_cycle,
+)
 from timed_automata.explore.states import Action, Move, StateRecord
+from timed_automata.network import Trace
 
 Taken = tuple[StateRecord, StateRecord, Move]  # from, to, by
+
+
+def taken(records: Iterable[StateRecord]) -> Iterator[Taken]:
+    """The transitions that a search has taken."""
+    for record in records:
+        zones = [node.zone for node in record.passed]
+        for plan, target, move in record.steps if zones else ():
+            for zone in zones:
+                if plan(zone) is not None:
+                    yield record, target, move
+                    break
+
+
+def zeno_run(search: Search, arcs: list[Taken]) -> Trace | None:
+    """A run to a cycle on which no time needs to pass, and once round, after a whole search."""
+    cycle = zeno_cycle(arcs)
+    if cycle is None:
+        return None
+    moves = [Leg(one.move) for one in cycle]
+    remark = "a cycle on which no time needs to pass"
+    for node in cycle[0].source.passed:
+        try:
+            loop = len(node.legs) - 1
+            return concrete(search.space, [*node.legs, *moves], anywhere, remark, loop=loop)
+        except NoRunError:  # not from this zone
+            continue
+    return concrete(search.space, cycle[0].source.passed[0].legs, anywhere, f"here begins {remark}")
 
 
 class Arc(NamedTuple):
@@ -92,18 +127,7 @@ def _strong(arcs: list[Arc]) -> Iterable[list[Arc]]:
 
 def _cycle(arcs: list[Arc]) -> list[Arc]:
     """A shortest cycle through the source of the first arc; all arcs belong to one component."""
-    following: dict[StateRecord, list[Arc]] = {}
+    following: dict[StateRecord, list[tuple[Arc, StateRecord]]] = {}
     for one in arcs:
-        following.setdefault(one.source, []).append(one)
-    start = arcs[0].source
-    came: dict[StateRecord, Arc] = {}
-    waiting = deque([start])
-    while start not in came:
-        for one in following[waiting.popleft()]:
-            if one.target not in came:
-                came[one.target] = one
-                waiting.append(one.target)
-    cycle = [came[start]]
-    while cycle[-1].source is not start:
-        cycle.append(came[cycle[-1].source])
-    return cycle[::-1]
+        following.setdefault(one.source, []).append((one, one.target))
+    return shortest_cycle(arcs[0].source, following.__getitem__)

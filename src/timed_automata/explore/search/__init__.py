@@ -1,19 +1,14 @@
 """Searches over symbolic states: reachability, deadlocks, lassos, and concrete runs of what is found."""
 
-from ._collector import without_collector
-from ._components import components
-from ._concrete import Ending, Leg, NoRunError, concrete
+from ._concrete import Ending, Leg, NoRunError, anywhere, concrete
+from ._conditions import Only, Within, ZoneCondition
+from ._cycles import components, shortest_cycle
 from ._deadlock import MOST_DOUBTS, Deadlocks
-from ._deadlock_free import DeadlockFree
-from ._delay import Only, Within
 from ._liveness import Lasso, LassoSearch, Start
-from ._reach import OutOfRangeError, Progress, Search, SearchNode
-from ._widest_first import WidestFirst
-from ._zone_condition import ZoneCondition
+from ._reach import OutOfRangeError, Progress, Search, SearchNode, WidestFirst, without_collector
 
 __all__ = [
     "MOST_DOUBTS",
-    "DeadlockFree",
     "Deadlocks",
     "Ending",
     "Lasso",
@@ -29,7 +24,9 @@ __all__ = [
     "WidestFirst",
     "Within",
     "ZoneCondition",
+    "anywhere",
     "components",
     "concrete",
+    "shortest_cycle",
     "without_collector",
 ]

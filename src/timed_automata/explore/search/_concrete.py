@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import NamedTuple
 
-from timed_automata.explore.search._delay import Grow, freely
-from timed_automata.explore.search._timing import Timing
+from timed_automata.compiler import Bound
+from timed_automata.explore.search._conditions import Grow, freely
 from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
-from timed_automata.explore.zones import Zone, constraints_of
+from timed_automata.explore.zones import AT_MOST_ZERO, INFINITY, Zone, at_most, below, constraints_of
 from timed_automata.network import Trace, TraceStep, changes_between
 
+_MARGINS = tuple(Fraction(1, parts) for parts in (1, 2, 5, 10, 100, 1000))  # by which strict bounds are kept
 Ending = Callable[[StateRecord, Zone], Zone | None]
+
+
+def anywhere(_: StateRecord, zone: Zone) -> Zone | None:
+    """An ending that is satisfied by all of a zone."""
+    return zone
 
 
 class NoRunError(Exception):
@@ -59,8 +67,8 @@ def concrete(
     timing, instants = Timing(), []
     for leg, visit in zip(legs, visits, strict=True):
         if leg.move is not None:
-            timing.require(leg.move.guard)
-            for clock, value in leg.move.resets.items():
+            timing.require(leg.move.action.guard)
+            for clock, value in leg.move.action.resets.items():
                 timing.set(clock, value)
             instants.append(timing.now)
         _require(timing, visit.record, visit.entry)
@@ -72,18 +80,16 @@ def concrete(
     for move, instant in zip((leg.move for leg in legs if leg.move is not None), instants, strict=True):
         if move.target is None:
             break
-        channel = None if move.channel is None else network.channels[move.channel].name
-        after = move.target.state
-        steps.append(
-            TraceStep(times[instant], channel, move.edges, after, changes_between(network, state, after))
-        )
+        edges, number, after = move.action.edges, move.action.channel, move.target.state
+        channel = None if number is None else network.channels[number].name
+        steps.append(TraceStep(times[instant], channel, edges, after, changes_between(network, state, after)))
         state = after
     return Trace(network, tuple(steps), times[-1], remark, loop)
 
 
 def _require(timing: Timing, record: StateRecord, zone: Zone | None) -> None:
     if zone is not None:
-        numbers = (0, *record.clocks)
+        numbers = (0, *record.form.clocks)
         for i, j, bound in constraints_of(zone, record.n):
             timing.require_difference(numbers[i], numbers[j], bound)
 
@@ -112,3 +118,72 @@ def _follow(
                 return [*visits, _Visit(record, None if free else entry, part)]
         pending += reversed(more)
     return None
+
+
+@dataclass(slots=True)
+class Timing:
+    """When the transitions of a symbolic run can happen: a system of differences, solved for the earliest times.
+
+    Instants of a run, each not before the one before it; the first is 0, when all clocks are zero.
+
+    A clock is an instant and what it was set to then: its value at another instant is the difference of the two.
+    """
+
+    _set: dict[int, tuple[int, int]] = field(default_factory=dict)
+    _bounds: list[tuple[int, int, int]] = field(default_factory=list)  # (a, b, bound): a - b within bound
+    now: int = 0
+
+    def advance(self, *, delays: bool) -> None:
+        """The next instant; the same time as the last one unless time may pass."""
+        self.now += 1
+        self._bounds.append((self.now - 1, self.now, AT_MOST_ZERO))
+        if not delays:
+            self._bounds.append((self.now, self.now - 1, AT_MOST_ZERO))
+
+    def require(self, bounds: Iterable[Bound]) -> None:
+        """Clock constraints that hold now."""
+        for clock, op, value in bounds:
+            if op in ("<", "<=", "=="):
+                self.require_difference(clock, 0, below(value) if op == "<" else at_most(value))
+            if op in (">", ">=", "=="):
+                self.require_difference(0, clock, below(-value) if op == ">" else at_most(-value))
+
+    def require_difference(self, left: int, right: int, bound: int) -> None:
+        """A bound on the difference of two clocks now; 0 is the clock that is always zero."""
+        if bound == INFINITY:
+            return
+        since_left, value_left = self._set.get(left, (0, 0)) if left else (self.now, 0)
+        since_right, value_right = self._set.get(right, (0, 0)) if right else (self.now, 0)
+        # (now - since_left + value_left) - (now - since_right + value_right)
+        self._bounds.append((since_right, since_left, bound + 2 * (value_right - value_left)))
+
+    def set(self, clock: int, value: int) -> None:
+        """A clock gets a value now."""
+        self._set[clock] = (self.now, value)
+
+    def solve(self) -> list[Fraction]:
+        """The earliest times of all instants, as round as they can be.
+
+        Raises:
+            AssertionError: there are none; the run is not one of the network.
+        """
+        for margin in (*_MARGINS, Fraction(1, self.now + 2)):
+            times = self._earliest(margin)
+            if times is not None:
+                return times
+        raise AssertionError("a symbolic run without times")
+
+    def _earliest(self, margin: Fraction) -> list[Fraction] | None:
+        bounds = [(a, b, (bound >> 1) - (0 if bound & 1 else margin)) for a, b, bound in self._bounds]
+        times = [Fraction(0)] * (self.now + 1)
+        for _ in range(self.now + 2):
+            changed = False
+            for a, b, most in bounds:
+                if times[a] - times[b] > most:
+                    times[b] = times[a] - most
+                    changed = True
+            if not changed:
+                return times if times[0] == 0 else None
+            if times[0] > 0:
+                return None
+        return None

@@ -10,6 +10,7 @@ from timed_automata.explore.zones import (
     constraints_of,
     down,
     everything,
+    included,
     subtract,
 )
 
@@ -17,48 +18,44 @@ MOST_DOUBTS = 20  # deadlocks in widened zones that turn out to be none: then a 
 Way = tuple[Constraint, ...]
 
 
-def enabling(record: StateRecord, step: PlannedMove) -> tuple[Constraint, ...] | None:
-    """What the clocks must satisfy at the instant of a move: guard, invariant here, invariant there."""
-    _, target, move = step
-    found = [*record.constraints(move.guard), *record.invariant]
-    for clock, op, value in target.discrete.invariant if move.error is None else ():
-        if clock not in move.resets:
-            found += record.constraints(((clock, op, value),))  # type: ignore[arg-type]
-        elif not (move.resets[clock] < value or (op == "<=" and move.resets[clock] == value)):
-            return None
-    return tuple(found)
-
-
-def enabling_key(record: StateRecord, step: PlannedMove) -> object:
-    """All that the above depends on, and whether time passes."""
-    _, target, move = step
-    return move.action, record.form, target.form if move.error is None else None
-
-
 class Deadlocks:
     """Finds the valuations without a way on; what lets a state go on is computed once per discrete state."""
 
     def __init__(self) -> None:
         self._ways: dict[StateRecord, tuple[Way, ...]] = {}
-        self._known: dict[object, Way | None] = {}
+        self._known: dict[object, tuple[Way | None, bool]] = {}
+
+    def ruled_out(self, record: StateRecord) -> bool:
+        """Whether one transition is enabled, now or later, from every valuation that the invariant allows.
+
+        Sufficient, not necessary: several transitions may do so together.
+        """
+        return any(self._way(record, step)[1] for step in record.steps)
 
     def ways(self, record: StateRecord) -> tuple[Way, ...]:
         """Zones, as constraints, from which a transition is taken now or later."""
         found = self._ways.get(record)
         if found is None:
-            ways = {way for step in record.steps if (way := self._way(record, step)) is not None}
+            ways = {way for step in record.steps if (way := self._way(record, step)[0]) is not None}
             found = self._ways[record] = ((),) if () in ways else tuple(ways)
         return found
 
-    def _way(self, record: StateRecord, step: PlannedMove) -> Way | None:
-        key = enabling_key(record, step)
-        if key not in self._known:
-            needed, n = enabling(record, step), record.n
+    def _way(self, record: StateRecord, step: PlannedMove) -> tuple[Way | None, bool]:
+        """From where one move is taken now or later, and whether that is wherever the invariant holds."""
+        _, target, move = step
+        key = move.action, record.form, target.form if move.error is None else None
+        found = self._known.get(key)
+        if found is None:
+            n, needed = record.n, _enabling(record, step)
             zone = None if needed is None else constrained(everything(n), n, needed)
-            if zone is not None and record.discrete.delays:
-                zone = down(zone, n)
-            self._known[key] = None if zone is None else tuple(constraints_of(zone, n))
-        return self._known[key]
+            inside = constrained(everything(n), n, record.invariant)
+            if zone is None:
+                found = None, inside is None
+            else:
+                before = down(zone, n) if record.discrete.delays else zone
+                found = tuple(constraints_of(before, n)), inside is None or included(inside, before)
+            self._known[key] = found
+        return found
 
     def of(self, record: StateRecord, zone: Zone) -> list[Zone]:
         """The parts of a zone that are deadlocked, inside the invariant: widened zones may reach beyond it."""
@@ -73,3 +70,17 @@ class Deadlocks:
     def part(self, record: StateRecord, zone: Zone) -> Zone | None:
         """A part of a zone that is deadlocked; None if there is none."""
         return next(iter(self.of(record, zone)), None)
+
+
+def _enabling(record: StateRecord, step: PlannedMove) -> tuple[Constraint, ...] | None:
+    """What the clocks must satisfy at the instant of a move: guard, invariant here, invariant there."""
+    _, target, move = step
+    found, resets = [*record.constraints(move.action.guard), *record.invariant], move.action.resets
+    for bound in target.discrete.invariant if move.error is None else ():
+        if bound.clock not in resets:
+            found += record.constraints((bound,))
+        elif not (
+            resets[bound.clock] < bound.value or (bound.op == "<=" and resets[bound.clock] == bound.value)
+        ):
+            return None
+    return tuple(found)

@@ -13,9 +13,10 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from timed_automata.errors import RangeError
-from timed_automata.explore.search._concrete import Ending, Leg
+from timed_automata.explore.search._concrete import Ending, Leg, anywhere
+from timed_automata.explore.search._conditions import Within
+from timed_automata.explore.search._cycles import components, shortest_cycle
 from timed_automata.explore.search._deadlock import MOST_DOUBTS, Deadlocks
-from timed_automata.explore.search._delay import Within
 from timed_automata.explore.search._reach import OutOfRangeError
 from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import (
@@ -66,11 +67,11 @@ class LassoSearch:
     Args:
         space: where to search.
         within: the condition.
-        confirmed: whether a run that ends is one of the network; not asked for those without an end.
+        confirmed: whether a run that ends is one of the network; not asked for those without an end. None: it is.
     """
 
     def __init__(
-        self, space: SymbolicSpace, within: Within, confirmed: Callable[[Lasso], bool] = lambda _: True
+        self, space: SymbolicSpace, within: Within, confirmed: Callable[[Lasso], bool] | None = None
     ) -> None:
         self.space, self.within = space, within
         self.states = self.doubts = 0
@@ -105,7 +106,7 @@ class LassoSearch:
             state = waiting.popleft()
             end = self._end(state)
             if end is not None:
-                if self._confirmed(end):
+                if self._confirmed is None or self._confirmed(end):
                     return end
                 self.doubts += 1
                 if self.doubts > MOST_DOUBTS:
@@ -173,56 +174,16 @@ class LassoSearch:
 
     def _cycle(self) -> Lasso | None:
         """The cycle that is reached first; all states are known by now, and none ends."""
-        states = set(self._known.values())
-        before: dict[LassoState, list[LassoState]] = {state: [] for state in states}
-        for state in states:
-            for _, following in state.following:
-                before[following].append(state)
-        after = {state: [following for _, following in state.following] for state in states}
-        _trim(states, after, before)
-        _trim(states, before, after)
-        for state in sorted(states, key=lambda state: state.depth):
-            if way := _way_back(state):
-                legs = self._legs(state)
-                loop = sum(leg.move is not None for leg in legs)
-                legs += [Leg(move, self.within) for move in way]
-                return Lasso(legs, lambda _, part: part, "and so on for ever", loop)
-        return None
+        graph = {state: [other for _, other in state.following] for state in self._known.values()}
+        on_cycles = [state for component in components(graph) for state in component]
+        if not on_cycles:
+            return None
+        state = min(on_cycles, key=lambda state: state.depth)
+        legs = self._legs(state)
+        loop = sum(leg.move is not None for leg in legs)
+        legs += [Leg(move, self.within) for move in shortest_cycle(state, lambda at: at.following)]
+        return Lasso(legs, anywhere, "and so on for ever", loop)
 
 
 def _endless(record: StateRecord, zone: Zone) -> Zone | None:
     return zone if unbounded(zone, record.n) else None
-
-
-def _trim(
-    states: set[LassoState], out: dict[LassoState, list[LassoState]], back: dict[LassoState, list[LassoState]]
-) -> None:
-    """Take away, again and again, the states that lead nowhere: what is left leads to cycles."""
-    count = {state: sum(other in states for other in out[state]) for state in states}
-    ended = [state for state, number in count.items() if not number]
-    for state in ended:  # grows
-        states.discard(state)
-        for earlier in back[state]:
-            if earlier in states:
-                count[earlier] -= 1
-                if not count[earlier]:
-                    ended.append(earlier)
-
-
-def _way_back(state: LassoState) -> list[Move]:
-    """The shortest way from a state to itself; empty if there is none."""
-    came: dict[LassoState, tuple[LassoState, Move]] = {}
-    waiting = deque([state])
-    while waiting:
-        at = waiting.popleft()
-        for move, following in at.following:
-            if following not in came:
-                came[following] = (at, move)
-                waiting.append(following)
-            if following is state:
-                moves = [move]
-                while at is not state:
-                    at, earlier = came[at]
-                    moves.append(earlier)
-                return moves[::-1]
-    return []

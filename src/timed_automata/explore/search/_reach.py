@@ -1,19 +1,34 @@
-"""Breadth-first search over symbolic states: the shortest symbolic run to whatever is looked for."""
+"""Searches over symbolic states: breadth first for the shortest symbolic run, or widest first for worst cases."""
 
 from __future__ import annotations
 
+import gc
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from heapq import heappop, heappush
 from operator import le
 
 from timed_automata.errors import RangeError
 from timed_automata.explore.search._concrete import Leg
-from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
+from timed_automata.explore.states import Form, Move, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import Zone
 
 Progress = Callable[[int], None]
 _EVERY = 1000  # states between two words on progress
 _UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
+
+
+@contextmanager
+def without_collector() -> Iterator[None]:
+    """Without the garbage collector: nothing that a search keeps can be collected, and looking for it takes long."""
+    collected = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collected:
+            gc.enable()
 
 
 class SearchNode:
@@ -89,10 +104,6 @@ class Search:
                 if not target.passed or not self._covered(after, target.passed):
                     yield self._found(target, after, node, move)
 
-    def first(self, wanted: Callable[[SearchNode], bool]) -> SearchNode | None:
-        """The first state that is wanted, by the length of its run; None if there is none."""
-        return next((node for node in self.nodes() if wanted(node)), None)
-
     # The order of the search
 
     def _put(self, node: SearchNode) -> None:
@@ -143,3 +154,53 @@ class Search:
             if within:
                 return True
         return False
+
+
+class WidestFirst(Search):
+    """Finds the same states as :class:`Search`, not by the shortest runs, and does not keep the runs.
+
+    Where none of the clocks runs yet comes before all else: it leads to where they do. Where time stands still comes
+    before where it passes: what is reached there by many ways is then followed once. A discrete state that is met again
+    waits until all new ones are followed: what overtakes it may be overtaken itself.
+
+    Args:
+        space: as for :class:`Search`.
+        clocks: states in which one of these can be largest are expanded first.
+        progress: called with the number of states now and then.
+    """
+
+    def __init__(self, space: SymbolicSpace, clocks: Sequence[int], progress: Progress | None = None) -> None:
+        super().__init__(space, progress)
+        self._clocks = tuple(clocks)
+        self._heap: list[tuple[bool, int, bool, int, SearchNode]] = []
+        self._still: deque[SearchNode] = deque()
+        self._again = False
+        self._uppers: dict[Form, list[int]] = {}
+
+    def _put(self, node: SearchNode) -> None:
+        form = node.record.form
+        uppers = self._uppers.get(form)
+        if uppers is None:
+            uppers = [form.index[clock] * form.n for clock in self._clocks if clock in form.index]
+            self._uppers[form] = uppers
+        if uppers:
+            zone = node.zone
+            widest = max([zone[at] for at in uppers])
+            heappush(self._heap, (self._again, -widest, form.delays, self.states, node))
+        elif form.delays:
+            self._waiting.append(node)
+        else:
+            self._still.append(node)
+
+    def _next(self) -> SearchNode | None:
+        if self._still:
+            return self._still.popleft()
+        if self._waiting:
+            return self._waiting.popleft()
+        return heappop(self._heap)[-1] if self._heap else None
+
+    def _found(
+        self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None
+    ) -> SearchNode:
+        self._again = bool(record.passed)
+        return super()._found(record, zone, None, None)

@@ -1,10 +1,8 @@
 """The discrete and the symbolic states of a network, each worked out once."""
 
-from ._discrete import DiscreteSpace, Move
-from ._firing import Action
-from ._invariant_guarded import InvariantGuardedSpace
-from ._sliced import SlicedSemantics
-from ._symbolic import Form, PlannedMove, StateRecord, SymbolicSpace
+from ._discrete import Action, DiscreteSpace, Move
+from ._semantics import SlicedSemantics
+from ._symbolic import Form, InvariantGuardedSpace, PlannedMove, StateRecord, SymbolicSpace
 
 __all__ = [
     "Action",

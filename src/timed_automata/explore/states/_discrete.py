@@ -3,15 +3,77 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from timed_automata.compiler import Bound
 from timed_automata.errors import RangeError
-from timed_automata.explore.states._cached_semantics import CachedSemantics
-from timed_automata.explore.states._firing import Action, Firing
-from timed_automata.explore.states._location_vector import LocationVector, LocationVectors
-from timed_automata.explore.states._packing import Packing
+from timed_automata.explore.states._semantics import CachedSemantics
+from timed_automata.explore.states._vectors import LocationVector, Packing
 from timed_automata.network import Edge, Network, State, Transition
+
+Resets = tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Action:
+    """What a transition does to clocks, and who takes part; one object for all transitions that are alike.
+
+    Attributes:
+        edges: participants, the sender first.
+        channel: number of the channel; None without synchronisation.
+        guard: what the clocks must satisfy.
+        resets: what they are set to.
+    """
+
+    edges: tuple[Edge, ...]
+    channel: int | None
+    guard: tuple[Bound, ...]
+    resets: Mapping[int, int]
+
+
+class Firing:
+    """What some edges, the sender's first, do together, found once: many transitions have the same."""
+
+    __slots__ = ("_actions", "_after", "_edges", "_fixed", "_space", "_targets", "_updates")
+
+    def __init__(self, edges: tuple[Edge, ...], space: DiscreteSpace) -> None:
+        written = {name for edge in edges for name in edge.effects.writes}
+        self._edges, self._space = edges, space
+        self._targets = {edge.process: edge.target for edge in edges}
+        self._updates = [edge.update for edge in edges if edge.update is not None]
+        self._fixed = [(offset, value) for name, offset, value in space.semantics.fixed if name in written]
+        self._after: dict[LocationVector, LocationVector] = {}
+        self._actions: dict[object, Action] = {}
+
+    def __call__(self, vector: LocationVector, packed: bytes) -> tuple[LocationVector, bytes, Resets]:
+        """The next discrete state, and the clocks that are set, in order, with their values.
+
+        Raises:
+            RangeError: an assignment is out of range.
+        """
+        after = self._after.get(vector)
+        if after is None:
+            locations = enumerate(vector.locations)
+            moved = tuple(self._targets.get(process, location) for process, location in locations)
+            after = self._after[vector] = self._space.vector(moved)
+        if not self._updates:
+            return after, packed, ()
+        resets: list[tuple[int, int]] = []
+        values = self._space.packing.open(packed)
+        for update in self._updates:
+            update(values, resets)
+        for offset, value in self._fixed:
+            values[offset] = value
+        return after, values.tobytes(), tuple(resets)
+
+    def action(self, guard: tuple[Bound, ...], channel: int | None, resets: Resets) -> Action:
+        """The action of a transition with these edges."""
+        key = (guard, channel, resets)
+        found = self._actions.get(key)
+        if found is None:
+            found = self._actions[key] = Action(self._edges, channel, guard, dict(resets))
+        return found
 
 
 class Move(NamedTuple):
@@ -23,26 +85,6 @@ class Move(NamedTuple):
     action: Action
     target: DiscreteState | None
     error: RangeError | None = None
-
-    @property
-    def edges(self) -> tuple[Edge, ...]:
-        """Participants, the sender first."""
-        return self.action.edges
-
-    @property
-    def channel(self) -> int | None:
-        """Number of the channel; None without synchronisation."""
-        return self.action.channel
-
-    @property
-    def guard(self) -> tuple[Bound, ...]:
-        """What the clocks must satisfy."""
-        return self.action.guard
-
-    @property
-    def resets(self) -> Mapping[int, int]:
-        """What clocks are set to."""
-        return self.action.resets
 
 
 Arc = tuple[Action, "DiscreteState | None", RangeError | None]
@@ -108,7 +150,8 @@ class DiscreteSpace:
         self.network = network
         self.semantics = semantics or CachedSemantics(network)
         self.urgent = {number for number, channel in enumerate(network.channels) if channel.urgent}
-        self.packing, self.vectors = Packing(network), LocationVectors(network)
+        self.packing = Packing(network)
+        self._vectors: dict[tuple[int, ...], LocationVector] = {}
         self.firings: dict[tuple[Edge, ...], Firing] = {}
         self._invariants: dict[tuple[Bound, ...], tuple[Bound, ...]] = {}
         self._checked = any(
@@ -118,19 +161,26 @@ class DiscreteSpace:
         )
 
     def __len__(self) -> int:
-        return sum(len(vector.states) for vector in self.vectors)
+        return sum(len(vector.states) for vector in self._vectors.values())
 
     def forget(self) -> None:
         """Drop all states."""
-        for vector in self.vectors:
+        for vector in self._vectors.values():
             for discrete in vector.states.values():
                 if discrete is not None:
                     discrete.forget()
             vector.states.clear()
 
+    def vector(self, locations: tuple[int, ...]) -> LocationVector:
+        """The one object for these locations."""
+        found = self._vectors.get(locations)
+        if found is None:
+            found = self._vectors[locations] = LocationVector(self.network, locations)
+        return found
+
     def at(self, state: State) -> DiscreteState | None:
         """A discrete state, None if the data part of an invariant does not hold in it."""
-        vector, packed = self.vectors.at(state.locations), self.packing.pack(state.values)
+        vector, packed = self.vector(state.locations), self.packing.pack(state.values)
         return vector.states[packed] if packed in vector.states else self.met(vector, packed)
 
     def met(self, vector: LocationVector, packed: bytes) -> DiscreteState | None:
@@ -143,8 +193,7 @@ class DiscreteSpace:
 
     def firing(self, edges: tuple[Edge, ...]) -> Firing:
         """The firing of edges that were not taken together before."""
-        firing = Firing(edges, self.vectors, self.packing, self.semantics.fixed)
-        self.firings[edges] = firing
+        firing = self.firings[edges] = Firing(edges, self)
         return firing
 
     def invariant(self, state: State, vector: LocationVector) -> tuple[Bound, ...]:

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 
 from timed_automata.compiler import Bound
 from timed_automata.errors import ModelError
-from timed_automata.explore.states._discrete import DiscreteSpace, DiscreteState, Move
-from timed_automata.explore.states._firing import Action
+from timed_automata.explore.states._discrete import Action, DiscreteSpace, DiscreteState, Move
 from timed_automata.explore.states._plan import Plan
 from timed_automata.explore.zones import Constraint, Limit, Limits, Widening, Zone, as_constraints, widening
 
@@ -66,21 +65,6 @@ class StateRecord:
     def n(self) -> int:
         """The size of its zones."""
         return self.form.n
-
-    @property
-    def clocks(self) -> tuple[int, ...]:
-        """The active clocks."""
-        return self.form.clocks
-
-    @property
-    def limits(self) -> dict[int, Limit]:
-        """The limits of the active clocks."""
-        return self.form.limits
-
-    @property
-    def index(self) -> dict[int, int]:
-        """The number of each active clock in its zones."""
-        return self.form.index
 
     @property
     def invariant(self) -> tuple[Constraint, ...]:
@@ -217,8 +201,8 @@ class SymbolicSpace:
         key = (action, source.form, target.form)
         plan = self._planned.get(key)
         if plan is None:
-            index, resets = source.index, action.resets
-            sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in target.clocks]
+            index, resets = source.form.index, action.resets
+            sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in target.form.clocks]
             guard = self.guard(source, action)
             plan = self._planned[key] = self._plan(source.n, guard, ((0, 0), *sources), target.form)
         return plan
@@ -242,3 +226,20 @@ class SymbolicSpace:
     def widens_in(self, form: Form) -> bool:
         """Whether zones are widened there."""
         return self.widens
+
+
+class InvariantGuardedSpace(SymbolicSpace):
+    """For an exploration that looks for deadlocks among zones widened by ExtraLU+.
+
+    That lets zones grow past invariants, by valuations that only behave like others as far as transitions go: some are
+    deadlocked and stand for none that is. Here a transition starts inside the invariant of its source, and zones are
+    widened only where time passes: a chain of committed locations is too short to need it.
+    """
+
+    def guard(self, source: StateRecord, action: Action) -> tuple[Constraint, ...]:
+        """What the zones of a record must satisfy for a move: the invariant, too."""
+        return (*super().guard(source, action), *source.invariant)
+
+    def widens_in(self, form: Form) -> bool:
+        """Where time passes."""
+        return form.delays

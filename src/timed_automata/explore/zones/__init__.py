@@ -1,14 +1,17 @@
 """Sets of clock valuations as difference bound matrices, and the limits up to which they are exact."""
 
-from ._bound import AT_MOST_ZERO, INFINITY, LARGEST, at_most, below
-from ._constraints import as_constraints
 from ._extrapolation import Widening, extrapolated, widening
-from ._limits import NEVER, Limit, Limits, largest, limits_of, merged
-from ._located_limits import LocatedLimits, QueryLimits, tested_clocks
+from ._limits import NEVER, Limit, Limits, QueryLimits, largest, limits_of, merged, tested_clocks
 from ._zone import (
+    AT_MOST_ZERO,
+    INFINITY,
+    LARGEST,
     Constraint,
     Unique,
     Zone,
+    as_constraints,
+    at_most,
+    below,
     constrained,
     constraints_of,
     down,
@@ -29,7 +32,6 @@ __all__ = [
     "Constraint",
     "Limit",
     "Limits",
-    "LocatedLimits",
     "QueryLimits",
     "Unique",
     "Widening",

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from timed_automata.explore.zones._bound import AT_MOST_ZERO, INFINITY, at_most, below
 from timed_automata.explore.zones._limits import NEVER, Limit
-from timed_automata.explore.zones._zone import Zone, close
+from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, Zone, at_most, below, close
 
 
 class Widening(NamedTuple):

@@ -7,12 +7,12 @@ without any limit in a location is not active there: its value is never asked fo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from timed_automata.compiler import Bound, ClockConstraint
 from timed_automata.document import fault
-from timed_automata.explore.zones._bound import LARGEST
+from timed_automata.explore.zones._zone import LARGEST
 from timed_automata.network import Network, Process
 from timed_automata.queries import All, Comparison, Formula, Some
 
@@ -78,17 +78,32 @@ def _of_constraints(constraints: Iterable[ClockConstraint]) -> dict[int, Limit]:
     )
 
 
+def _constraints(network: Network) -> Iterator[ClockConstraint]:
+    """All that the network asks of clocks."""
+    for process in network.processes:
+        for location in process.locations:
+            yield from location.invariant.clocks
+        for edge in process.edges:
+            if not edge.guard.never:
+                yield from edge.guard.clocks
+
+
 def largest(network: Network) -> int:
     """The largest constant of all."""
-    conditions = [location.invariant for process in network.processes for location in process.locations]
-    conditions += [
-        edge.guard for process in network.processes for edge in process.edges if not edge.guard.never
-    ]
-    return max((constraint.high for condition in conditions for constraint in condition.clocks), default=0)
+    return max((constraint.high for constraint in _constraints(network)), default=0)
 
 
-def _of_process(process: Process) -> list[dict[int, Limit]]:
+def tested_clocks(network: Network) -> set[int]:
+    """The clocks that the network itself tests; the others are there for queries."""
+    return {clock for constraint in _constraints(network) for clock in constraint.clocks}
+
+
+def _of_process(process: Process, asked: Iterable[QueryLimits]) -> list[dict[int, Limit]]:
+    """Against the edges, until a clock is set."""
     limits = [_of_constraints(location.invariant.clocks) for location in process.locations]
+    for query in asked:
+        if query.at is not None and query.at[0] == process.index:
+            merged(limits[query.at[1]], query.limits)
     edges = [edge for edge in process.edges if not edge.guard.never]
     for edge in edges:
         merged(limits[edge.source], _of_constraints(edge.guard.clocks))
@@ -102,28 +117,43 @@ def _of_process(process: Process) -> list[dict[int, Limit]]:
     return limits
 
 
+class QueryLimits(NamedTuple):
+    """Limits that a query asks for; ``at``: process and location, None: everywhere.
+
+    ``A[] (P.L && …) imply x <= c`` asks for x while P is in L. Elsewhere its value matters only if P can come to L
+    without setting x on the way, as with the limits of guards.
+    """
+
+    limits: ByClock
+    at: tuple[int, int] | None = None
+
+
 class Limits:
-    """The limits of a network; ``extra`` ones (of a query) hold in every location.
+    """The limits of a network, and of queries.
 
     ``symmetric``: one limit for both directions, which deadlock and liveness need (ExtraM+ instead of ExtraLU+).
     """
 
-    def __init__(self, network: Network, extra: ByClock | None = None, *, symmetric: bool = False) -> None:
-        self._network, self._extra, self._symmetric = network, dict(extra or {}), symmetric
-        self._processes = [_of_process(process) for process in network.processes]
+    def __init__(
+        self, network: Network, asked: Iterable[QueryLimits] = (), *, symmetric: bool = False
+    ) -> None:
+        self._network, self._asked, self._symmetric = network, tuple(asked), symmetric
+        self._everywhere: dict[int, Limit] = {}
+        for query in self._asked:
+            if query.at is None:
+                merged(self._everywhere, query.limits)
+        self._processes = [_of_process(process, self._asked) for process in network.processes]
         self._known: dict[tuple[int, ...], dict[int, Limit]] = {}
 
     def and_also(self, extra: ByClock) -> Limits:
         """These limits and further ones."""
-        together = dict(self._extra)
-        merged(together, extra)
-        return Limits(self._network, together, symmetric=self._symmetric)
+        return Limits(self._network, (*self._asked, QueryLimits(extra)), symmetric=self._symmetric)
 
     def at(self, locations: tuple[int, ...]) -> dict[int, Limit]:
         """The limits of the active clocks, in the order of their numbers."""
         known = self._known.get(locations)
         if known is None:
-            found = dict(self._extra)
+            found = dict(self._everywhere)
             for process, location in enumerate(locations):
                 merged(found, self._processes[process][location])
             if self._symmetric:

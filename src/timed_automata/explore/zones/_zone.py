@@ -1,17 +1,41 @@
 """Zones: sets of clock valuations as canonical difference bound matrices.
 
-A zone of n - 1 clocks is a flat tuple of n * n bounds (see ``_bound``), row by row; entry (i, j) bounds
-``x_i - x_j`` and x_0 is zero. Row 0 holds lower bounds (negated), column 0 upper bounds. Every function takes
-canonical zones (each bound as tight as the others make it) and gives canonical ones, or None for the empty zone.
-Clocks are never negative. The caller knows which clock is which.
+A zone of n - 1 clocks is a flat tuple of n * n bounds, row by row; entry (i, j) bounds ``x_i - x_j`` and x_0 is
+zero. Row 0 holds lower bounds (negated), column 0 upper bounds. Every function takes canonical zones (each bound as
+tight as the others make it) and gives canonical ones, or None for the empty zone. Clocks are never negative. The
+caller knows which clock is which.
+
+Bounds are integers: ``x - y <= c`` is ``2c + 1``, ``x - y < c`` is ``2c``. A tighter bound is a smaller integer, and
+CPython compares bounds at the speed of integers (Bengtsson and Yi, *Timed Automata: Semantics, Algorithms and Tools*,
+2004, section 4).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from operator import le
 
-from timed_automata.explore.zones._bound import AT_MOST_ZERO, INFINITY, negated
+from timed_automata.compiler import Bound
+
+INFINITY = 1 << 40  # no bound; more than any sum of bounds that occurs
+LARGEST = 1 << 31  # the largest constant that a clock may be compared with
+AT_MOST_ZERO = 1  # x - y <= 0
+
+
+def at_most(value: int) -> int:
+    """``<= value``."""
+    return 2 * value + 1
+
+
+def below(value: int) -> int:
+    """``< value``."""
+    return 2 * value
+
+
+def negated(bound: int) -> int:
+    """The bound on ``y - x`` that says that ``x - y`` is *not* within ``bound``."""
+    return 1 - bound
+
 
 Zone = tuple[int, ...]
 
@@ -26,6 +50,20 @@ class Unique(tuple[int, ...]):
 
 
 Constraint = tuple[int, int, int]  # i, j, bound: x_i - x_j within bound
+
+
+def as_constraints(bounds: Iterable[Bound], places: Mapping[int, int]) -> tuple[Constraint, ...]:
+    """Clock constraints over the places of the clocks in a zone."""
+    found: list[Constraint] = []
+    for clock, op, value in bounds:
+        place = places[clock]
+        if op in ("<", "<="):
+            found.append((place, 0, below(value) if op == "<" else at_most(value)))
+        elif op in (">", ">="):
+            found.append((0, place, below(-value) if op == ">" else at_most(-value)))
+        else:
+            found += ((place, 0, at_most(value)), (0, place, at_most(-value)))
+    return tuple(found)
 
 
 def everything(n: int) -> Zone:

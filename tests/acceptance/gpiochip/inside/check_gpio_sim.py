@@ -12,8 +12,8 @@ import pytest
 from end_effector_hal.errors import LineNotFoundError, WireError
 from end_effector_hal.wires.lines import GpiodLines
 from end_effector_hal.wires.lines.conformance import LineBackendConformance
-from end_effector_lab.testbench import GpioInputs, GpioSimInputs
-from end_effector_lab.testbench.conformance import A, B, LineInputsConformance, Wires
+from end_effector_lab.testbench.inputs import GpioInputs, GpioSimInputs
+from end_effector_lab.testbench.inputs.conformance import A, B, LineInputsConformance, Wires
 from tests.acceptance.gpiochip.inside.owned import Owner
 from tests.acceptance.gpiochip.inside.simulated import CONFIG, SimulatedChip, remove
 

@@ -10,7 +10,7 @@ from end_effector_hal.arbiter.records._records import Records
 from end_effector_hal.arbiter.records._session_store import SessionStore
 from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.server._connection import Connection
+from end_effector_hal.arbiter.server._connections import Connection
 from end_effector_hal.arbiter.server._requests import RequestHandler
 from tests.unit.arbiter.simulation.wire import FarEnd
 

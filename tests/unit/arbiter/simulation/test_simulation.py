@@ -17,7 +17,7 @@ from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from tests.unit.arbiter.simulation.simulation import Met, play, table
 from tests.unit.arbiter.simulation.world import FAULTS
 
-RUNS, PARTS = 2_000, 4
+RUNS, PARTS = 2_000, 10
 EACH = RUNS // PARTS
 """Of a part; `make test` plays one, `make test-thinned` the others, `make nightly` 100,000 with run.py."""
 
@@ -91,13 +91,14 @@ def _certain(memory: Any) -> Any:
 
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(
-    "undo",
+    ("undo", "first"),
     [
-        a_record_that_is_switched_off_after_a_failure,
-        a_token_that_two_programs_share,
-        a_table_of_faults_that_clients_can_fill,
-        a_last_will_that_is_executed_in_doubt,
+        (a_record_that_is_switched_off_after_a_failure, 17),
+        (a_token_that_two_programs_share, 31),
+        (a_table_of_faults_that_clients_can_fill, 246),
+        (a_last_will_that_is_executed_in_doubt, 28),
     ],
 )
-def test_a_repair_that_is_undone_is_found(undo: Callable[[Patch], None]) -> None:
-    assert play(range(RUNS), Counter(), most=1, undo=undo)
+def test_a_repair_that_is_undone_is_found(undo: Callable[[Patch], None], first: int) -> None:
+    """``first`` is a seed that finds it today; another world looks further."""
+    assert play(range(first, first + RUNS), Counter(), most=1, undo=undo)

@@ -14,7 +14,7 @@ from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.arbiter.client import _client, _conversation
 from end_effector_hal.arbiter.protocol._message import write_message
 from end_effector_hal.arbiter.server import _requests
-from end_effector_hal.control import Status, model_constants
+from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError
 from end_effector_hal.runtime import GripProgram, _program, arbiter_policy, program_lines
@@ -24,7 +24,6 @@ from tests.unit.arbiter.simulation.disk import SimulatedDisk
 from tests.unit.arbiter.simulation.judge import Judge
 from tests.unit.arbiter.simulation.process import ArbiterProcess
 from tests.unit.arbiter.simulation.wire import NearEnd
-from timed_automata import load_network
 
 TICK_US, RENEW_US = 50_000, 250_000
 TOOL = load(profile_path())
@@ -498,7 +497,7 @@ class Program:
 def virtual_time(patch: Any) -> Iterator[Any]:
     """The product's own modules in the time of a world; gives a function that chooses the world."""
     worlds: list[World] = []
-    network = load_network(TOOL.automata_path, model_constants(TOOL))
+    network = network_of(TOOL)
 
     def now() -> int:
         return worlds[-1].now
@@ -513,7 +512,7 @@ def virtual_time(patch: Any) -> Iterator[Any]:
         SimpleNamespace(Lock=lock, Event=_Event, Thread=_NoThread, current_thread=lambda: None),
     )
     patch.setattr(_client, "make_token", lambda: f"{worlds[-1].random.getrandbits(128):032x}")
-    patch.setattr(_program, "load_network", lambda *_: network)
+    patch.setattr(_program, "network_of", lambda _: network)
     real = _conversation.socket
     fake = SimpleNamespace(
         **{

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from tests.unit.timed_automata.explore.valuations import END, UNIT, canonical, given, inside, members, zones
 from timed_automata.explore.zones import _zone
-from timed_automata.explore.zones._bound import INFINITY, at_most
 from timed_automata.explore.zones._extrapolation import extrapolated, widening
 from timed_automata.explore.zones._limits import NEVER, Limit
+from timed_automata.explore.zones._zone import INFINITY, at_most
 
 limits = st.tuples(*[st.builds(Limit, st.integers(NEVER, 3), st.integers(NEVER, 3))] * 2)
 

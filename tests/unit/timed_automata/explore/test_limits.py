@@ -10,7 +10,7 @@ from tests.unit.timed_automata.explore.classics import csma_cd, fischer, train_g
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import load_network
 from timed_automata.explore.states._discrete import DiscreteSpace
-from timed_automata.explore.zones._limits import NEVER, Limit, Limits, largest
+from timed_automata.explore.zones._limits import NEVER, Limit, Limits, QueryLimits, largest
 from timed_automata.network import Semantics
 
 
@@ -28,7 +28,7 @@ def test_limits_run_back_along_the_edges_until_a_clock_is_set() -> None:
         {},
     ]
     assert Limits(model, symmetric=True).at((1,)) == {1: Limit(5, 5), 2: Limit(7, 7)}
-    assert Limits(model, {1: Limit(NEVER, 9)}).at((0,))[1] == Limit(NEVER, 9)
+    assert Limits(model, [QueryLimits({1: Limit(NEVER, 9)})]).at((0,))[1] == Limit(NEVER, 9)
     assert largest(model) == 7
 
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from tests.support.nightly import NIGHTLY, PHASES, examples
 from tests.unit.timed_automata.explore.models import Template, network
 from tests.unit.timed_automata.explore.random_networks import LARGEST, Condition, conditions, networks
+from tests.unit.timed_automata.explore.sanity import sanity_check
 from timed_automata import Network
 from timed_automata.explore import Explorer, overview
 from timed_automata.queries import parse_query
@@ -57,7 +58,7 @@ def test_worst_cases(network: Network, place: str, bound: int) -> None:
 @many
 @given(networks())
 def test_what_can_happen(network: Network) -> None:
-    found, sanity = overview(shown(network), []), Explorer(network).sanity_check()
+    found, sanity = overview(shown(network), []), sanity_check(network)
     assert found.coverage == sanity.coverage
     assert found.open_channels == sanity.open_channels
     assert found.stuck or sanity.deadlock is None

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from tests.unit.timed_automata.explore.models import Template, network
-from timed_automata.explore import Explorer, SanityReport
+from tests.unit.timed_automata.explore.sanity import SanityReport, sanity_check
 
 
 def survey(declarations: str, *templates: Template, system: str = "") -> SanityReport:
-    return Explorer(network(declarations, *templates, system=system)).sanity_check()
+    return sanity_check(network(declarations, *templates, system=system))
 
 
 def loop(*edges: str, **more: object) -> Template:

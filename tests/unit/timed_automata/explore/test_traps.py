@@ -6,6 +6,7 @@ import pytest
 
 from end_effector_hal.errors import ModelError
 from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.sanity import sanity_check
 from timed_automata.explore import Explorer, RunTimeError, verify
 
 
@@ -35,8 +36,8 @@ def test_a_deadlock_that_only_the_coarser_widening_has() -> None:
     )
     explorer = Explorer(network("clock x;", template))
     assert explorer.check("A[] not deadlock").holds
-    assert explorer.sanity_check().ok is False  # a and b can alternate in no time
-    assert explorer.sanity_check().deadlock is None
+    assert sanity_check(explorer.network).ok is False  # a and b can alternate in no time
+    assert sanity_check(explorer.network).deadlock is None
     late = Template(
         "P", ["a -> b", "b -> a; guard: x <= 2; do: x = 0"], invariants={"a": "x <= 3"}, urgent="b"
     )
@@ -62,7 +63,7 @@ def test_liveness_does_not_ask_time_to_diverge() -> None:
     assert verdict.trace is not None
     assert verdict.trace.loop is not None
     assert verdict.trace.end == 0
-    survey = explorer.sanity_check()
+    survey = sanity_check(explorer.network)
     assert survey.timelock is None
     assert survey.zeno is not None
     assert not survey.diverges
@@ -135,7 +136,7 @@ def test_a_value_out_of_range_is_an_error_with_its_trace() -> None:
         assert [step.at for step in error.value.trace.steps] == [2, 4]
         assert error.value.trace.end == 6
     with pytest.raises(RunTimeError):
-        explorer.sanity_check()
+        sanity_check(explorer.network)
 
 
 def test_an_out_of_range_update_that_no_run_reaches_is_none() -> None:
@@ -162,7 +163,7 @@ def test_a_timelock_hides_behind_an_edge_that_is_always_enabled() -> None:
     edges = ["work -> done; guard: x >= 4; do: x = 0", "done -> work; do: x = 0", "work -> work; do: n = 1"]
     explorer = Explorer(network("clock x; int[0,1] n;", Template("P", edges, invariants={"work": "x <= 3"})))
     assert explorer.check("A[] not deadlock").holds
-    survey = explorer.sanity_check()
+    survey = sanity_check(explorer.network)
     assert survey.deadlock is None
     assert survey.coverage.locations == ("P.done",)
     assert len(survey.coverage.edges) == 2

@@ -21,7 +21,7 @@ from tests.unit.timed_automata.explore.valuations import (
 )
 from timed_automata.explore.states._plan import Plan
 from timed_automata.explore.zones import _zone
-from timed_automata.explore.zones._bound import AT_MOST_ZERO, INFINITY, at_most, below, negated
+from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, at_most, below, negated
 
 
 def test_bounds_are_ordered_by_tightness_and_add_up() -> None:

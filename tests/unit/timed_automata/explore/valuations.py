@@ -10,7 +10,7 @@ import hypothesis
 from hypothesis import strategies as st
 
 from timed_automata.explore.zones import _zone
-from timed_automata.explore.zones._bound import INFINITY, at_most, below
+from timed_automata.explore.zones._zone import INFINITY, at_most, below
 
 HIGH = 2  # constants of the zones
 UNIT = 6  # a zone of two clocks that is not empty has a point of thirds; what leads there may need sixths

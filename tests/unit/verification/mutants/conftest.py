@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from xml.sax.saxutils import escape
 
 import pytest
@@ -43,8 +45,7 @@ class Shipped:
         return self._network(self.text, mutant)
 
     def _network(self, text: str, mutant: dict) -> Network:
-        constants = self.constants | mutant.get("constants", {})
-        return make_network(read_document(text.encode(), "mutant.xml"), constants)
+        return _compiled(text, json.dumps(self.constants | mutant.get("constants", {})))
 
     def catches(self, mutant: dict) -> bool:
         """Whether the requirement that is named does not hold of a mutant."""
@@ -53,6 +54,11 @@ class Shipped:
     def failing_checks(self, found: Overview) -> list[str]:
         failing = [id_ for id_, fails in _CHECKS.items() if fails(found)]
         return [*failing, "time"] if found.stopped or found.zeno else failing
+
+
+@lru_cache(maxsize=4)
+def _compiled(text: str, constants: str) -> Network:
+    return make_network(read_document(text.encode(), "mutant.xml"), json.loads(constants))
 
 
 @pytest.fixture(scope="session")

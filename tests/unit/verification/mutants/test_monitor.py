@@ -6,10 +6,9 @@ import random
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError
 from tests.unit.verification.mutants.mutants import first_of_each
-from tests.unit.verification.mutants.test_executors import EXECUTABLE, EXECUTED, RUNS, SAME, play
+from tests.unit.verification.mutants.test_executors import EXECUTABLE, EXECUTED, INTERFACE, RUNS, SAME, play
 from timed_automata import Execution, Observation, Step
 from timed_automata.monitor import Monitor
 
@@ -38,11 +37,10 @@ class Watched:
 def refused(shipped, monkeypatch):  # type: ignore[no-untyped-def]
     """Whether the monitor of the true network refuses one run of a network, by its seed."""
     watched = Watched(monkeypatch)
-    interface = load(profile_path()).automata.interface
 
     def judge(network, true, seed: int) -> bool:  # type: ignore[no-untyped-def]
         play(network, seed)
-        monitor = Monitor(true, EXECUTED, interface)
+        monitor = Monitor(true, EXECUTED, INTERFACE)
         for observation in watched.seen:
             monitor.observe(observation)
         monitor.end(max([watched.at, *(observation.at for observation in watched.seen)]))

@@ -14,10 +14,10 @@ from end_effector_hal.control import Answer, Controller
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.recording import Record, RecordingLimits, TraceWriter
 from end_effector_hal.runtime.boundary import Recorder, open_recorder
-from end_effector_hal.verification.replay import ProgramTrace, _review, load_trace
+from end_effector_hal.verification.replay import ProgramTrace, load_trace
 from tests.support.patience import wait_until
 from tests.support.virtual_tool import VirtualTool
-from timed_automata import Network, load_network
+from timed_automata import Network
 
 Edit = Callable[[dict[str, Any]], object]
 PIECE_S = 0.5
@@ -73,22 +73,6 @@ class RecordedTool(VirtualTool):
         """What was recorded; the run is over."""
         self.close()
         return load_trace(self.folder / f"{program}.mcap")
-
-
-@pytest.fixture(autouse=True)
-def parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The automata of one file: to parse them takes longer than to replay a run."""
-    monkeypatch.setattr(_review, "load_network", _network)
-
-
-_networks: dict[tuple[bytes, str], Network] = {}
-
-
-def _network(path: Path, constants: dict[str, Any]) -> Network:
-    key = (path.read_bytes(), repr(constants))
-    if key not in _networks:
-        _networks[key] = load_network(path, constants)
-    return _networks[key]
 
 
 @pytest.fixture

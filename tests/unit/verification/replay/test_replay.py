@@ -28,7 +28,7 @@ WORDS = {
     Command.CANCEL: "cancel",
 }
 TELLING = {"start", "command", "begin", "write", "event", "step", "answer", "status"}
-QUESTIONS = {"deadline", "refuse_maintenance", "status", "snapshot"}
+QUESTIONS = {"deadline", "discrete_state", "look_ahead", "refuse_maintenance", "status", "snapshot"}
 """What changes nothing in a controller, and so is not recorded."""
 
 

@@ -1,0 +1,59 @@
+"""What commands share: paths, files and folders that they write, signals that end them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import click
+
+from end_effector_hal.errors import UsageError
+
+
+class PathName(click.Path):
+    """Becomes a `Path`; an empty text, as an unset variable of a shell leaves it, is not the current folder."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(path_type=Path, **options)
+
+    def convert(
+        self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | bytes | os.PathLike[str]:
+        """The path; ends in a usage error when it is empty."""
+        if value == "":
+            self.fail("It is empty. Write '.' for the current folder.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+def end_in_order() -> None:
+    """Have SIGTERM and SIGHUP raise SystemExit in the main thread: what was begun is ended, nothing is left."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _end)
+
+
+def _end(number: int, _frame: FrameType | None) -> None:
+    sys.exit(128 + number)
+
+
+def the_folder(path: Path) -> Path:
+    """A folder, made if it does not exist."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(path)) from None
+    return path
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        beside.write_bytes(data)
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise UsageError(f"The file cannot be written: {error.strerror}.", where=str(path)) from None

@@ -1,0 +1,116 @@
+"""What the answers of a codec may be, which may be somebody else's: frames, counters, and how much is kept."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from end_effector_hal.codecs._codec import Decoder
+from end_effector_hal.signals import Frame, Kind
+
+MOST_KINDS = 64
+"""Kinds of errors that a decoder may count."""
+
+
+@dataclass(frozen=True, slots=True)
+class Counters:
+    """Since the start; see `Decoder`."""
+
+    bytes: int = 0
+    frames: int = 0
+    lost: int = 0
+    reboots: int = 0
+    errors: Mapping[str, int] = field(default_factory=dict)
+
+    def plus(self, other: Counters) -> Counters:
+        """The sum with those of a decoder that came before."""
+        kinds = {**self.errors, **other.errors}
+        errors = {kind: self.errors.get(kind, 0) + other.errors.get(kind, 0) for kind in kinds}
+        return Counters(
+            self.bytes + other.bytes,
+            self.frames + other.frames,
+            self.lost + other.lost,
+            self.reboots + other.reboots,
+            errors,
+        )
+
+
+def counters_of(decoder: Decoder) -> Counters | None:
+    """A snapshot; None: they are no counters."""
+    numbers = (decoder.bytes, decoder.frames, decoder.lost, decoder.reboots)
+    errors = dict(decoder.errors)
+    named = all(type(kind) is str and kind.isprintable() and len(kind) <= 40 for kind in errors)
+    if not named or len(errors) > MOST_KINDS:
+        return None
+    if not all(type(each) is int and 0 <= each < 2**63 for each in (*numbers, *errors.values())):
+        return None
+    return Counters(*numbers, errors)
+
+
+HIGHEST_PA = 2**31 - 1
+HIGHEST_CLOCK = 2**63 - 1
+_BYTES = (bytes, bytearray, str)
+_MANY = (list, tuple, set, frozenset, deque)
+
+
+def frame_fault(frame: object, kinds: Mapping[str, Kind], last: int, now: int) -> str:
+    """What is wrong with a frame, as the end of a sentence; empty: nothing.
+
+    Args:
+        frame: as it was returned.
+        kinds: of the codec's channels.
+        last: µs, stamp of the frame before it.
+        now: µs.
+    """
+    if type(frame) is not Frame:
+        return "something else than frames"
+    if type(frame.at) is not int or not last <= frame.at <= now:
+        return "a frame whose stamp is ahead of now, before the last one, or no time"
+    if not _counts(frame.seq, HIGHEST_PA) or not _counts(frame.device_ms, HIGHEST_CLOCK):
+        return "a frame whose number or clock is no whole number in its range"
+    for channel, value in frame.values.items():
+        kind = kinds.get(channel) if type(channel) is str else None
+        if kind is None:
+            return "a frame with a channel that the codec does not declare"
+        if value is None:
+            continue
+        if kind is Kind.BIT and type(value) is not bool:
+            return f"a frame whose bit {channel} is neither true nor false"
+        if kind is Kind.PRESSURE and (type(value) is not int or abs(value) > HIGHEST_PA):
+            return f"a frame whose pressure {channel} is no whole number of Pa"
+    return ""
+
+
+def weight(decoder: object, codec: object = None) -> int:
+    """Bytes and elements in the attributes of a decoder and of its own objects, without those of its codec."""
+    return sum(map(_weight, _parts(decoder, {id(codec), id(decoder)}, depth=3)))
+
+
+def _parts(owner: object, seen: set[int], depth: int) -> Iterator[object]:
+    names = [*getattr(owner, "__dict__", ())]
+    for kind in type(owner).__mro__:
+        slots = vars(kind).get("__slots__", ())
+        names += [slots] if isinstance(slots, str) else [*slots]
+    for name in names:
+        part = getattr(owner, name, None)
+        if id(part) in seen or isinstance(part, type):
+            continue
+        seen.add(id(part))
+        yield part
+        if depth and (hasattr(part, "__dict__") or hasattr(part, "__slots__")):
+            yield from _parts(part, seen, depth - 1)
+
+
+def _weight(part: object) -> int:
+    if isinstance(part, _BYTES):
+        return len(part)
+    if isinstance(part, dict):
+        return len(part) + sum(len(each) for each in part.values() if isinstance(each, (*_BYTES, *_MANY)))
+    if isinstance(part, _MANY):
+        return len(part) + sum(len(each) for each in part if isinstance(each, _BYTES))
+    return 0
+
+
+def _counts(value: object, highest: int) -> bool:
+    return value is None or (type(value) is int and 0 <= value <= highest)

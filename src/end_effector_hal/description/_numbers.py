@@ -1,0 +1,112 @@
+"""Units in keys (``timeout_s`` is in seconds, ``gone_kpa`` in kilopascal), ranges, and what was probably meant."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ._fault import Keys
+from ._shape import fields_of, stanza_at
+
+SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
+KILOPASCAL = {"kpa": 1.0, "pa": 1e-3, "hpa": 0.1, "mbar": 0.1, "bar": 100.0, "mpa": 1000.0, "psi": 6.894757}
+FRACTION = {"fraction": 1.0, "percent": 0.01}
+QUANTITIES = (SECONDS, KILOPASCAL, FRACTION)
+WORDS = {"s": "seconds", "ms": "milliseconds", "kpa": "kPa", "fraction": "a fraction of 1"}
+
+
+def split(key: str) -> tuple[str, str]:
+    """Stem and unit: ``("timeout", "s")``; the unit is empty where the key has none."""
+    stem, _, unit = key.rpartition("_")
+    return (stem, unit.lower()) if stem and any(unit.lower() in each for each in QUANTITIES) else (key, "")
+
+
+def convert(value: object, of: str, to: str) -> float | None:
+    """A number in another unit of the same quantity."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return next((value * each[of] / each[to] for each in QUANTITIES if of in each and to in each), None)
+
+
+def right_key(key: str, value: object, keys: Iterable[str]) -> tuple[str, str] | None:
+    """The key that has another unit but the same stem, and how to write it; None if there is none."""
+    stem, unit = split(key)
+    for known in keys:
+        right_stem, right_unit = split(known)
+        if right_unit and right_stem == stem and right_unit != unit:
+            converted = convert(value, unit, right_unit) if unit else None
+            return known, known if converted is None else f"{known}: {number(converted)}"
+    return None
+
+
+def with_unit(text: str) -> tuple[float, str] | None:
+    """``5 s`` to ``(5.0, "s")``; a number alone has the unit ``""``; None if it is no number."""
+    match = re.fullmatch(r"\s*([-+]?\d{1,12}(?:[.,]\d{1,12})?)\s*(%|[A-Za-z]*)\s*", text)
+    if not match:
+        return None
+    return float(match[1].replace(",", ".")), match[2].lower().replace("%", "percent")
+
+
+def number(value: float) -> str:
+    """Without needless digits."""
+    return f"{value:.10g}"
+
+
+# unit of the key: units that somebody may have written instead
+MISTAKES = {
+    "s": (("ms", "milliseconds"), ("us", "microseconds")),
+    "ms": (("us", "microseconds"), ("s", "seconds")),
+    "kpa": (("pa", "pascal"), ("mbar", "millibar")),
+    "fraction": (("percent", "percent"),),
+}
+SIGNS = {"s": "s", "ms": "ms", "kpa": "kPa"}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds of a number; ``above`` is not part of the range, ``least`` and ``most`` are."""
+
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+    unit: str = ""
+
+    def allow(self, value: float) -> bool:
+        """Whether a number is in range."""
+        return (
+            (self.above is None or value > self.above)
+            and (self.least is None or value >= self.least)
+            and (self.most is None or value <= self.most)
+        )
+
+    def __str__(self) -> str:
+        low = f"more than {number(self.above)}" if self.above is not None else ""
+        low = f"at least {number(self.least)}" if self.least is not None else low
+        high = f"at most {number(self.most)}" if self.most is not None else ""
+        return " and ".join(each for each in (low, high) if each) + (
+            f" {SIGNS[self.unit]}" if self.unit in SIGNS else ""
+        )
+
+
+def limits_of(path: Keys, kind: str) -> Limits:
+    """The range that the model gives a number."""
+    stanza = stanza_at(path[:-1], kind)
+    field = fields_of(stanza).get(str(path[-1])) if stanza else None
+    bounds: dict[str, float] = {}
+    for each in field.metadata if field else ():
+        bounds |= {name: getattr(each, name) for name in ("gt", "ge", "le") if hasattr(each, name)}
+    return Limits(bounds.get("gt"), bounds.get("ge"), bounds.get("le"), split(str(path[-1]))[1])
+
+
+def wrong_scale(key: str, value: object, limits: Limits) -> str:
+    """``milliseconds? write timeout_s: 5``, or nothing."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return ""
+    if limits.unit in KILOPASCAL and limits.allow(-value):
+        return f"below ambient is positive here; write {key}: {number(-value)}"
+    for unit, name in MISTAKES.get(limits.unit, ()):
+        meant = convert(value, unit, limits.unit)
+        if meant is not None and limits.allow(meant):
+            return f"{name}? write {key}: {number(meant)}"
+    return ""

@@ -1,0 +1,161 @@
+"""What an end-effector is made of: passive, frozen, typed; the nouns of the YAML file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import reduce
+from operator import or_
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, PrivateAttr, TypeAdapter
+from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, core_schema
+
+from end_effector_hal.description._fault import Place, Places
+from end_effector_hal.description._paths import profile_path, run_directory
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
+from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Part, Supply, Word
+
+from ._stanzas import Automata, Bounds, EStop, Interlocks, Lines, Link, MaintenanceSettings, ToolChanger
+
+
+class _ByKind:
+    """Kinds are looked up when a stanza is read, since other distributions add some."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(_validated)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        stanzas: Any = reduce(or_, (kind.stanza for kind in usable_kinds().values()))
+        return handler(TypeAdapter(Annotated[stanzas, Field(discriminator="kind")]).core_schema)
+
+
+def _validated(value: object) -> Actuator:
+    if isinstance(value, Actuator):
+        return value
+    if not isinstance(value, dict):
+        raise PydanticKnownError("dict_type")
+    try:
+        stanza = get_kind(str(value.get("kind"))).stanza
+    except UsageError as error:
+        raise PydanticCustomError("kind", "{why}", {"why": str(error)}) from None
+    return stanza.model_validate(value)
+
+
+AnyActuator = Annotated[Actuator, _ByKind()]
+
+
+class Description(Part):
+    """A whole end-effector."""
+
+    name: Name = Field(description="of the tool; names its socket and its recordings")
+    summary: Word = Field(default="", description="one sentence, for people")
+    lines: Lines = Field(default=Lines(), description="how the output lines are reached")
+    link: Link = Field(description="the sensor link")
+    sequence: Names = Field(min_length=1, description="actuators in the order of a grip")
+    release_order: Names | None = Field(default=None, description="default: the sequence reversed")
+    actuators: dict[Name, AnyActuator] = Field(description="by name")
+    tool_changer: ToolChanger | None = Field(default=None, description="absent: none is fitted")
+    e_stop: EStop | None = Field(default=None, description="absent: none is fitted")
+    supply: Supply = Field(default=Supply(), description="the compressed air")
+    hold: Hold = Field(default=Hold(), description="what is watched while a part is held")
+    maintenance: MaintenanceSettings = Field(
+        default=MaintenanceSettings(), description="single outputs driven with services"
+    )
+    endings: Endings = Field(default=Endings(), description="what each ending does to the outputs")
+    interlocks: Interlocks = Field(default=Interlocks(), description="true: enforced")
+    bounds: Bounds = Field(default=Bounds(), description="what the proof assumes and shows")
+    automata: Automata = Field(default=Automata(), description="the UPPAAL file")
+
+    _places: Places = PrivateAttr(default_factory=lambda: Places(Path("<description>")))
+
+    @property
+    def source(self) -> Path:
+        """The file that it was loaded from, as an absolute path; ``<description>`` if it was made in code."""
+        return self._places.file
+
+    def where(self, *keys: str | int) -> str:
+        """``file:line:column`` of a value, or of the nearest stanza that is written; for errors elsewhere."""
+        return self._places.where(*keys)
+
+    def place(self, *keys: str | int) -> Place:
+        """The same with the offending text, for a :class:`Fault`."""
+        return self._places.value(*keys)
+
+    @property
+    def ordered(self) -> tuple[tuple[str, Actuator], ...]:
+        """Name and actuator of each step, in the order of a grip."""
+        return tuple((name, self.actuators[name]) for name in self.sequence)
+
+    @property
+    def releasing(self) -> tuple[str, ...]:
+        """Names of the actuators in the order of a release."""
+        return self.release_order if self.release_order is not None else self.sequence[::-1]
+
+    def endings_of(self, name: str) -> Endings:
+        """What each ending does to one actuator; raises KeyError for an unknown one."""
+        return self.actuators[name].endings.over(self.endings)
+
+    @property
+    def blow_off_lines(self) -> dict[str, str]:
+        """Line of each blow-off valve, by the actuator that it belongs to, in the order of a grip."""
+        found = ((name, kind_of(part).opposing_output(part)) for name, part in self.ordered)
+        return {name: output.line for name, output in found if output}
+
+    def service_of(self, name: str) -> str:
+        """ROS service of an actuator (relative name); raises KeyError for an unknown one."""
+        return self.actuators[name].service or "Set" + camel_case(name)
+
+    def topic_of(self, name: str) -> str:
+        """ROS topic of an actuator's pressure (relative name); raises KeyError for an unknown one."""
+        return self.actuators[name].topic or "Pressure" + camel_case(name)
+
+    @property
+    def automata_path(self) -> Path:
+        """The UPPAAL file, absolute: beside the description, or the shipped one.
+
+        The shipped one is taken only if the description names none and none stands beside it.
+        """
+        beside = self.source.parent / self.automata.file
+        named = "file" in self.automata.model_fields_set
+        return (
+            beside.absolute() if named or beside.is_file() else profile_path().with_name("end_effector.xml")
+        )
+
+    def with_virtual(
+        self, lines_path: str | Path, port: str, socket: str | Path | None = None
+    ) -> Description:
+        """The same tool on virtual lines and another serial port."""
+        lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
+        return self.model_copy(update={"lines": lines, "link": self.link.model_copy(update={"port": port})})
+
+    def with_socket(self, socket: str | Path) -> Description:
+        """The same tool with its line arbiter at another socket."""
+        return self.model_copy(update={"lines": self.lines.model_copy(update={"socket": str(socket)})})
+
+    def fingerprint(self) -> str:
+        """Twelve hex digits of the content; layout, order of keys and omitted defaults do not change them."""
+        content = json.dumps(
+            self.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":")
+        )
+        return hashlib.sha256(content.encode()).hexdigest()[:12]
+
+
+def camel_case(name: str) -> str:
+    """``bottom_vacuum`` to ``BottomVacuum``."""
+    return "".join(word.capitalize() for word in name.split("_"))
+
+
+def socket_path(description: Description) -> Path:
+    """The Unix socket of the line arbiter: the description's, or ``<name>.sock`` in the run directory.
+
+    Raises:
+        WireError: the run directory is not for this user alone.
+    """
+    if description.lines.socket:
+        return Path(description.lines.socket)
+    return run_directory() / f"{description.name}.sock"

@@ -1,0 +1,183 @@
+"""The stanzas beside those of the actuators: other devices, the wires, what is watched, refused and proved."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
+
+from end_effector_hal.kinds.stanza import (
+    BelowAmbient,
+    ChangerEndings,
+    LineName,
+    Name,
+    Part,
+    RosName,
+    Samples,
+    Seconds,
+    Texts,
+    Word,
+)
+
+
+class ToolChanger(Part):
+    """The tool changer; an inactive line is locked (ISO 11593)."""
+
+    line: LineName = Field(description="name of the GPIO line; active means unlock")
+    pin: Word = Field(default="", description="where it is found on the board; for people")
+    locked_bit: Name = Field(
+        default="locked", description="bit of the link that proves locked; none: no such sensor"
+    )
+    unlocked_bit: Name = Field(
+        default="unlocked", description="bit of the link that proves unlocked; none: no such sensor"
+    )
+    latching: bool = Field(default=False, description="the unlock output may stay active (IL-03 off)")
+    unlock_max_s: Seconds = Field(
+        default=3.0, description="IL-03: longest time that the unlock output is active"
+    )
+    prove_s: Seconds = Field(default=2.0, description="IL-04: a lock or unlock is proven within")
+    proven_s: Seconds = Field(default=0.1, description="IL-04: bits stand for at least this long")
+    fault_s: Seconds = Field(
+        default=0.5, description="IL-04: both bits or neither for this long: sensor fault"
+    )
+    vented_kpa: BelowAmbient = Field(
+        default=5.0, description="IL-01: unlock only with every vacuum under this"
+    )
+    vented_s: Seconds = Field(default=0.5, description="IL-01: and for at least this long")
+    stand_bit: Name = Field(
+        default="in_stand",
+        description="IL-02: bit of the link: the tool is in its stand; none: no such sensor",
+    )
+    present_bit: Name = Field(
+        default="tool_present", description="IL-02: bit of the link: there is a tool; none: no such sensor"
+    )
+    arm_s: Seconds = Field(
+        default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"
+    )
+    endings: ChangerEndings = Field(
+        default=ChangerEndings(), description="what each ending does to the unlock output"
+    )
+    service: RosName = Field(default="SetToolChanger", description="ROS service")
+
+
+class EStop(Part):
+    """An emergency-stop input (IL-13): while it is open, and until a reset, nothing is activated."""
+
+    channel: Name = Field(
+        default="estop_ok", description="bit of the link that is set while it is closed; none: no such input"
+    )
+
+
+class Lines(Part):
+    """How the output lines are reached."""
+
+    backend: Literal["gpiod", "virtual"] = Field(
+        default="gpiod", description="gpiod: the kernel's character device; virtual: a file, no hardware"
+    )
+    path: Word | None = Field(default=None, description="virtual: the file that stands for the chip")
+    socket: Word | None = Field(
+        default=None, description="Unix socket of the line arbiter; default: in the run directory"
+    )
+
+
+class Link(Part):
+    """The sensor link."""
+
+    port: Word = Field(min_length=1, description="serial device")
+    baudrate: int | None = Field(
+        default=None, ge=300, le=4_000_000, description="bits per second; default: that of the codec"
+    )
+    codec: str = Field(
+        default="ees1-ascii", min_length=1, description="format of the frames; docs/codecs.md lists them"
+    )
+    stale_s: Seconds = Field(
+        default=0.15, description="a reading is stale after this or stale_periods, the longer"
+    )
+    stale_periods: Samples = Field(
+        default=3, description="periods of the codec after which a reading is stale"
+    )
+    down_s: Seconds = Field(
+        default=1.0, description="the link is down after this or down_periods, the longer"
+    )
+    down_periods: Samples = Field(default=7, description="periods of the codec after which the link is down")
+
+
+Milliseconds = Annotated[int, Field(ge=1, le=10_000)]
+
+
+class MaintenanceSettings(Part):
+    """Maintenance: single actuators driven with the `/Set*` services (IL-12)."""
+
+    lease_s: Seconds = Field(
+        default=30.0, description="so long after the last call what maintenance has activated is deactivated"
+    )
+
+
+class Interlocks(Part):
+    """Interlocks that can be switched off, here and nowhere else."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, populate_by_name=True)
+
+    il_01: bool = Field(
+        default=True, alias="IL-01", description="unlock only when nothing is gripped or held"
+    )
+    il_02: bool = Field(
+        default=True, alias="IL-02", description="unlock only with the tool in its stand or absent, or armed"
+    )
+    il_05: bool = Field(default=True, alias="IL-05", description="no gripping unless the tool is locked")
+    il_06: bool = Field(
+        default=True, alias="IL-06", description="no new grip under the least supply pressure"
+    )
+    il_07: bool = Field(default=True, alias="IL-07", description="no grip with feedback present or invalid")
+    il_09: bool = Field(default=True, alias="IL-09", description="only an explicit Drop releases a held part")
+
+
+class Bounds(Part):
+    """What the environment keeps and what the integrator requires; the proof covers it."""
+
+    reaction_ms: Milliseconds = Field(default=50, description="D: longest lateness")
+    sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
+    command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
+    message_ms: Milliseconds = Field(default=100, description="the programs hear of each other within")
+    grip_s: Seconds = Field(default=58.0, description="every grip is over within")
+    release_s: Seconds = Field(default=6.2, description="every release is over within")
+    cancel_s: Seconds = Field(default=6.2, description="every cancelled grip is unwound within")
+
+
+class Automata(Part):
+    """The UPPAAL file and which of its processes are executed, by the program that executes them."""
+
+    file: str = Field(
+        default="end_effector.xml",
+        min_length=1,
+        description="relative to the description; default: the shipped one where none stands beside it",
+    )
+    grip: Texts = Field(
+        default=("Gripper", "Actuator"), description="processes that the grip program executes"
+    )
+    tool_change: Texts = Field(
+        default=("Changer", "Arming"), description="processes that the tool-change program executes"
+    )
+    interface: Texts = Field(
+        default=(
+            "evidence",
+            "tool",
+            "supply_ok",
+            "adopted",
+            "adopted_unlock",
+            "adopted_fault",
+            "vented",
+            "parked",
+            "told",
+            "ee",
+            "valve",
+            "changer",
+            "changer_fault",
+            "unlock_valve",
+            "armed",
+            "command",
+            "actuator",
+            "kept",
+        ),
+        description="variables that the executed processes share with the rest",
+    )

@@ -1,0 +1,183 @@
+"""From a file to a description, or to every fault that it has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from end_effector_hal.description._fault import Fault, Keys, Places, did_you_mean
+from end_effector_hal.description._shape import Facts, actuator_stanzas, fields_of
+from end_effector_hal.description.model import Description
+from end_effector_hal.description.rules import order_faults, rule_faults, shared_faults
+from end_effector_hal.errors import DescriptionError, Diagnostic
+
+from ._explain import explain, likely_kind, no_kind, why_not
+from ._syntax import position
+from ._yaml import Reader
+
+
+@dataclass(frozen=True)
+class Examination:
+    """What came of reading a file: a description, or faults in the order of the file."""
+
+    name: str
+    description: Description | None
+    faults: tuple[Fault, ...]
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """The faults with their file."""
+        return tuple(fault.diagnostic(self.name) for fault in self.faults)
+
+    def lines(self) -> list[str]:
+        """The faults, ready to print."""
+        return [str(each) for each in self.diagnostics]
+
+
+def examine(path: str | Path) -> Examination:
+    """Read a file; never raises for what stands in it."""
+    text = read_text(Path(path))
+    if isinstance(text, Fault):
+        return Examination(str(path), None, (text,))
+    return examine_text(text, path)
+
+
+def examine_text(text: str, path: str | Path) -> Examination:
+    """The same for a text that came from ``path``; files that it names are looked for beside it."""
+    places = Places(Path(path).absolute(), str(path))
+    description, faults = _examine(text, places)
+    return Examination(str(path), None if faults else description, tuple(sorted(set(faults))))
+
+
+def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]]:
+    reader = Reader(text, places)
+    tree, faults = reader.read(), reader.faults
+    if any(fault.code == "EE-202" for fault in faults):
+        return None, faults
+    if tree is None:
+        empty = Fault(0, 0, "EE-201", "the file is empty", "", "a description", "eehal schema lists its keys")
+        return None, faults or [empty]
+    if not isinstance(tree, dict):
+        place = places.value()
+        return None, [
+            *faults,
+            Fault.at(place, "EE-203", "this is not a description", expected="keys with values"),
+        ]
+    broken = set(reader.refused)
+    kinds, guessed = _kinds(tree, places, broken)
+    description, found = _validate(tree, places, broken)
+    faults += [
+        *kinds,
+        *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed)),
+    ]
+    facts = Facts(tree, places, broken)
+    return description, [*faults, *order_faults(facts), *rule_faults(facts), *shared_faults(facts)]
+
+
+def _kinds(tree: dict[str, Any], places: Places, broken: set[Keys]) -> tuple[list[Fault], set[str]]:
+    """Faulty kinds of actuators, and actuators whose kind is a guess.
+
+    The likely kind is put in, so that the rest of the stanza is examined too.
+    """
+    faults: list[Fault] = []
+    guessed: set[str] = set()
+    actuators = tree.get("actuators")
+    for name, stanza in actuators.items() if isinstance(actuators, dict) else ():
+        if isinstance(stanza, dict) and why_not(stanza.get("kind")):
+            faults.append(no_kind(name, stanza, places))
+            broken.add(("actuators", name, "kind"))
+            stanza["kind"], sure = likely_kind(stanza)
+            guessed |= set() if sure else {name}
+    return faults, guessed
+
+
+def _validate(
+    tree: dict[str, Any], places: Places, broken: set[Keys]
+) -> tuple[Description | None, list[tuple[Keys, Fault]]]:
+    try:
+        description = Description.model_validate(tree, by_alias=True, by_name=False)
+    except ValidationError as error:
+        kinds = dict(Facts(tree, places).actuators())
+        explained = [explain(each, places, kinds) for each in error.errors(include_url=False)]
+    else:
+        description._places = places
+        return description, []
+    broken |= {path for path, _ in explained}
+    hinted = {(path[:-1], fault.hint) for path, fault in explained if fault.code == "EE-205"}
+    # A misspelt key is one fault, not two: what it means is not missing as well.
+    return None, [
+        (path, fault)
+        for path, fault in explained
+        if not (fault.code == "EE-206" and (path[:-1], f"did you mean {path[-1]!r}?") in hinted)
+    ]
+
+
+def _follows(path: Keys, fault: Fault, refused: set[Keys], guessed: set[str]) -> bool:
+    """Whether a fault only follows from another that is reported: a value refused before, a kind guessed."""
+    if any(path[: len(each)] == each for each in refused):
+        return True
+    stanzas = actuator_stanzas().values() if fault.code == "EE-205" else ()
+    own_key = any(str(path[-1]) in fields_of(stanza) for stanza in stanzas)
+    return own_key and path[0] == "actuators" and path[1] in guessed
+
+
+def load(path: str | Path) -> Description:
+    """Read a description.
+
+    Raises:
+        DescriptionError: the file cannot be read, or is not a valid description. ``faults`` has every fault,
+            in the order of the file: ``file:line:column: what (offending text), expected …; hint [code]``.
+    """
+    examination = examine(path)
+    if examination.description is None:
+        raise DescriptionError(examination.diagnostics)
+    return examination.description
+
+
+LIMIT = 256 * 1024
+NAME = "end_effector.yaml"
+
+
+def read_text(path: Path) -> str | Fault:
+    """The text of a file, or why there is none."""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(LIMIT + 1)
+    except FileNotFoundError:
+        return _unread("there is no such file", "the path of a description", _neighbours(path))
+    except IsADirectoryError:
+        inside = f"write {path / NAME}" if (path / NAME).is_file() else ""
+        return _unread("this is a directory", "the path of a description", inside)
+    except PermissionError:
+        return _unread("the file may not be read", "read permission for this user")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        return _unread(f"the file cannot be read: {reason}", "the path of a description")
+    if len(data) > LIMIT:
+        return _unread("the file is too large", f"a description of at most {LIMIT // 1024} KiB")
+    return _decode(data)
+
+
+def _decode(data: bytes) -> str | Fault:
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8-sig", "replace")
+        line, column = position(before, len(before))
+        found = f"byte 0x{data[error.start]:02X}"
+        return Fault(line, column, "EE-201", "this is not text", found, "YAML in UTF-8")
+    return text
+
+
+def _unread(what: str, expected: str, hint: str = "") -> Fault:
+    return Fault(0, 0, "EE-201", what, "", expected, hint)
+
+
+def _neighbours(path: Path) -> str:
+    try:
+        return did_you_mean(path.name, [each.name for each in path.parent.iterdir() if each.is_file()])
+    except OSError:
+        return ""

@@ -1,0 +1,114 @@
+"""What is wrong with a single value: its type, its range, its form."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from end_effector_hal.description._fault import Fault, Keys, Place, Places, did_you_mean
+from end_effector_hal.description._numbers import convert, limits_of, number, split, with_unit, wrong_scale
+from end_effector_hal.kinds.stanza import PRINTABLE
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+
+TYPES = {
+    "string_type": "text",
+    "string_unicode": "text",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "float_type": "a number",
+    "bool_type": "true or false",
+    "tuple_type": "a list: [a, b, c]",
+}
+BOOLEANS = {"yes": "true", "on": "true", "1": "true", "no": "false", "off": "false", "0": "false"}
+NAME = "lower-case letters, digits and '_', a letter first"
+ROS_NAME = "a ROS name: letters, digits, '_' and '/', a letter first"
+
+
+def out_of_range(path: Keys, kind: str, value: object, places: Places) -> Fault:
+    """A number that is too small or too large."""
+    limits = limits_of(path, kind)
+    what, hint = f"{_label(path)} is out of range", wrong_scale(str(path[-1]), value, limits)
+    return Fault.at(places.value(*path), "EE-208", what, expected=str(limits), hint=hint)
+
+
+def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
+    """A word that is not one of a few."""
+    choices = re.findall(r"'([^']*)'", error["ctx"]["expected"])
+    what, hint = f"{_label(path)} is not one of its choices", did_you_mean(error["input"], choices)
+    if error["input"] == "leave" and "endings" in path:
+        says_the_same = "write hold: here it says the same"
+        hint = (
+            says_the_same
+            if path[-1] != "power_up"
+            else "the line arbiter drives every line from its start on"
+        )
+    return Fault.at(places.value(*path), "EE-209", what, expected=" or ".join(choices), hint=hint)
+
+
+def wrong_form(path: Keys, error: ErrorDetails, place: Place) -> Fault:
+    """A text or a list that is too short or too long, or a name with characters that names do not have."""
+    context = error.get("ctx", {})
+    if context.get("pattern") == PRINTABLE:
+        what = f"{_label(path)} holds a character that is not printed"
+        folded = str(error["input"]).rstrip("\n").isprintable()
+        hint = "end a folded text without a line break: >-" if folded else ""
+        return Fault.at(place, "EE-211", what, expected="text in one line", hint=hint)
+    if "pattern" in context:
+        expected, hint = _name(str(error["input"]), context["pattern"])
+        return Fault.at(place, "EE-211", f"{_label(path)} is not a name", expected=expected, hint=hint)
+    if "max_length" in context:
+        expected = f"at most {context['max_length']} characters"
+        return Fault.at(place, "EE-211", f"{_label(path)} is too long", expected=expected)
+    expected = "at least one " + ("element" if error["type"] == "too_short" else "character")
+    return Fault.at(place, "EE-211", f"{_label(path)} is empty", expected=expected)
+
+
+def wrong_type(path: Keys, error: ErrorDetails, places: Places) -> Fault:
+    """A value of another type than the key's."""
+    expected = TYPES.get(error["type"], "keys with values")
+    value, place, label = error["input"], places.value(*path), _label(path)
+    if value is None:
+        return Fault.at(place, "EE-207", f"{label} has no value", found="", expected=expected)
+    hint = ""
+    if isinstance(value, dict | list):
+        pass
+    elif expected == "text":
+        hint = f'write "{place.text}"'
+    elif expected == "true or false" and str(value).lower() in BOOLEANS:
+        hint = f"did you mean {BOOLEANS[str(value).lower()]}?"
+    elif "number" in expected:
+        expected, hint = _number(str(path[-1]), value, expected)
+    return Fault.at(place, "EE-207", f"{label} is of the wrong type", expected=expected, hint=hint)
+
+
+def _number(key: str, value: Any, expected: str) -> tuple[str, str]:
+    """What is expected instead of ``5 s`` or, in milliseconds, ``0.05``; and how to write it."""
+    unit = split(key)[1]
+    if isinstance(value, float) and unit == "ms" and 0 < value < 1:
+        return expected, f"seconds? write {key}: {number(value * 1000)}"
+    parsed = with_unit(value) if isinstance(value, str) else None
+    if parsed is None:
+        return expected, ""
+    amount, written = parsed
+    if not written:
+        return f"{expected}, not quoted", f"write {key}: {number(amount)}"
+    converted = convert(amount, written, unit)
+    hint = f"write {key}: {number(converted)}" if converted is not None else ""
+    return "a plain number; the unit is in the key" if unit else expected, hint
+
+
+def _name(text: str, pattern: str) -> tuple[str, str]:
+    """The form of a name, and one of that form that is near."""
+    ros = "A-Z" in pattern
+    near = re.sub(r"[^A-Za-z0-9/]+" if ros else r"[^A-Za-z0-9]+", "_", text).strip("_/").lstrip("_0123456789")
+    near = near if ros else near.lower()
+    hint = f"did you mean {near!r}?" if re.fullmatch(pattern.strip("^$"), near) and near != text else ""
+    return ROS_NAME if ros else NAME, hint
+
+
+def _label(path: Keys) -> str:
+    """``'timeout_s'``, or ``'sequence[1]'`` for an element."""
+    return f"'{path[-2]}[{path[-1]}]'" if isinstance(path[-1], int) else f"'{path[-1]}'"

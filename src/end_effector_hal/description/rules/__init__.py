@@ -1,0 +1,18 @@
+"""What no single value shows: rules between stanzas, and between a description and its codec."""
+
+from ._channels import CodecChannels, used_channels
+from ._codec import not_fitted, slow, unproven
+from ._order import order_faults
+from ._shared import shared_faults
+from ._stanzas import rule_faults
+
+__all__ = [
+    "CodecChannels",
+    "not_fitted",
+    "order_faults",
+    "rule_faults",
+    "shared_faults",
+    "slow",
+    "unproven",
+    "used_channels",
+]

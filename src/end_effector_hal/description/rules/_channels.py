@@ -1,0 +1,178 @@
+"""Which channels of the link a description names, what the link carries, and what cannot be meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from end_effector_hal.description._fault import Fault, did_you_mean
+from end_effector_hal.description._numbers import number
+from end_effector_hal.description.model import Description, EStop, ToolChanger
+from end_effector_hal.kinds import kind_of, usable_kinds
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, Part, Supply
+from end_effector_hal.signals import Kind
+
+_CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+
+
+@dataclass(frozen=True)
+class Use:
+    """A channel and the key that names it; ``bit``: it says yes or no, else it is a pressure."""
+
+    stanza: tuple[str, ...]
+    key: str
+    channel: str
+    bit: bool
+    written: bool
+
+
+def uses(description: Description) -> tuple[Use, ...]:
+    """Every channel that a description asks for, its defaults too, and not what is declared `NO_CHANNEL`."""
+    return tuple(_uses(description))
+
+
+def used_channels(description: Description) -> tuple[str, ...]:
+    """Their names, each once: of the actuators in sequence order, the other devices, the supply.
+
+    What else a link carries does not matter to this tool.
+    """
+    return tuple(dict.fromkeys(use.channel for use in _uses(description)))
+
+
+def _uses(description: Description) -> Iterator[Use]:
+    for name, each in description.ordered:
+        for asked in kind_of(each).channels:
+            yield from _of(("actuators", name), each, asked.key, bit=asked.carries is Kind.BIT)
+    if description.tool_changer:
+        for key in _CHANGER:
+            yield from _of(("tool_changer",), description.tool_changer, key, bit=True)
+    if description.e_stop:
+        yield from _of(("e_stop",), description.e_stop, "channel", bit=True)
+    yield from _of(("supply",), description.supply, "channel", bit=False)
+
+
+def _of(stanza: tuple[str, ...], part: Part, key: str, *, bit: bool) -> Iterator[Use]:
+    channel = getattr(part, key)
+    if channel and channel != NO_CHANNEL:
+        yield Use(stanza, key, channel, bit, key in part.model_fields_set)
+
+
+@cache
+def bits_by_default() -> frozenset[str]:
+    """Names of bits that mean something, whether this tool has the device or not."""
+    keyed: list[tuple[type[Part], tuple[str, ...]]] = [(ToolChanger, _CHANGER), (EStop, ("channel",))]
+    keyed += [
+        (kind.stanza, tuple(each.key for each in kind.channels if each.carries is Kind.BIT))
+        for kind in usable_kinds().values()
+    ]
+    return frozenset(str(model.model_fields[key].default) for model, keys in keyed for key in keys)
+
+
+FROZEN_SAMPLES = 5
+
+
+@dataclass(frozen=True)
+class CodecChannels:
+    """What comes over the link.
+
+    Attributes:
+        codec: its name.
+        channels: what each carries, by name.
+        period_us: nominal time between two frames.
+        noise_shows: whether it counts finely enough to tell a frozen sensor from a living one.
+    """
+
+    codec: str
+    channels: Mapping[str, Kind]
+    period_us: int
+    noise_shows: bool = True
+
+    def of(self, kind: Kind) -> tuple[str, ...]:
+        """Channels that carry this, in the order of the codec."""
+        return tuple(name for name, each in self.channels.items() if each is kind)
+
+
+def position_bits(description: Description) -> frozenset[str]:
+    """Bits that mean something else than that an actuator shows feedback."""
+    return bits_by_default() | {use.channel for use in uses(description) if use.bit}
+
+
+def can_be_confirmed(actuator: Actuator, codec: CodecChannels) -> bool:
+    """Whether anything that comes over the link could confirm an actuator."""
+    return any(channel in codec.channels for channel in kind_of(actuator).proofs(actuator))
+
+
+def provers(description: Description, codec: CodecChannels, name: str) -> str:
+    """For a sentence: what could prove an actuator and belongs to nobody else.
+
+    A pressure, where the kind has one; else a bit that says the same; and its position bits.
+    """
+    others = {use.channel for use in uses(description) if use.stanza != ("actuators", name)}
+    kind, bits, said = kind_of(description.actuators[name]), codec.of(Kind.BIT), []
+    for each in kind.channels:
+        if each.confirms and each.carries is Kind.BIT:
+            usual = str(kind.stanza.model_fields[each.key].default)
+            said += [f"{each.key}: {usual}"] if usual in bits and usual not in others else []
+        elif each.confirms:
+            channels = codec.of(Kind.PRESSURE)
+            if not channels and each.bit_instead:
+                channels = tuple(bit for bit in bits if bit not in position_bits(description))
+            if free := [channel for channel in channels if channel not in others]:
+                said.append(f"a free channel of {codec.codec}: {', '.join(free)}")
+    return " or ".join(said) or f"another codec: {codec.codec} carries nothing more for a {kind.name}"
+
+
+def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
+    """Channels that are asked for and not carried: without them a proof or an interlock is off in silence.
+
+    An actuator that nothing could confirm is told elsewhere, once.
+    """
+    unproven = {
+        ("actuators", name) for name, each in description.ordered if not can_be_confirmed(each, codec)
+    }
+    for use in uses(description):
+        told = not use.bit and use.stanza in unproven
+        if told or use.channel in codec.channels:
+            continue
+        kind = Kind.BIT if use.bit else Kind.PRESSURE
+        known = codec.of(kind)
+        expected = (
+            f"a {kind.value} of {codec.codec}: {', '.join(known)}"
+            if known
+            else f"a codec with such a {kind.value}"
+        )
+        meant = did_you_mean(use.channel, known) if use.written else ""
+        yield Fault.at(
+            description.place(*use.stanza, use.key),
+            "EE-225",
+            f"{codec.codec} carries no {use.channel!r}",
+            found=None if use.written else f"{use.key}: {use.channel} (default)",
+            expected=expected,
+            hint=f"{f'{meant} ' if meant else ''}if there is no such sensor, write {use.key}: {NO_CHANNEL}",
+        )
+
+
+def no_bits(description: Description, codec: CodecChannels) -> Iterator[Fault]:
+    """Pressures where something that says yes or no is named."""
+    for use in uses(description):
+        if use.bit and codec.channels.get(use.channel) is Kind.PRESSURE:
+            place, found = description.place(*use.stanza, use.key), f"{use.key}: {use.channel}"
+            yield Fault.at(place, "EE-225", f"{use.channel!r} is a pressure", found=found, expected="a bit")
+
+
+def too_soon(description: Description, codec: CodecChannels) -> Iterator[Fault]:
+    """A living sensor may show the same twice: to be frozen takes some samples."""
+    least_s = FROZEN_SAMPLES * codec.period_us / 1e6
+    parts: list[tuple[tuple[str, ...], Actuator | Supply]] = [(("supply",), description.supply)]
+    parts += [(("actuators", name), each) for name, each in description.ordered]
+    for stanza, part in parts:
+        watched = codec.noise_shows and codec.channels.get(part.channel) is Kind.PRESSURE
+        if watched and part.frozen_s is not None and part.frozen_s < least_s:
+            what = f"a living sensor would be taken for a frozen one: {FROZEN_SAMPLES} samples take"
+            yield Fault.at(
+                description.place(*stanza, "frozen_s"),
+                "EE-225",
+                f"{what} {number(least_s)} s with {codec.codec}",
+                expected=f"at least {number(least_s)}, or null",
+            )

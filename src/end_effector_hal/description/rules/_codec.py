@@ -1,0 +1,140 @@
+"""What a codec carries against what a description needs: what can never be proven.
+
+Codecs belong to a higher layer; here one is its period and what it carries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.description._fault import Fault, did_you_mean
+from end_effector_hal.description._numbers import number
+from end_effector_hal.description.model import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.signals import Kind
+
+from ._channels import CodecChannels, can_be_confirmed, no_bits, position_bits, provers, too_soon, unwired
+
+
+def unproven(description: Description, codec: CodecChannels) -> list[Fault]:
+    """A fault for each actuator that can never be confirmed over this link, in the order of the file.
+
+    And for each channel that is asked for and not carried: it must not switch off a proof in silence.
+    """
+    found = [
+        fault for name, each in description.ordered for fault in _unproven(description, codec, name, each)
+    ]
+    named = [*unwired(description, codec), *no_bits(description, codec)]
+    return sorted([*found, *named, *too_soon(description, codec)])
+
+
+def _unproven(
+    description: Description, codec: CodecChannels, name: str, actuator: Actuator
+) -> Iterator[Fault]:
+    kind = kind_of(actuator)
+    if not can_be_confirmed(actuator, codec):
+        proof = next(each for each in kind.channels if each.confirms)
+        place = description.place("actuators", name, proof.key)
+        what = f"{codec.codec} carries nothing that could confirm {name!r}"
+        meant = codec.of(proof.carries) or (codec.of(Kind.BIT) if proof.bit_instead else ())
+        hint = did_you_mean(getattr(actuator, proof.key), meant)
+        yield Fault.at(place, "EE-225", what, expected=provers(description, codec, name), hint=hint)
+    if codec.channels.get(actuator.channel) is Kind.BIT and actuator.channel in position_bits(description):
+        place = description.place("actuators", name, "channel")
+        what = f"{actuator.channel!r} is a position bit and no pressure"
+        yield Fault.at(place, "EE-225", what, expected=provers(description, codec, name))
+    if kind.samples:
+        samples = getattr(actuator, kind.samples)
+        least_s = (samples - 1) * codec.period_us / 1e6
+        if least_s >= actuator.timeout_s:
+            place = description.place("actuators", name, kind.samples)
+            what = f"{name!r} can never be confirmed: {samples} samples take {number(least_s)} s"
+            expected = f"less than timeout_s = {number(actuator.timeout_s)}"
+            yield Fault.at(place, "EE-225", what, found=codec.codec, expected=expected)
+
+
+def not_fitted(description: Description, codec: CodecChannels) -> list[str]:
+    """A sentence for each thing that is off because no wire carries what it needs."""
+    actuators = (sentence for name, each in description.ordered for sentence in _actuator(name, each, codec))
+    return [*actuators, *_supply(description, codec), *_interlocks(description, codec)]
+
+
+def _actuator(name: str, actuator: Actuator, codec: CodecChannels) -> Iterator[str]:
+    carries = codec.channels.get(actuator.channel)
+    if carries is Kind.BIT:
+        yield f"{name}: {actuator.channel} is carried by {codec.codec} as a bit: thresholds are off"
+    if actuator.frozen_s is not None and carries is Kind.PRESSURE and not codec.noise_shows:
+        yield f"{name}: {codec.codec} counts too coarsely to show a frozen sensor: frozen_s is off"
+    for phrase in kind_of(actuator).not_fitted(actuator, codec.channels):
+        yield f"{name}: {phrase}"
+
+
+def _supply(description: Description, codec: CodecChannels) -> Iterator[str]:
+    supply = description.supply
+    carries = codec.channels.get(supply.channel)
+    if carries is Kind.BIT:
+        yield f"supply pressure: carried by {codec.codec} as a bit: IL-06 has no thresholds"
+    elif carries is None:
+        taken = f"{number(supply.nominal_kpa)} kPa is taken for it"
+        yield f"supply: channel: {supply.channel}: IL-06 is off, {taken}: a lack of air is not seen"
+
+
+def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]:
+    channels, changer, e_stop = codec.channels, description.tool_changer, description.e_stop
+    if changer is None:
+        yield "tool changer: none in the description: IL-01 to IL-05 are off"
+    else:
+        bits = (("locked_bit", changer.locked_bit), ("unlocked_bit", changer.unlocked_bit))
+        if missing := ", ".join(f"{key}: {bit}" for key, bit in bits if bit not in channels):
+            yield f"tool changer: {missing}: a lock cannot be proven: IL-04 and IL-05 are off"
+        if changer.stand_bit not in channels:
+            yield f"tool changer: stand_bit: {changer.stand_bit}: an unlock is armed first (IL-02)"
+        elif changer.present_bit not in channels:
+            yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02)"
+    for name, line in description.blow_off_lines.items():
+        yield f"{name}: its blow-off {line} is guarded by the line arbiter (IL-08), but no command drives it"
+    if e_stop is None:
+        yield "e-stop: none in the description: IL-13 is off"
+    elif e_stop.channel not in channels:
+        yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 is off"
+
+
+def slow(description: Description, codec: CodecChannels) -> list[str]:
+    """A sentence for each time-out that may end while the link still counts what it showed before.
+
+    A reading counts until it is stale, so that a time-out must last longer; what one attempt shows must not be
+    read in the next, so that the pause between them lasts longer than a period.
+    """
+    return [*_ends_too_early(description, codec), *_read_twice(description, codec)]
+
+
+def _ends_too_early(description: Description, codec: CodecChannels) -> Iterator[str]:
+    link, period_s = description.link, codec.period_us / 1e6
+    stale_s = max(link.stale_s, link.stale_periods * period_s)
+    for where, key, limit_s in _awaited(description, codec):
+        if limit_s <= stale_s:
+            yield (
+                f"{where}: {key} = {number(limit_s)} s is over before a reading of {codec.codec} is stale "
+                f"({number(stale_s)} s, one each {number(period_s)} s): a late or lost frame fails it"
+            )
+
+
+def _awaited(description: Description, codec: CodecChannels) -> Iterator[tuple[str, str, float]]:
+    """What the sensors have to show, and within which time."""
+    for name, each in description.ordered:
+        yield name, "timeout_s", each.timeout_s
+        yield name, "release_s", each.release_s
+    changer = description.tool_changer
+    if changer and {changer.locked_bit, changer.unlocked_bit} <= codec.channels.keys():
+        yield "tool changer", "prove_s", changer.prove_s
+
+
+def _read_twice(description: Description, codec: CodecChannels) -> Iterator[str]:
+    period_s = codec.period_us / 1e6
+    for name, each in description.ordered:
+        if each.reset_s <= period_s:
+            yield (
+                f"{name}: reset_s = {number(each.reset_s)} s is no longer than a period of {codec.codec} "
+                f"({number(period_s)} s): what one attempt showed may confirm the next"
+            )

@@ -1,0 +1,109 @@
+"""Rules between stanzas: the sequence, names, endings, files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.description._fault import Fault, Keys, closest, did_you_mean
+from end_effector_hal.description._shape import Facts
+
+# Columns of states.csv, and the tool changer's place among the devices.
+RESERVED = ("time_s", "end_effector", "command", "tool_changer")
+# struct sockaddr_un holds 108 bytes with the final zero.
+SOCKET_BYTES = 107
+
+
+def rule_faults(facts: Facts) -> Iterator[Fault]:
+    """Every fault that lies between stanzas."""
+    if isinstance(facts.tree.get("actuators"), dict):
+        yield from _names(facts, "sequence")
+        yield from _unused(facts)
+        yield from _names(facts, "release_order")
+        yield from _unreleased(facts)
+    yield from _reserved(facts)
+    yield from _endings(facts)
+    yield from _files(facts)
+
+
+def _names(facts: Facts, key: str) -> Iterator[Fault]:
+    """Names that are no actuator's, or stand twice."""
+    known, seen = facts.names("actuators"), set()
+    for index, name in enumerate(facts.names(key)):
+        place = facts.places.value(key, index)
+        if (key, index) in facts.broken:
+            continue
+        if name in seen:
+            yield Fault.at(place, "EE-220", f"actuator {name!r} stands twice in {key}", expected="it once")
+        elif name not in known:
+            expected = f"one of {', '.join(known)}" if known else "a name under actuators"
+            hint = did_you_mean(name, known)
+            yield Fault.at(place, "EE-220", f"{key} names no actuator", expected=expected, hint=hint)
+        seen.add(name)
+
+
+def _absent(facts: Facts, key: str) -> list[str]:
+    """Actuators that a list leaves out, without those that a misspelt name in it means."""
+    known, listed = facts.names("actuators"), facts.names(key)
+    meant = {closest(name, known) for name in listed if name not in known}
+    return [name for name in known if name not in listed and name not in meant]
+
+
+def _unused(facts: Facts) -> Iterator[Fault]:
+    for name in _absent(facts, "sequence") if facts.names("sequence") else ():
+        place = facts.places.key("actuators", name)
+        yield Fault.at(place, "EE-220", f"actuator {name!r} is never used", expected="it in the sequence")
+
+
+def _unreleased(facts: Facts) -> Iterator[Fault]:
+    if facts.get("release_order") is None:
+        return
+    missing = [name for name in _absent(facts, "release_order") if name in facts.names("sequence")]
+    if missing:
+        place, what = facts.places.value("release_order"), f"{', '.join(missing)} would never be released"
+        yield Fault.at(place, "EE-220", what, expected="every actuator of the sequence, once")
+
+
+def _reserved(facts: Facts) -> Iterator[Fault]:
+    for name in facts.names("actuators"):
+        if name in RESERVED:
+            place = facts.places.key("actuators", name)
+            yield Fault.at(
+                place, "EE-211", "this name means something else in a recording", expected="another name"
+            )
+
+
+def _endings(facts: Facts) -> Iterator[Fault]:
+    """Of the whole tool and of each actuator: nothing but a Drop releases what is held (IL-09)."""
+    if facts.get("interlocks", "IL-09") is not True:
+        return
+    why = "IL-09 lets only a Drop release a held part; interlocks: {IL-09: false} switches it off"
+    stanzas: list[Keys] = [("endings",)]
+    stanzas += [("actuators", name, "endings") for name, _ in facts.actuators()]
+    for stanza in stanzas:
+        for path in (
+            *((*stanza, "held", key) for key in ("lost", "sigterm", "process_death")),
+            (*stanza, "power_up"),
+        ):
+            if facts.get(*path) == "release":
+                what = f"{path[-1]!r} would drop a held part"
+                yield Fault.at(facts.places.value(*path), "EE-223", what, expected="hold", hint=why)
+
+
+def _files(facts: Facts) -> Iterator[Fault]:
+    """A file that is named must be there (the default one may be the shipped one); a socket must fit."""
+    named, folder = facts.get("automata", "file"), facts.places.file.parent
+    if facts.written("automata", "file") and named and ("\0" in named or not (folder / named).is_file()):
+        expected = f"a UPPAAL file, relative to {folder}"
+        yield Fault.at(
+            facts.places.value("automata", "file"), "EE-224", "there is no such file", expected=expected
+        )
+    socket = facts.get("lines", "socket")
+    if socket and len(socket.encode()) > SOCKET_BYTES:
+        expected = f"a path of at most {SOCKET_BYTES} bytes"
+        yield Fault.at(
+            facts.places.value("lines", "socket"), "EE-211", "'socket' is too long", expected=expected
+        )
+    path_wanted = facts.get("lines", "backend") == "virtual" and ("lines", "path") not in facts.broken
+    if path_wanted and not facts.get("lines", "path"):
+        place, expected = facts.places.value("lines", "backend"), "path: the file that stands for the chip"
+        yield Fault.at(place, "EE-206", "key 'path' is missing in 'lines'", expected=expected)

@@ -1,0 +1,148 @@
+"""What a kind is made of: evidence, the watch over a held part, ranges and rules of its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, ClassVar, NamedTuple, Protocol
+
+from end_effector_hal.signals import Kind
+from end_effector_hal.vocabulary import Evidence
+
+
+class ChannelKey(NamedTuple):
+    """A key of a stanza that names a channel of the link.
+
+    Attributes:
+        key: in the stanza; its value is the name of a channel, or ``none``: there is no such sensor.
+        carries: a pressure or a bit. A key of a bit ends in ``_bit``; what stands before it is what the bit means.
+        confirms: whether this channel alone can prove the actuator to be active.
+        bit_instead: a bit in the place of this pressure says "present", as the switch of a vacuum does.
+    """
+
+    key: str
+    carries: Kind
+    confirms: bool = False
+    bit_instead: bool = False
+
+    @property
+    def meaning(self) -> str:
+        """What a bit says, such as ``extended`` of ``extended_bit``."""
+        return self.key.removesuffix("_bit")
+
+
+class ChannelReadings(Protocol):
+    """The newest reading of each channel, as long as it is fresh and valid."""
+
+    @property
+    def carried(self) -> Mapping[str, Kind]:
+        """The channels of the codec."""
+        ...
+
+    def get(self, channel: str | None, at: int) -> int | bool | None:
+        """Gauge Pa (vacuum negative) or a bit at ``at`` µs; None: not carried, never read, stale, or invalid."""
+        ...
+
+    def arrived(self, channel: str) -> bool:
+        """Whether the newest frame brought a valid value: only that is a sample to count."""
+        ...
+
+
+class Detector(Protocol):
+    """The evidence of one actuator; its ``MEMORY`` is that of `end_effector_hal.signals.memory_of`."""
+
+    MEMORY: ClassVar[dict[str, Any]]
+
+    def sample(self, readings: ChannelReadings, at: int) -> Evidence:
+        """The evidence at ``at`` µs: after a frame, and also when time alone has made readings stale."""
+        ...
+
+
+class AlarmKind(Enum):
+    """What is found while a part is held."""
+
+    WEAK = "weak grip"
+    LEAK = "leak"
+    STALE = "no valid reading"
+    SUPPLY = "supply pressure"
+
+
+class HoldFinding(NamedTuple):
+    """Something that an operator must know; ``over``: it has ended."""
+
+    kind: AlarmKind
+    text: str
+    over: bool = False
+
+
+class HoldWatch(Protocol):
+    """The watch over one actuator while a part is held."""
+
+    MEMORY: ClassVar[dict[str, Any]]
+    secure: bool
+    """Whether the grip is more than confirmed."""
+
+    def sample(self, readings: ChannelReadings, at: int, *, held: bool) -> None:
+        """Look at the newest readings, at ``at`` µs."""
+        ...
+
+    def findings(self, who: str, since: int, at: int) -> Iterator[HoldFinding]:
+        """What is to be told of ``who``, which is held since ``since`` µs and confirmed."""
+        ...
+
+    def dropped(self) -> None:
+        """Nothing is held any more."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class PressureRange:
+    """Gauge kPa from ``low`` to ``high``; ``what`` is measured, for a sentence."""
+
+    low: float
+    high: float
+    what: str
+
+    def has(self, pascal: int) -> bool:
+        """Whether the circuit can have this pressure."""
+        return self.low * 1000 <= pascal <= self.high * 1000
+
+    def fault(self, channel: str, pascal: int) -> str:
+        """Why a value is none."""
+        limits = f"{self.low:g} to {self.high:g} kPa"
+        return (
+            f"The channel {channel} shows {pascal / 1000:.0f} kPa, which {self.what} cannot have ({limits}): "
+            "it counts as invalid. Is its sensor broken, or exchanged with another?"
+        )
+
+
+def below_ambient_kpa(value: int | bool) -> float:
+    """The vacuum that a reading shows; a switch shows all or nothing."""
+    if isinstance(value, bool):
+        return 100.0 if value else 0.0
+    return -value / 1000
+
+
+COMPRESSED_AIR = PressureRange(-10.0, 2000.0, "compressed air")
+"""A transmitter may be a few kPa off."""
+
+
+Pair = tuple[str, str, str]
+"""``("gone_kpa", "<", "lost_kpa")``: two keys, and ``<`` or ``<=``."""
+
+Quote = Callable[[str], str]
+"""From a key to ``gone_kpa = 10 (default)``."""
+
+
+class JointRule(NamedTuple):
+    """Several numbers that only make sense together.
+
+    Attributes:
+        keys: of the stanza, or ``supply.refuse_kpa``: of that of the supply.
+        fault: takes the name of the actuator, the number of each key, and a `Quote`; returns what is wrong and
+            what is expected, or None.
+    """
+
+    keys: tuple[str, ...]
+    fault: Callable[[str, Mapping[str, float], Quote], tuple[str, str] | None]

@@ -1,0 +1,180 @@
+"""The four actions of HALMain: goals in, the rules of `control.goals`, answers out."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+
+from end_effector_hal.control import Status
+from end_effector_hal.control.goals import Effect, Goal, Goals, Outcome, Phase, Todo
+from end_effector_hal.nodes.interface import (
+    ACTIONS,
+    GRIP,
+    GRIP_COMMAND,
+    TOOL_CHANGE,
+    TOOL_CHANGE_COMMAND,
+    Action,
+)
+from end_effector_hal.nodes.transport import (
+    ClientGoal,
+    FeedbackMessage,
+    NodeTransport,
+    ResultMessage,
+    StateMessage,
+    StatusMessage,
+)
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.wires import now_us
+
+_PROGRAMS = {GRIP: "grip", TOOL_CHANGE: "tool_change"}
+
+
+@dataclass(slots=True, eq=False)
+class ServedGoal(Goal):
+    """A goal of a client."""
+
+    client: ClientGoal = field(kw_only=True)
+
+
+class ServedGoals:
+    """Serves the actions; thread-safe.
+
+    A decision is made in the thread that brings the message, under one lock. Its effects are carried out after one
+    another, in the order of the decisions, by one thread at a time: whoever finds another one at it leaves them to
+    that one. So no thread waits for an action server, whose lock is held while it calls back.
+
+    Args:
+        node: serves the actions; its log gets how each goal ended.
+        state: gives the newest EndEffectorState.
+    """
+
+    def __init__(self, node: NodeTransport, state: Callable[[], StateMessage]) -> None:
+        self._state, self._log = state, node.log
+        self._lock, self._turn = threading.Lock(), threading.Lock()
+        self._goals: Goals[ServedGoal] = Goals({name: f"The node {node}" for node, name in _PROGRAMS.items()})
+        self._effects: deque[Effect[ServedGoal]] = deque()
+        commands = {"grip": GRIP_COMMAND, "tool_change": TOOL_CHANGE_COMMAND}
+        self._commanders = {name: node.command_client(service) for name, service in commands.items()}
+        self._servers = [
+            node.action_server(
+                action, partial(self._came, action), partial(self._cancelled, action), self._result
+            )
+            for action in ACTIONS
+        ]
+
+    def on_status(self, node: str, status: StatusMessage) -> None:
+        """A node has a new status: a goal that it executes comes further, or is over."""
+        program, seen, session, count = _PROGRAMS[node], _status(status), status.since_us, status.count
+        self._decide(lambda at: self._goals.see(program, seen, at, session=session, count=count))
+
+    def tick(self, gone: tuple[str, ...]) -> None:
+        """Periodically: feedback with the time left; a goal whose node has gone, or does not answer, ends."""
+        self._decide(lambda at: self._goals.tick(at, [_PROGRAMS[node] for node in gone]))
+
+    def close(self) -> None:
+        """Answer every goal while the topics are still open, and reject what still comes."""
+        todo = "What is held stays held. See EndEffectorState once HALMain is back."
+        with self._lock:
+            self._effects += self._goals.close("HALMain", todo, now_us())
+        with self._turn:
+            self._carry_out()
+        for server in self._servers:
+            server.close()
+
+    def _came(self, action: Action, client: ClientGoal) -> None:
+        goal = ServedGoal(Command(action.command), action.name, client=client)
+        self._decide(lambda at: self._goals.begin(goal, at))
+
+    def _cancelled(self, action: Action, client: ClientGoal) -> bool:
+        taken = False
+
+        def decide(_at: int) -> list[Effect[ServedGoal]]:
+            nonlocal taken
+            for goal in self._goals.open:
+                if goal.name == action.name and goal.client == client:
+                    # a program that was asked for a drop or a change of the tool will not be asked to stop
+                    taken = goal.command is Command.GRIP or goal.phase is Phase.WAITING
+                    return self._goals.cancel(goal)
+            return []
+
+        self._decide(decide)
+        return taken
+
+    def _decide(self, decide: Callable[[int], list[Effect[ServedGoal]]]) -> None:
+        with self._lock:
+            self._effects += decide(now_us())
+        # an effect that comes after the last look of the thread that has the turn is found by this one
+        while self._effects and self._turn.acquire(blocking=False):
+            try:
+                self._carry_out()
+            finally:
+                self._turn.release()
+
+    # By one thread at a time.
+
+    def _carry_out(self) -> None:
+        while self._effects:
+            todo, goal = self._effects.popleft()
+            try:
+                self._do(todo, goal)
+            except Exception:  # noqa: BLE001 the other goals get their answers all the same
+                self._log.exception("%s: %s failed", goal.name, todo.name)
+
+    def _do(self, todo: Todo, goal: ServedGoal) -> None:
+        commander = self._commanders[goal.program]
+        if todo is Todo.ASK:
+            commander.send(
+                goal.command, lambda answer: self._decide(lambda at: self._goals.answer(goal, answer, at))
+            )
+        elif todo is Todo.GIVE_UP:
+            commander.give_up()
+        elif todo is Todo.CANCEL:
+            commander.send(Command.CANCEL, lambda _: None)  # refused where nothing is to be unwound
+        elif todo is Todo.SAY_BEGUN:
+            goal.client.begin()
+        elif todo is Todo.SAY_PROGRESS:
+            goal.client.publish_feedback(self._feedback())
+        else:
+            self._say_ended(goal)
+
+    def _say_ended(self, goal: ServedGoal) -> None:
+        if (ending := goal.ending) is None:
+            return
+        self._log.info("%s: %s", goal.name, f"{ending.outcome.name}. {ending.reason}".rstrip())
+        result = self._result(ending.outcome, ending.reason)
+        if ending.seconds is not None:
+            result.seconds = ending.seconds
+            result.steps = self._state().steps if goal.command is Command.GRIP else []
+        goal.client.end(result, begun=ending.seconds is not None)
+
+    def _result(self, outcome: Outcome, reason: str) -> ResultMessage:
+        state = self._state()
+        return ResultMessage(outcome, outcome.name, state.state, state.state_name, reason)
+
+    def _feedback(self) -> FeedbackMessage:
+        state = self._state()
+        return FeedbackMessage(
+            state=state.state,
+            state_name=state.state_name,
+            actuator=state.actuator,
+            attempt=state.attempt if state.state == EndEffectorState.GRIPPING else 0,
+            attempts_allowed=state.attempts_allowed,
+            time_left_s=state.time_left_s,
+        )
+
+
+def _status(message: StatusMessage) -> Status:
+    return Status(
+        at=message.at_us,
+        ee=EndEffectorState(message.state),
+        command=Command(message.command),
+        actuators=tuple(message.actuators),
+        outputs=tuple(message.outputs),
+        evidence=tuple(map(Evidence, message.evidence)),
+        cause=Cause(message.cause),
+        reason=message.reason,
+        changer=ChangerState(message.tool_changer),
+    )

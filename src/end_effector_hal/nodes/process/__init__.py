@@ -1,0 +1,8 @@
+"""What a process of nodes needs in either generation of ROS: periodic callbacks, a log that never waits, its end."""
+
+from ._guarded import guarded
+from ._paced_log import BURST, LONGEST, PER_S, Allowance, PacedLog, node_log
+from ._ros_class import ros_class
+from ._ticker import Ticker
+
+__all__ = ["BURST", "LONGEST", "PER_S", "Allowance", "PacedLog", "Ticker", "guarded", "node_log", "ros_class"]

@@ -1,0 +1,31 @@
+"""The classes that a generation of ROS has made of the definitions of messages, services and actions."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from end_effector_hal.errors import RosError
+
+
+def ros_class(name: str, kind: str, todo: str) -> Any:
+    """A class that was generated.
+
+    Args:
+        name: of the type, such as ``std_msgs/Header``.
+        kind: ``msg``, ``srv`` or ``action``.
+        todo: how types are built in this generation.
+
+    Raises:
+        RosError: it is not built.
+        ModuleNotFoundError: the package that it needs is not installed.
+    """
+    package, _, plain = name.partition("/")
+    try:
+        return getattr(importlib.import_module(f"{package}.{kind}"), plain)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != package or error.name == package:
+            raise
+        raise RosError(f"The ROS type {name} is not there.", todo=todo) from None
+    except (ImportError, AttributeError):
+        raise RosError(f"The ROS type {name} is not there.", todo=todo) from None

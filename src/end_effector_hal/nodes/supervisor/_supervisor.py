@@ -1,0 +1,184 @@
+"""Supervisor: gives the commands of Table II, from a prompt or a script, and says what became of them."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import time
+from types import FrameType
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.nodes.interface import (
+    ARM_TOOL_CHANGER,
+    END_EFFECTOR_STATE,
+    GIVE_UP_S,
+    PATIENCE,
+    PATIENCE_S,
+    RESET_FAULTS,
+    SCRIPT,
+    SUPERVISOR_COMMANDS,
+    Service,
+)
+from end_effector_hal.nodes.transport import CommandMessage, NodeTransport, StateMessage
+from end_effector_hal.runtime import ScriptCommand, read_command, read_script
+from end_effector_hal.vocabulary import Command, EndEffectorState
+
+from ._goals import GoalClients
+
+LEAST_PATIENCE_S, MOST_PATIENCE_S = 3.0, 3600.0
+PROMPT = "> "
+HELP = "commands: lock, unlock, grip, drop (or release), cancel, arm, reset, wait <seconds>, quit"
+
+
+class Supervisor:
+    """Gives commands to HALMain."""
+
+    def __init__(self, node: NodeTransport) -> None:
+        self._node = node
+        self._prompting = self._reset_failed = False
+        self._publish = node.publisher(SUPERVISOR_COMMANDS)
+        self._goals = GoalClients(node, self.say, _patience_s(node))
+        self._adopted = threading.Event()
+        node.subscribe(END_EFFECTOR_STATE, self._on_state)
+
+    def say(self, text: str) -> None:
+        """Print a line, before a prompt that stands there."""
+        before, after = ("\r", PROMPT) if self._prompting else ("", "")
+        sys.stdout.write(f"{before}{text}\n{after}")
+        sys.stdout.flush()
+
+    def run_script(self, orders: tuple[ScriptCommand, ...]) -> int:
+        """Give orders one after the other; 1 when any did not succeed."""
+        self._goals.wait_for_servers()
+        if not self._adopted.wait(GIVE_UP_S):
+            self.say("the end-effector is OFF still: it has not adopted its lines.")
+        for order in orders:
+            if self._node.ending or not self.give(order):
+                break
+        self._goals.wait_for_all()
+        return int(self._goals.any_failed or self._reset_failed)
+
+    def run_prompt(self) -> int:
+        """Obey standard input until `quit`, its end or Ctrl-C; at a terminal goals run in the background."""
+        terminal = sys.stdin.isatty()
+        self._goals.wait_for_servers()
+        self.say(HELP)
+        while not self._node.ending:
+            try:
+                line = self._read(terminal)
+                order = read_command(line) if line.strip() else None
+            except EOFError:
+                self.give(ScriptCommand(Command.QUIT))
+                break
+            except UsageError as error:
+                self.say(str(error))
+                continue
+            if order is not None and not self.give(order, wait=not terminal):
+                break
+        return 0 if terminal else int(self._goals.any_failed or self._reset_failed)
+
+    def give(self, order: ScriptCommand, *, wait: bool = True) -> bool:
+        """Give one order; False when it was `quit`."""
+        if order.arm or order.reset:
+            self.say(self._call("arm", ARM_TOOL_CHANGER) if order.arm else self._call("reset", RESET_FAULTS))
+            return True
+        if order.command is None:
+            time.sleep(order.wait_s)
+            return True
+        self._publish(CommandMessage(order.command, order.command.name))
+        if order.command is Command.QUIT:
+            return False
+        if order.command is Command.CANCEL:
+            if not self._goals.cancel():
+                self.say("cancel: no goal of this Supervisor is running; those of others were cancelled.")
+            if wait and not order.background:
+                self._goals.wait_for_all()
+            return True
+        goal = self._goals.send(order.command)
+        if wait and not order.background:
+            self._goals.wait(goal)
+        else:
+            threading.Thread(target=self._goals.wait, args=(goal,), daemon=True).start()
+        return True
+
+    def _call(self, word: str, service: Service) -> str:
+        answer = self._node.call(service)
+        if answer is None:
+            self._reset_failed = True
+            return f"{word}: UNREACHABLE. The node {service.server} cannot be reached."
+        self._reset_failed = self._reset_failed or not answer.accepted
+        return f"{word}: {'SUCCEEDED' if answer.accepted else 'FAILED'}. {answer.reason}"
+
+    def _read(self, terminal: bool) -> str:
+        if not terminal:
+            line = sys.stdin.readline()
+            if not line:
+                raise EOFError
+            return line
+        self._prompting = True
+        try:
+            return input(PROMPT)
+        finally:
+            self._prompting = False
+
+    def _on_state(self, message: StateMessage) -> None:
+        self._goals.seen(message.since_us)
+        if message.state != EndEffectorState.OFF:
+            self._adopted.set()
+
+
+def run_supervisor(node: NodeTransport) -> int | None:
+    """Run the script or the prompt to its end, or to the end of the node; the end-effector goes on without it.
+
+    Returns:
+        The exit code; None: the node was ended from outside.
+    """
+    script = read_script(node.parameter_once(SCRIPT))
+    supervisor = Supervisor(node)
+    interrupt = _Interrupt(node)
+    try:
+        code = supervisor.run_script(script) if script else supervisor.run_prompt()
+    except KeyboardInterrupt:
+        supervisor.say("")
+        code = 0
+    finally:
+        interrupt.disarm()
+    return None if node.ending else code
+
+
+def _patience_s(node: NodeTransport) -> float:
+    text = node.parameter_once(PATIENCE) or str(PATIENCE_S)
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not LEAST_PATIENCE_S <= seconds <= MOST_PATIENCE_S:
+        bounds = f"{LEAST_PATIENCE_S:g} to {MOST_PATIENCE_S:g} s"
+        raise UsageError(
+            f"The parameter {PATIENCE.name} is {text!r}.", todo=f"It is a number of seconds, {bounds}."
+        )
+    return seconds
+
+
+class _Interrupt:
+    """Ends a blocking read at Ctrl-C, SIGTERM and the end of the node; those of ROS do not."""
+
+    def __init__(self, node: NodeTransport) -> None:
+        self._armed = True
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._raise)
+        node.on_close(self._shut_down)
+
+    def disarm(self) -> None:
+        """The main thread is not to be interrupted any more."""
+        self._armed = False
+
+    def _raise(self, _number: int, _frame: FrameType | None) -> None:
+        if self._armed:
+            self._armed = False
+            raise KeyboardInterrupt
+
+    def _shut_down(self) -> None:
+        if self._armed:
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)

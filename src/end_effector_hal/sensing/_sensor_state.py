@@ -1,0 +1,146 @@
+"""What the sensors prove at one time; a frame, or its absence, leads to another state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar, Self
+
+from end_effector_hal.codecs import Codec
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.signals import PART, Frame, clone
+from end_effector_hal.vocabulary import Evidence, ToolEvidence
+
+from ._link_rules import LinkRules
+from ._readings import Readings
+from ._supply_detector import SupplyDetector
+from ._tool_detector import ToolDetector
+from ._vented_detector import VentedDetector
+
+
+class SensorState:
+    """The newest readings, all detectors, and the level of each; nobody changes it once it is passed on.
+
+    So it may be shared by all who have seen the same: whoever goes on makes a new one.
+
+    Attributes:
+        readings: of each channel.
+        supply: whether a grip may start (IL-06).
+        evidence: of each actuator, in sequence order.
+        tool: what the bits of the tool changer prove.
+        vented: nothing is gripped, as IL-01 asks it.
+        parked: the tool is in its stand, or there is none (IL-02).
+    """
+
+    MEMORY: ClassVar = {
+        "readings": PART,
+        "_rules": PART,
+        "_detectors": PART,
+        "_tool": PART,
+        "_vented": PART,
+        "supply": PART,
+        "_was_clear": bool,
+        "evidence": tuple[Evidence, ...],
+        "tool": ToolEvidence,
+        "vented": bool,
+        "parked": bool,
+    }
+
+    def __init__(self, description: Description, codec: Codec) -> None:
+        self.readings = Readings(description.link, codec)
+        self._rules = LinkRules(description, codec, self.readings.stale_us)
+        self._detectors = tuple(
+            kind_of(part).detector(part, description.supply) for _, part in description.ordered
+        )
+        changer = description.tool_changer
+        self._tool = ToolDetector(changer) if changer else None
+        self._stand = (changer.stand_bit, changer.present_bit) if changer else None
+        bits = (changer.locked_bit, changer.unlocked_bit) if changer and description.interlocks.il_05 else ()
+        self._lock_bits = bits if all(bit in codec.channels for bit in bits) else ()
+        self._was_clear = False
+        self._vented = VentedDetector(description, codec)
+        self.supply = SupplyDetector(description.supply)
+        self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
+        self.tool = ToolEvidence.UNCLEAR
+        self.vented, self.parked = False, False
+
+    def after(self, frame: Frame) -> tuple[Self, ...]:
+        """The states that a frame leads to: one, and before it another where the device began anew."""
+        state = clone(self)
+        return tuple([state if last else clone(state) for last in state.take(frame)])
+
+    def idle(self, at: int) -> Self:
+        """The state that the absence of frames until ``at`` µs leads to; call it at :meth:`deadline`."""
+        state = clone(self)
+        state.wait(at)
+        return state
+
+    def take(self, frame: Frame) -> Iterator[bool]:
+        """Become what a frame leads to, for a state that nobody shares.
+
+        Each item is one change, done when it is asked for; True: it was the last one.
+        """
+        judged = self._rules.judge(frame)
+        if judged.rebooted:
+            self.readings.forget()
+            self._sample(frame.at)
+            yield False
+        self.readings.take(judged.frame)
+        for channel in judged.doubted:
+            self.readings.forget(channel)
+        self._sample(frame.at)
+        yield True
+
+    def wait(self, at: int) -> None:
+        """Become what the absence of frames until ``at`` µs leads to, for a state that nobody shares."""
+        self.readings.idle()
+        self._sample(at)
+
+    def deadline(self, at: int) -> int | None:
+        """µs of the next change without any frame, after ``at``."""
+        due, ends = self.readings.deadline(at), self._rules.deadline(at)
+        return due if ends is None else ends if due is None else min(due, ends)
+
+    def doubts(self, at: int) -> tuple[str, ...]:
+        """What is impossible or frozen at ``at`` µs, and that the device began anew, in words."""
+        return self._rules.notices(at)
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether every actuator is proven to grip."""
+        return self.evidence.count(Evidence.CONFIRMED) == len(self.evidence)
+
+    @property
+    def conclusive(self) -> bool:
+        """Whether every actuator is proven to be there or gone: enough to adopt."""
+        return all(level in (Evidence.GONE, Evidence.CONFIRMED) for level in self.evidence) and (
+            self._tool is None or self.tool is not ToolEvidence.UNCLEAR
+        )
+
+    def _sample(self, at: int) -> None:
+        self.supply.sample(self.readings, at)
+        tool = self._tool.sample(self.readings, at) if self._tool else self.tool
+        self._was_clear = self._was_clear or tool is not ToolEvidence.UNCLEAR
+        too_early = self._was_clear and tool is ToolEvidence.UNCLEAR and self._lock_is_read(at)
+        evidence = []
+        for detector, before in zip(self._detectors, self.evidence, strict=True):
+            level = detector.sample(self.readings, at)
+            # what follows a confirmation needs the lock (IL-05): after silence it is proven a little later
+            evidence.append(before if level is Evidence.CONFIRMED and too_early else level)
+        self.evidence, self.tool = tuple(evidence), tool
+        self.vented = self._vented.sample(self.readings, self.evidence, at)
+        self.parked = self._is_parked(at)
+
+    def _lock_is_read(self, at: int) -> bool:
+        """Whether there are fresh readings of what IL-05 asks."""
+        return bool(self._lock_bits) and all(
+            self.readings.get(bit, at) is not None for bit in self._lock_bits
+        )
+
+    def _is_parked(self, at: int) -> bool:
+        """IL-02: in its stand, or there is none; without a fresh reading, neither."""
+        if self._stand is None:
+            return False
+        stand_bit, present_bit = self._stand
+        in_stand = self.readings.get(stand_bit, at)
+        return in_stand is not None and (bool(in_stand) or self.readings.get(present_bit, at) is False)

@@ -1,0 +1,124 @@
+"""The tool on ROS 1: a master of its own, the shipped launch file, the Supervisor.
+
+Only processes are started here and the recording is read; nothing of ROS is imported.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import signal
+import socket
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+
+from end_effector_hal.errors import RosError
+from end_effector_lab.processes import Child, Children
+
+from ._drive import START_S, give_recorded
+from ._world import World
+
+END_S = 20.0
+LOOPBACK = "127.0.0.1"
+LAUNCH = ("roslaunch", "--wait", "end_effector_hal", "end_effector.launch", "owner:=false")
+RUN = ("rosrun", "end_effector_hal")
+PROGRAMS = ("roscore", "roslaunch", "rosrun")
+DEBIAN = (
+    "python3-rospy python3-actionlib python3-roslaunch python3-rostopic python3-diagnostic-msgs "
+    "python3-sensor-msgs python3-std-srvs rosbash catkin ros-message-generation"
+)
+WITHOUT = "Without ROS: `eehal demo --no-ros`."
+
+
+class Ros1:
+    """All nodes of the launch file, HALMain's actions; DataLogger records."""
+
+    ros = True
+
+    def check(self) -> None:
+        """Raise RosError when ROS or its messages are not here; it says how to get them."""
+        missing = [name for name in PROGRAMS if shutil.which(name) is None]
+        missing += [] if importlib.util.find_spec("rospy") else ["rospy"]
+        if missing:
+            raise RosError(
+                f"ROS is not installed: {', '.join(missing)} not found.",
+                todo=f"On Debian 12: `make setup`, or `apt install {DEBIAN}`. {WITHOUT}",
+            )
+        if importlib.util.find_spec("end_effector_msgs") is None:
+            raise RosError(
+                "The ROS messages are not built, or not sourced.",
+                todo=f"Run `make demo`, or ros/build.sh and then `. build/catkin/devel/setup.sh`. {WITHOUT}",
+            )
+
+    def play(self, world: World, script: str, longest_s: float) -> None:
+        folder, description = world.folder, str(world.description_path.absolute())
+        ros = Master(folder / "ros")
+        master = ros.start(world.children, folder / "roscore.log", patience_s=START_S)
+        launch = start_nodes(world, ros.env, f"trace_directory:={folder.absolute()}")
+        start = partial(world.children.start, failed=RosError, env=ros.env)
+        # not by the launch file: it is to end before the nodes do, so that their end is not recorded as a state
+        logger = [*RUN, "data_logger", f"_description:={description}", f"_directory:={folder.absolute()}"]
+        supervisor = [*RUN, "supervisor", f"_script:={script}"]
+        give_recorded(world, launch, start, logger, supervisor, longest_s)
+        world.children.end_since(master)
+
+
+def start_nodes(world: World, env: Mapping[str, str], *arguments: str) -> Child:
+    """Start the launch file on a world whose line arbiter runs."""
+    return world.children.start(
+        "launch file",
+        [*LAUNCH, f"description:={world.description_path.absolute()}", *arguments],
+        log=world.folder / "roslaunch.log", failed=RosError, env=env, end_by=signal.SIGINT, patience_s=END_S,
+    )  # fmt: skip
+
+
+class Master:
+    """A ROS master on a free port of the loopback, so that nothing else of ROS on this machine is touched.
+
+    Args:
+        logs: a folder for the logs of ROS; it is made.
+
+    Attributes:
+        env: what its nodes need in their environment.
+    """
+
+    def __init__(self, logs: Path) -> None:
+        logs.mkdir(parents=True, exist_ok=True)
+        self._port = free_port()
+        self.env = {
+            "ROS_MASTER_URI": f"http://{LOOPBACK}:{self._port}",
+            "ROS_IP": LOOPBACK,
+            "ROS_LOG_DIR": str(logs.absolute()),
+            "PYTHONUNBUFFERED": "1",
+            # the nodes ask `env` for python3: it is to be this one
+            "PATH": f"{Path(sys.executable).parent}:{os.environ.get('PATH', os.defpath)}",
+        }
+
+    def start(self, children: Children, log: Path, *, patience_s: float) -> Child:
+        """A roscore that answers.
+
+        Raises:
+            RosError: it did not within ``patience_s``; with the last lines of its log.
+        """
+        command = ["roscore", "-p", str(self._port)]
+        child = children.start(
+            "roscore", command, log=log, failed=RosError, env=self.env, end_by=signal.SIGINT
+        )
+        child.wait_until(self._answers, timeout_s=patience_s, what="it answered")
+        return child
+
+    def _answers(self) -> bool:
+        with suppress(OSError), socket.create_connection((LOOPBACK, self._port), timeout=0.5):
+            return True
+        return False
+
+
+def free_port() -> int:
+    """One of the loopback that nobody has now."""
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return int(probe.getsockname()[1])

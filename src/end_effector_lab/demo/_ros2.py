@@ -1,0 +1,83 @@
+"""The tool on ROS 2: one process of the HAL or five, and the Supervisor.
+
+Only processes are started here and the recording is read; nothing of ROS is imported.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import random
+import signal
+import sys
+from functools import partial
+from pathlib import Path
+
+from end_effector_hal.errors import RosError
+
+from ._drive import give_recorded
+from ._world import World
+
+END_S = 20.0
+PROGRAM = (sys.executable, "-m", "end_effector_hal.ros2")
+ONE, FIVE = ("hal",), ("pressure", "position", "grip", "tool_change", "hal_main")
+MOST_DOMAIN = 101
+"""The ports of a larger number of a domain are those that Linux gives to others."""
+
+
+class Ros2:
+    """The nodes, HALMain's actions; DataLogger records.
+
+    Args:
+        five: a process for each node, as the paper draws them.
+    """
+
+    ros = True
+
+    def __init__(self, *, five: bool = False) -> None:
+        self._programs = FIVE if five else ONE
+
+    def check(self) -> None:
+        """Raise RosError when ROS 2 or its messages are not here; it says how to get them."""
+        for package, todo in (
+            ("rclpy", "Source ROS 2, such as `. /opt/ros/jazzy/setup.bash`, or run `make demo-ros2`."),
+            ("end_effector_msgs", "Build the workspace with colcon and source its install/setup.bash."),
+        ):
+            if importlib.util.find_spec(package) is None:
+                raise RosError(
+                    f"The Python package {package} of ROS 2 is not here.",
+                    todo=f"{todo} Without ROS: `eehal demo --no-ros`.",
+                )
+
+    def play(self, world: World, script: str, longest_s: float) -> None:
+        folder = world.folder.absolute()
+        start = partial(world.children.start, failed=RosError, env=apart(folder / "ros"))
+        recorded = [
+            "--ros-args",
+            "-p", f"description:={world.description_path.absolute()}",
+            "-p", f"directory:={folder}",
+        ]  # fmt: skip
+        nodes = [
+            start(
+                program, [*PROGRAM, program, *recorded], log=folder / f"{program}.log",
+                end_by=signal.SIGINT, patience_s=END_S,
+            )
+            for program in self._programs
+        ]  # fmt: skip
+        supervisor = [*PROGRAM, "supervisor", "--ros-args", "-p", f"script:={script}"]
+        give_recorded(world, nodes[0], start, [*PROGRAM, "data_logger", *recorded], supervisor, longest_s)
+        world.children.end_since(nodes[0])
+
+
+def apart(logs: Path) -> dict[str, str]:
+    """What processes of ROS 2 need in their environment to hear only each other, and nobody outside this machine.
+
+    Args:
+        logs: folder for the logs of ROS.
+    """
+    return {
+        "ROS_DOMAIN_ID": str(random.SystemRandom().randint(1, MOST_DOMAIN)),
+        "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_LOG_DIR": str(logs),
+        "PYTHONUNBUFFERED": "1",
+    }

@@ -1,0 +1,72 @@
+"""The lines of a virtual chip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from end_effector_hal.errors import LineNotFoundError, WireError
+from end_effector_hal.wires.lines import ChipWatcher, Edge, VirtualChip
+
+from ._inputs import OnEdge
+
+
+class VirtualInputs:
+    """The lines of a virtual chip, which is made if there is none.
+
+    What counts is the level of the pin, as on a board: an input that is pulled up is seen as active.
+
+    Args:
+        path: the file of the chip.
+        names: the lines.
+        power_cycle: make the chip anew even if there is one.
+        others: further lines of a chip that is made; nothing hangs on them.
+    """
+
+    def __init__(
+        self, path: str | Path, names: Iterable[str], *, power_cycle: bool = False, others: Iterable[str] = ()
+    ) -> None:
+        self._path, self._names, self._power_cycle = Path(path), tuple(names), power_cycle
+        self._others = tuple(others)
+        self._watcher: ChipWatcher | None = None
+
+    @property
+    def text(self) -> str:
+        return f"virtual:{self._path}"
+
+    def start(self, on_edge: OnEdge) -> dict[str, bool]:
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise WireError(
+                f"the directory of the virtual chip cannot be made: {error.strerror}.",
+                where=str(self._path),
+                todo="Give another path.",
+            ) from error
+        chip = VirtualChip.create(self._path, [*self._names, *self._others], exist_ok=not self._power_cycle)
+        lines = chip.read().lines
+        if missing := [name for name in self._names if name not in lines]:
+            raise LineNotFoundError(
+                f"the virtual chip has no line {', '.join(missing)}, only {', '.join(lines)}.",
+                where=str(self._path),
+                todo="It was made for another tool: give another path, or --power-cycle to make it anew.",
+            )
+
+        levels: dict[str, bool] = {}
+
+        def seen(edge: Edge) -> None:
+            # an input that becomes an inactive output is a record of the chip, and no change of the pin
+            if edge.line in self._names and levels.get(edge.line) != edge.level:
+                levels[edge.line] = edge.level
+                on_edge(edge.line, edge.level, edge.at)
+
+        self._watcher = ChipWatcher(self._path, seen)
+        state = self._watcher.start()
+        began = {name: state.lines[name].level for name in self._names}
+        for name, level in began.items():
+            levels.setdefault(name, level)  # an edge may have come already
+        return began
+
+    def close(self) -> None:
+        if self._watcher is not None:
+            self._watcher.close()

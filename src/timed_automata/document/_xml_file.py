@@ -1,0 +1,219 @@
+"""Reading UPPAAL's XML (flat 1.x document type of UPPAAL 4 and 5) into a Document, and writing it back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+from timed_automata._limits import FILE_BYTES
+from timed_automata.document._document import (
+    Document,
+    DrawnEdge,
+    DrawnLocation,
+    Label,
+    Point,
+    StoredQuery,
+    Template,
+)
+from timed_automata.document._text import Span, Text, did_you_mean, fault, refused
+from timed_automata.document._xml_tree import Element, read_xml
+from timed_automata.errors import ModelError
+
+_NO_MEANING = {"comments"}
+_LOCATION_LABELS = {"invariant"} | _NO_MEANING
+_EDGE_LABELS = {"select", "guard", "synchronisation", "assignment"} | _NO_MEANING
+_REFUSED_LABELS = {
+    "exponentialrate": "an exponential rate (statistical model checking)",
+    "probability": "a probability (statistical model checking)",
+    "testcode": "test code",
+    "testcodeEnter": "test code",
+    "testcodeExit": "test code",
+}
+_REFUSED_ELEMENTS = {
+    "lsc": "a live sequence chart",
+    "branchpoint": "a branch point (statistical model checking)",
+    "dynamic": "a dynamic template",
+}
+
+
+def _point(element: Element | None) -> Point | None:
+    if element is None or "x" not in element.attributes or "y" not in element.attributes:
+        return None
+    try:
+        return Point(int(element.attributes["x"]), int(element.attributes["y"]))
+    except ValueError:
+        raise fault(element.place.whole, "The coordinates are no integers.") from None
+
+
+def _check(element: Element, known: str) -> None:
+    """An element that means something unknown is never skipped."""
+    names = known.split()
+    for child in element.children:
+        if child.tag in _REFUSED_ELEMENTS:
+            raise refused(child.place.whole, f"<{child.tag}>, {_REFUSED_ELEMENTS[child.tag]}")
+        if child.tag not in names:
+            todo = did_you_mean(child.tag, names) or f"Expected <{'>, <'.join(names)}>."
+            raise fault(child.place.whole, f"<{child.tag}> is unknown inside <{element.tag}>.", todo)
+
+
+def _attribute(element: Element, name: str) -> str:
+    value = element.attributes.get(name)
+    if not value:
+        raise fault(element.place.whole, f"<{element.tag}> has no attribute '{name}'.")
+    return value
+
+
+def _labels(element: Element, known: set[str]) -> dict[str, Label]:
+    labels: dict[str, Label] = {}
+    for child in element.all("label"):
+        kind, place = _attribute(child, "kind"), child.place.whole
+        if not child.text.content.strip():
+            continue
+        if kind in _REFUSED_LABELS:
+            raise refused(place, f"a label of kind '{kind}', {_REFUSED_LABELS[kind]}")
+        if kind not in known:
+            todo = did_you_mean(kind, known) or f"Expected one of {', '.join(sorted(known))}."
+            raise fault(place, f"A label of kind '{kind}' is unknown here.", todo)
+        if kind in labels:
+            raise fault(place, f"A second label of kind '{kind}'.", "Join the two.")
+        labels[kind] = Label(kind, child.text, _point(child))
+    return labels
+
+
+def _location(element: Element) -> DrawnLocation:
+    _check(element, "name label urgent committed")
+    name = element.one("name")
+    return DrawnLocation(
+        id=_attribute(element, "id"),
+        name=Label("name", name.text, _point(name)) if name and name.text.content.strip() else None,
+        at=_point(element),
+        labels=_labels(element, _LOCATION_LABELS),
+        urgent=element.one("urgent") is not None,
+        committed=element.one("committed") is not None,
+        color=element.attributes.get("color"),
+        place=element.place,
+    )
+
+
+def _reference(element: Element, tag: str, known: set[str]) -> str:
+    child = element.one(tag)
+    if child is None:
+        raise fault(element.place.whole, f"<{element.tag}> has no <{tag}>.")
+    name = _attribute(child, "ref")
+    if name not in known:
+        raise fault(child.place.whole, f"<{tag}> refers to the location '{name}', which does not exist.")
+    return name
+
+
+def _edge(element: Element, locations: set[str]) -> DrawnEdge:
+    _check(element, "source target label nail")
+    return DrawnEdge(
+        source=_reference(element, "source", locations),
+        target=_reference(element, "target", locations),
+        labels=_labels(element, _EDGE_LABELS),
+        nails=tuple(point for nail in element.all("nail") if (point := _point(nail))),
+        color=element.attributes.get("color"),
+        place=element.place,
+    )
+
+
+def _template(element: Element) -> Template:
+    _check(element, "name parameter declaration location branchpoint init transition")
+    name = element.one("name")
+    if name is None or not name.text.content.strip():
+        raise fault(element.place.whole, "A template has no name.")
+    locations = tuple(map(_location, element.all("location")))
+    ids: set[str] = set()
+    for location in locations:
+        if location.id in ids:
+            raise fault(location.place.whole, f"A second location has the id '{location.id}'.")
+        ids.add(location.id)
+    return Template(
+        name=name.text,
+        parameters=_text(element, "parameter"),
+        declarations=_text(element, "declaration"),
+        locations=locations,
+        edges=tuple(_edge(edge, ids) for edge in element.all("transition")),
+        initial=_reference(element, "init", ids),
+        place=element.place,
+    )
+
+
+def _text(element: Element, tag: str) -> Text | None:
+    child = element.one(tag)
+    return child.text if child else None
+
+
+def _queries(element: Element | None) -> tuple[StoredQuery, ...]:
+    if element is None:
+        return ()
+    _check(element, "query option")
+    queries = []
+    for query in element.all("query"):
+        formula, comment = _text(query, "formula"), _text(query, "comment")
+        if formula and formula.content.strip():
+            queries.append(StoredQuery(formula, comment.content.strip() if comment else ""))
+    return tuple(queries)
+
+
+def read_document(source: bytes, path: str) -> Document:
+    """A UPPAAL file from its bytes; ``path`` is what messages call it.
+
+    Raises:
+        ModelError: not XML, cut off, not a UPPAAL file, or with elements outside of the subset.
+    """
+    if len(source) > FILE_BYTES:
+        what = f"The file has more than {FILE_BYTES} bytes."
+        raise ModelError(what, where=path, todo="Split it, or remove what is not used.")
+    root = read_xml(source, path)
+    if root.tag != "nta":
+        raise fault(root.place.whole, f"The file is <{root.tag}>, not a UPPAAL model.", "Expected <nta>.")
+    _check(root, "imports declaration template instantiation system queries")
+    imports, system = _text(root, "imports"), _text(root, "system")
+    if imports and imports.content.strip():
+        raise refused(imports.whole, "<imports>")
+    if system is None:
+        raise fault(root.place.whole, "The model has no <system>.")
+    return Document(
+        path=path,
+        source=source,
+        declarations=_text(root, "declaration"),
+        templates=tuple(map(_template, root.all("template"))),
+        instantiations=_text(root, "instantiation"),
+        system=system,
+        queries=_queries(root.one("queries")),
+    )
+
+
+def load_document(path: str | Path) -> Document:
+    """A UPPAAL file.
+
+    Raises:
+        ModelError: it cannot be read, or see :func:`read_document`.
+    """
+    try:
+        with Path(path).open("rb") as stream:
+            source = stream.read(FILE_BYTES + 1)
+    except OSError as error:
+        raise ModelError(f"The file cannot be read: {error.strerror}.", where=str(path)) from None
+    return read_document(source, str(path))
+
+
+def write_document(document: Document, replaced: Iterable[tuple[Span, str]] = ()) -> bytes:
+    """The file's bytes with the given parts of its texts replaced; all else is as it was.
+
+    Args:
+        document: what was read.
+        replaced: parts of its texts, which do not overlap, and what stands there instead.
+    """
+    result, position = [], 0
+    for span, new in sorted(replaced, key=lambda item: item[0].text.byte(item[0].start)):
+        start, end = span.text.byte(span.start), span.text.byte(span.end)
+        result += [
+            document.source[position:start],
+            escape(new).encode(span.text.encoding, "xmlcharrefreplace"),
+        ]
+        position = end
+    result.append(document.source[position:])
+    return b"".join(result)

@@ -1,0 +1,165 @@
+"""Responses, in an exploration of everything: bounded ones, and ``p --> q``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from timed_automata.explore.properties._verdict import Extreme
+from timed_automata.explore.search import LassoSearch, Only, SearchNode, Start, Within, ZoneCondition
+from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
+from timed_automata.explore.zones import (
+    INFINITY,
+    NEVER,
+    Limit,
+    Limits,
+    at_most,
+    below,
+    constrained,
+    limits_of,
+    merged,
+)
+from timed_automata.language import ast
+from timed_automata.network import Network
+from timed_automata.queries import (
+    Formula,
+    Query,
+    compile_clock,
+    compile_formula,
+    compile_integer,
+    compile_without_deadlock,
+    mentions_deadlock,
+)
+
+
+class BoundedResponse:
+    """``A[] p imply x <= c``, p never lasts longer than c since x was set, and the largest x that was seen.
+
+    Attributes:
+        clock: its number.
+        most: the bound, a constant.
+        premise: where the bound must hold.
+        limits: that the zones must keep.
+    """
+
+    def __init__(self, premise: Formula, clock: int, most: int, *, strict: bool) -> None:
+        self.clock, self.most = clock, most
+        self.limits = {clock: Limit(max(most, 0), NEVER)}
+        merged(self.limits, limits_of(premise))
+        self.premise = premise
+        self._cases = ZoneCondition(premise)
+        self._bound = below(most) if strict else at_most(most)
+        self._largest = -INFINITY
+
+    def add(self, node: SearchNode) -> None:
+        """Take a symbolic state into account."""
+        record, n = node.record, node.record.n
+        at = record.form.index[self.clock] * n
+        for constraints, _ in self._cases.of(record):
+            part = constrained(node.zone, n, constraints)
+            if part is not None and part[at] > self._largest:
+                self._largest = part[at]
+
+    def forget(self) -> None:
+        """Drop the states that were seen; the results stay."""
+        self._cases = ZoneCondition(self.premise)
+
+    @property
+    def holds(self) -> bool:
+        """Whether it held in all states seen."""
+        return self._largest <= self._bound
+
+    @property
+    def met(self) -> bool:
+        """Whether the premise held in any."""
+        return self._largest != -INFINITY
+
+    @property
+    def longest(self) -> Extreme | None:
+        """The supremum, None if it lies beyond the bound."""
+        if not self.met:
+            return Extreme(None, attained=True)
+        return Extreme(self._largest >> 1, bool(self._largest & 1)) if self.holds else None
+
+    @property
+    def at_least(self) -> int:
+        """What the clock exceeds, or reaches: up to the bound it is known exactly. -1: the premise held nowhere."""
+        return min(self._largest >> 1, self.most) if self.met else -1
+
+
+def bounded(network: Network, query: Query) -> BoundedResponse | None:
+    """A query as a bounded response; None if it is something else.
+
+    Raises:
+        ModelError: the query is not well-formed.
+    """
+    match query:
+        case Query(
+            kind="A[]",
+            condition=ast.Binary(
+                op="imply", left=premise, right=ast.Binary(op="<=" | "<" as op, left=left, right=right)
+            ),
+        ):
+            if not isinstance(left, ast.Name | ast.Member) or not _is_constant(network, right):
+                return None
+            clock, formula = compile_clock(network, left), compile_formula(network, premise)
+            if clock is None or mentions_deadlock(formula):
+                return None
+            most = compile_integer(network, right)(network.initial.values, network.initial.locations)
+            return BoundedResponse(formula, clock, most, strict=op == "<")
+    return None
+
+
+def relaxed(query: Query, most: int) -> Query:
+    """A bounded response with another bound."""
+    match query.condition:
+        case ast.Binary(op="imply", right=ast.Binary() as bound):
+            wider = replace(bound, op="<=", right=ast.Number(bound.right.span, most))
+            return replace(query, condition=replace(query.condition, right=wider))
+    raise AssertionError(f"'{query}' is no bounded response")
+
+
+def _is_constant(network: Network, node: ast.Expression) -> bool:
+    if isinstance(node, ast.Name):
+        return node.name in network.constants
+    return isinstance(node, ast.Number)
+
+
+class LeadsTo:
+    """``p --> q``, where only what follows the states of p is looked at.
+
+    Attributes:
+        limits: that the zones must keep.
+        premise: p.
+    """
+
+    def __init__(self, network: Network, query: Query) -> None:
+        assert query.condition is not None
+        assert query.then is not None
+        first = self.premise = compile_without_deadlock(network, query.condition)
+        inside = compile_without_deadlock(network, query.then, negated=True)
+        outside = compile_without_deadlock(network, query.then)
+        self.limits: dict[int, Limit] = {}
+        for formula in (first, inside, outside):
+            merged(self.limits, limits_of(formula))
+        self._only = Only(ZoneCondition(first))
+        self._within = Within(ZoneCondition(inside), ZoneCondition(outside))
+        self._nodes: list[SearchNode] = []
+
+    def add(self, node: SearchNode) -> None:
+        """Note a symbolic state in which p may hold."""
+        self._nodes.append(node)
+
+    @property
+    def met(self) -> bool:
+        """Whether p held anywhere."""
+        return any(self._only(node.record, node.zone) for node in self._nodes)
+
+    def holds(self, discrete: DiscreteSpace, limits: Limits) -> bool:
+        """Whether q follows. Zones are too large here, never too small: False may be wrong, True is not."""
+        space = SymbolicSpace(discrete, limits, delays=False)
+        starts = (
+            Start(space.record(node.record.discrete), tuple(stay.zone), ())
+            for node in self._nodes
+            for stay in self._only(node.record, node.zone)
+        )
+        return LassoSearch(space, self._within).lasso(starts) is None

@@ -1,0 +1,127 @@
+"""The semantics for an exploration: with a memory, and without the variables that nothing reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from operator import itemgetter
+from typing import Any, NamedTuple
+
+from timed_automata.compiler import Bound, Function, Values
+from timed_automata.language import names_in
+from timed_automata.network import Edge, Network, Semantics, State, Transition, effects_of
+
+_MOST_KNOWN = 20_000  # of one location; what a process sees may hardly ever be the same
+
+
+class _Started(NamedTuple):
+    """An edge whose data guard holds; ``alone``: the transition, if no other process takes part."""
+
+    edge: Edge
+    bounds: tuple[Bound, ...]
+    channel: int | None
+    alone: Transition | None
+
+
+class _StartCache:
+    """The edges that leave a location and can start a transition."""
+
+    def __init__(
+        self, network: Network, active: Sequence[tuple[Edge, Callable[[Values], Any] | None, Any]]
+    ) -> None:
+        self._active = active
+        asked = {name for edge, _, _ in active for name in edge.asks}
+        offsets = [offset for _, offset in _places(network, asked)]
+        self._seen: Callable[[Values], object] = itemgetter(*offsets) if offsets else lambda _: None
+        self._known: dict[object, tuple[_Started, ...]] = {}
+        self._shared: dict[object, _Started] = {}
+
+    def started(self, values: Values) -> tuple[_Started, ...]:
+        """Those whose data guards hold."""
+        seen = self._seen(values)
+        found = self._known.get(seen)
+        if found is None:
+            found = tuple(self._started(values))
+            if len(self._known) < _MOST_KNOWN:
+                self._known[seen] = found
+        return found
+
+    def _started(self, values: Values) -> Iterator[_Started]:
+        for edge, data, clocks in self._active:
+            if data is None or data(values):
+                bounds, channel = clocks.at(values), edge.channel
+                if channel is not None and not isinstance(channel, int):
+                    channel = channel(values)
+                key = (edge, bounds, channel)
+                found = self._shared.get(key)
+                if found is None:
+                    alone = Transition((edge,), bounds, None) if channel is None else None
+                    found = self._shared[key] = _Started(edge, bounds, channel, alone)
+                yield found
+
+
+class CachedSemantics(Semantics):
+    """Gives the same transitions in the same order (a test holds it against its base).
+
+    What a process can start where it reads the same values is worked out once.
+
+    Attributes:
+        fixed: variable, offset and value of the variables that keep their value.
+    """
+
+    def __init__(self, network: Network) -> None:
+        super().__init__(network)
+        self.fixed: Sequence[tuple[str, int, int]] = ()
+        self._cache = [
+            [_StartCache(network, outgoing.active) for outgoing in each] for each in self._outgoing
+        ]
+
+    def transitions(self, state: State) -> Iterator[Transition]:
+        """All transitions whose data guards hold and that committed locations allow."""
+        committed = self._initiators(state.locations).committed
+        return super().transitions(state) if committed else self._uncommitted(state)
+
+    def _uncommitted(self, state: State) -> Iterator[Transition]:
+        locations, values = state
+        for process, cache in enumerate(self._cache):
+            for edge, own, channel, alone in cache[locations[process]].started(values):
+                if alone is not None:
+                    yield alone
+                elif channel is not None:
+                    for receivers, bounds in self._receivers(state, channel, process):
+                        yield Transition((edge, *receivers), own + bounds, channel)
+
+
+class SlicedSemantics(CachedSemantics):
+    """The semantics of a network with respect to the texts of some queries: fewer states, the same answers.
+
+    A variable that no guard, invariant, channel index, update or query reads cannot change what can happen. It keeps
+    its first value here, so that states that differ in it alone are one (cone of influence, variable by variable).
+    """
+
+    def __init__(self, network: Network, queries: Iterable[str]) -> None:
+        super().__init__(network)
+        first = network.initial.values
+        self.fixed = [
+            (name, offset, first[offset]) for name, offset in _places(network, _unread(network, queries))
+        ]
+
+
+def _unread(network: Network, queries: Iterable[str]) -> set[str]:
+    """The names of the variables that neither the network nor one of the queries reads."""
+    read = set(effects_of(network.processes).reads)
+    words = {word for query in queries for word in names_in(query)}
+    for scope in (network.scope, *(process.scope for process in network.processes)):
+        for name in words & scope.symbols.keys():
+            symbol = scope.symbols[name]
+            if isinstance(symbol, Function):
+                read |= symbol.effects.reads
+    names = {variable.name for variable in network.variables}
+    return {name for name in names - read if name.rpartition(".")[2] not in words}
+
+
+def _places(network: Network, names: Container[str]) -> Iterator[tuple[str, int]]:
+    """Name and offset of each scalar of some variables."""
+    for variable in network.variables:
+        if variable.name in names:
+            for offset in range(variable.offset, variable.offset + variable.type.size):
+                yield variable.name, offset

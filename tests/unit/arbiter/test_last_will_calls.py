@@ -1,0 +1,55 @@
+"""How long the way of a last will is: counted in calls, for time depends on the machine."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from types import FrameType
+
+from end_effector_hal.arbiter.rules import LineArbiter, Policy
+from end_effector_hal.vocabulary import LastWillStep
+
+MOST_CALLS = 14
+"""A little above what it takes from the noticed death to the hardware; the session record adds eight."""
+
+
+class Chip:
+    """Lines in memory; notes how many calls there were when they were written."""
+
+    def __init__(self) -> None:
+        self.calls, self.written = 0, list[int]()
+
+    def request(self, names: list[str]) -> dict[str, bool]:
+        return dict.fromkeys(names, False)
+
+    def set(self, levels: Mapping[str, bool]) -> None:
+        del levels
+        self.written.append(self.calls)
+
+    def levels(self) -> dict[str, bool]:
+        return {}
+
+    def close(self) -> None:
+        pass
+
+    def count(self, _frame: FrameType, event: str, _what: object) -> None:
+        self.calls += event == "call"
+
+
+def test_a_last_will_is_executed_before_anything_else_is_done() -> None:
+    chip = Chip()
+    arbiter = LineArbiter(chip, Policy(("A", "B")), 0)
+    session = arbiter.hello("grip", "0" * 32, ["A", "B"], (), 1)
+    will = (LastWillStep("B"), LastWillStep("A", after_us=1_000_000))
+    arbiter.write(session, {"A": True, "B": True}, will, 1_000_000)
+    chip.written.clear()
+    chip.calls = 0
+    sys.setprofile(chip.count)
+    try:
+        arbiter.declare_dead(session, "its socket was closed", 2_000_000)
+    finally:
+        sys.setprofile(None)
+    assert arbiter.levels == {"A": True, "B": False}
+    assert len(chip.written) == 1
+    assert chip.written[0] <= MOST_CALLS
+    assert chip.written[0] < chip.calls  # it is told afterwards

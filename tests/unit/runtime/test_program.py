@@ -1,0 +1,247 @@
+"""A program with lines and a clock of the test; its worker has no thread: what it would do is done by the test."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import pytest
+
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control._status_builder import StatusBuilder
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.errors import ArbiterError
+from end_effector_hal.runtime import GripProgram
+from end_effector_hal.signals import Frame, Value
+from end_effector_hal.vocabulary import EndEffectorState, LastWillStep
+
+PERIOD = 20_000
+QUIET: dict[str, Value] = {
+    "bottom": 0, "cylinder": 0, "top": 0, "supply": 600_000, "cylinder_extended": False, "cylinder_retracted": True,
+    "locked": True, "unlocked": False, "tool_present": True, "in_stand": True, "estop_ok": True,
+}  # fmt: skip
+
+
+class Lines:
+    """Lines in memory; ``count`` counts calls up to a write, ``away``: nobody answers."""
+
+    def __init__(self, description: Description) -> None:
+        self.active = {part.line: False for _, part in description.ordered}
+        self.count: Count | None = None
+        self.away = False
+
+    def levels(self) -> Mapping[str, bool]:
+        self._answer()
+        return dict(self.active)
+
+    def declared_dead(self) -> bool:
+        return False
+
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
+        del will
+        if self.count is not None and levels:
+            self.count.stop()
+
+        def wait() -> None:
+            self._answer()
+            self.active |= levels
+
+        return wait
+
+    def close(self, will: Sequence[LastWillStep]) -> None:
+        del will
+
+    def _answer(self) -> None:
+        if self.away:
+            raise ArbiterError("the line arbiter is away.")
+
+
+class Count:
+    """Counts calls of Python functions in one thread, up to the write of a line; names are file:function."""
+
+    def __init__(self) -> None:
+        self.calls: Counter[str] = Counter()
+        self.reached: Counter[str] | None = None
+
+    def __call__(self, frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and self.reached is None:
+            self.calls[f"{Path(frame.f_code.co_filename).name}:{frame.f_code.co_qualname}"] += 1
+
+    def stop(self) -> None:
+        self.reached = self.reached or self.calls.copy()
+
+    @contextmanager
+    def counting(self) -> Iterator[None]:
+        sys.setprofile(self)
+        try:
+            yield
+        finally:
+            sys.setprofile(None)
+
+
+class Tool:
+    """The gripping program of the shipped tool, its sensors as its lines are."""
+
+    def __init__(self) -> None:
+        self.description = load(profile_path())
+        self.lines, self.at, self._number = Lines(self.description), 1_000_000, 0
+        self.statuses: list[Status] = []
+        self.program = GripProgram(
+            self.description,
+            self.lines,
+            self.statuses.append,
+            clock=lambda: self.at,  # type: ignore[arg-type]
+        )
+        self.worker = self.program._worker
+        self.worker.begin(self.program._begin)
+
+    def frame(self) -> Frame:
+        self.at, self._number = self.at + PERIOD, self._number + 1
+        shown = dict(QUIET)
+        for name, part in self.description.ordered:
+            if self.lines.active[part.line]:
+                shown[part.channel] = -80_000 if name.endswith("vacuum") else 600_000
+                if name == "cylinder":
+                    shown |= {"cylinder_extended": True, "cylinder_retracted": False}
+        noise = self._number % 4
+        shown |= {name: (shown[name] or 0) + noise for name in ("bottom", "cylinder", "top", "supply")}
+        return Frame(self.at, self._number, self._number * 20, shown)
+
+    def idle(self) -> None:
+        """What the worker's thread does until it sleeps."""
+        self.worker.work()
+        while self.program._prepare():
+            pass
+
+    def run(self, frames: int) -> None:
+        for _ in range(frames):
+            self.program.frame(self.frame())
+            self.idle()
+
+    def command(self, name: str) -> Answer:
+        """In a thread of its own, as a command comes; it waits for what only the worker does."""
+        answers: list[Answer] = []
+
+        def command() -> None:
+            with self.lines.count.counting() if self.lines.count else _uncounted():
+                answers.append(self.program.command(name))
+
+        thread = threading.Thread(target=command)
+        thread.start()
+        while thread.is_alive():
+            self.worker._bell.get(timeout=10.0)
+            self.worker.work()
+            thread.join(0.01)
+        self.idle()
+        return answers[0]
+
+
+@contextmanager
+def _uncounted() -> Iterator[None]:
+    yield
+
+
+@pytest.fixture
+def tool() -> Tool:
+    tool = Tool()
+    tool.run(60)
+    assert tool.program.status.ee is EndEffectorState.STAND_BY
+    return tool
+
+
+def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_it(tool: Tool) -> None:
+    """On the first visit of each state; the limits are a little above what it takes, so that a growth is seen."""
+    goal = tool.lines.count = Count()
+    assert tool.command("grip").accepted
+    assert goal.reached is not None
+    assert goal.reached.total() <= GOAL_CALLS, goal.reached.most_common()
+    for _ in range(20):
+        frame, count = tool.frame(), Count()
+        tool.lines.count = count
+        with count.counting():
+            tool.program.frame(frame)
+        tool.idle()
+        if count.reached:
+            break
+    assert count.reached is not None
+    assert count.reached.total() <= FRAME_CALLS, count.reached.most_common()
+    for calls in (goal.reached, count.reached):
+        assert not [name for name in calls if name.startswith(("_semantics.py", "_trace.py", "_network"))]
+
+
+GOAL_CALLS, FRAME_CALLS = 200, 360
+"""From the call of the program to that of the line arbiter's client; `benchmarks/calls.py` counts both ends too."""
+
+
+def test_a_status_is_built_once_for_each_step_of_the_automata(
+    tool: Tool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built: list[Status] = []
+    build = StatusBuilder.status
+
+    def counted(builder: StatusBuilder, at: int) -> Status:
+        built.append(build(builder, at))
+        return built[-1]
+
+    monkeypatch.setattr(StatusBuilder, "status", counted)
+    steps: list[object] = []
+    step = StatusBuilder.step
+    monkeypatch.setattr(StatusBuilder, "step", lambda *given: (steps.append(given[1]), step(*given))[1])
+    tool.statuses.clear()
+    assert tool.command("grip").accepted
+    tool.run(100)
+    assert tool.program.status.ee is EndEffectorState.GRIPPED
+    assert tool.command("drop").accepted
+    tool.run(100)
+    assert tool.program.status.ee is EndEffectorState.STAND_BY
+    assert len(steps) > 20
+    assert built == tool.statuses  # what is not a step is news of the sensors: it is built once, too
+    assert len(steps) <= len(built)
+
+
+def test_nothing_is_begun_while_the_line_arbiter_is_away(tool: Tool) -> None:
+    tool.lines.away = True
+    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.idle()
+    answer = tool.command("grip")
+    assert not answer.accepted
+    assert answer.reason == "Nothing can be activated while the line arbiter is lost."
+    assert tool.program.status.ee is EndEffectorState.STAND_BY
+    tool.lines.away = False
+    tool.run(20)
+    assert tool.command("grip").accepted
+    tool.run(100)
+    status = tool.program.status
+    assert status.ee is EndEffectorState.GRIPPED
+    assert [report.attempts for report in status.steps] == [1, 1, 1]
+
+
+def test_a_drop_is_carried_out_once_the_line_arbiter_is_there_again(tool: Tool) -> None:
+    assert tool.command("grip").accepted
+    tool.run(100)
+    tool.lines.away = True
+    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.idle()
+    assert tool.command("drop").accepted
+    assert all(tool.lines.active.values())
+    tool.lines.away = False
+    tool.run(200)
+    assert not any(tool.lines.active.values())
+    assert tool.program.status.ee is EndEffectorState.STAND_BY
+
+
+def test_a_step_that_was_looked_ahead_at_is_the_one_that_is_taken() -> None:
+    prepared, other = Tool(), Tool()
+    other.idle = other.worker.work  # type: ignore[method-assign]
+    for tool in (prepared, other):
+        tool.run(60)
+        assert tool.command("grip").accepted
+        tool.run(100)
+        assert tool.command("drop").accepted
+        tool.run(100)
+    assert prepared.statuses == other.statuses
