@@ -1,0 +1,5 @@
+"""The nodes in ROS 2: how they start, talk and end there."""
+
+from ._run import PROGRAMS, run
+
+__all__ = ["PROGRAMS", "run"]

@@ -1,0 +1,246 @@
+"""A node of ROS 2: how it starts, talks and ends with rclpy."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.task import Future
+
+from end_effector_hal.control import Answer
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.description import Description, tool_path
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.nodes.interface import (
+    DESCRIPTION,
+    PARAMETERS,
+    PROFILE,
+    Action,
+    Parameter,
+    Service,
+    Topic,
+    load_for_nodes,
+)
+from end_effector_hal.nodes.process import node_log
+from end_effector_hal.nodes.transport import (
+    ActionClient,
+    ActionServer,
+    ClientGoal,
+    CommandClient,
+    Commander,
+    ResultMessage,
+    UnknownSenders,
+)
+from end_effector_hal.wires import now_us
+
+from ._process import Process
+from .actions import RclpyActionClient, RclpyActionServer
+from .connections import (
+    LocalService,
+    PublishersInGraph,
+    RclpyCommandService,
+    RclpyMessageMaker,
+    answer_of,
+    message_class,
+    reader_quality,
+    response_maker,
+    service_class,
+    writer_quality,
+)
+
+HOW = "--ros-args -p description:=FILE or -p profile:=NAME"
+CALL_S = 5.0
+
+
+class RclpyNode:
+    """The transport of one node.
+
+    Topics are called back in the executor's thread, those of this process in the thread of the publisher; services
+    in threads of their own.
+
+    Args:
+        name: of the node in the table.
+        process: that it runs in.
+    """
+
+    def __init__(self, name: str, process: Process) -> None:
+        self._process, self._node = process, process.node(name)
+        self.name = self._node.get_name()
+        self.log, self._log_handler = node_log(name, self._write)
+        self.unknown_senders = UnknownSenders(lambda alarm: self.log.warning("%s", alarm), now_us)
+        self._topics, self._calls = MutuallyExclusiveCallbackGroup(), ReentrantCallbackGroup()
+        self._parameters = {each.name: self._declare(each) for each in PARAMETERS if name in each.nodes}
+        process.on_close(self._log_handler.end)
+
+    def description(self) -> Description:
+        """The tool that the parameter ``description`` or ``profile`` names; raises DescriptionError."""
+        given = [self._parameters.get(each.name, "") for each in (DESCRIPTION, PROFILE)]
+        return load_for_nodes(tool_path(*given, how=HOW))
+
+    def parameter(self, parameter: Parameter, default: str = "") -> str:
+        """A parameter."""
+        return self._parameters.get(parameter.name) or default
+
+    def parameter_once(self, parameter: Parameter) -> str:
+        """A parameter: in ROS 2 it ends with its node."""
+        return self.parameter(parameter)
+
+    def publisher(self, topic: Topic) -> Callable[[Any], None]:
+        """A function that publishes a message on a topic; first to the nodes of this process."""
+        kind = message_class(topic.type)
+        make = RclpyMessageMaker(kind, self._node.get_clock())
+        sender = self._node.create_publisher(kind, topic.name, writer_quality(topic))
+
+        def publish(message: Any) -> None:
+            self._process.bus.deliver(topic, message)
+            # a latched one is kept for subscribers that are yet to come
+            if topic.latched or sender.get_subscription_count():
+                sender.publish(make(message))
+
+        return publish
+
+    def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+        """Call back for every message of a topic that comes from a node that the table names."""
+        if self._process.bus.carries(topic):
+            self._process.bus.subscribe(topic, callback)
+            return
+        name = self._node.resolve_topic_name(topic.name)
+        own = f"{self._node.get_namespace().rstrip('/')}/"
+        # a remap leads to the nodes of another namespace
+        space = name.removesuffix(topic.name) if name.endswith(f"/{topic.name}") else own
+        publishers = PublishersInGraph(
+            name,
+            frozenset(f"{space}{each}" for each in topic.publishers),
+            self.unknown_senders,
+            lambda: int(self._node.count_publishers(name)),
+            lambda: [
+                f"{each.node_namespace.rstrip('/')}/{each.node_name}"
+                for each in self._node.get_publishers_info_by_topic(name)
+            ],
+        )
+
+        def admitted(message: Any) -> None:
+            try:
+                if topic.public or publishers.admit(message):
+                    callback(message)
+            except Exception:
+                self.log.exception("a callback of %s failed", topic.name)
+
+        self._node.create_subscription(
+            message_class(topic.type),
+            topic.name,
+            admitted,
+            reader_quality(topic),
+            callback_group=self._topics,
+        )
+
+    def refuse_unknown_caller(self, service: Service, request: Any) -> str:
+        """Nothing: ROS 2 does not tell a server in Python who calls (SAFETY.md)."""
+        return ""
+
+    def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
+        """Answer the calls of a service; an internal one only within this process, where its callers run here too."""
+        self._process.bus.serve(service, handler)
+        if service.internal and self._process.bus.runs(service.callers):
+            return
+        fill = response_maker(service_class(service.type))
+
+        async def answer(request: Any, response: Any) -> Any:
+            answered: Future = Future()
+
+            def work() -> None:
+                try:
+                    reply = handler(request)
+                except Exception:
+                    self.log.exception("a call of %s failed", service.name)
+                    reply = Answer(False, "The call failed by a fault of the program; its log says more.")
+                self._process.executor.create_task(lambda: answered.set_result(reply))
+
+            self._process.workers.submit(work)
+            return fill(await answered, response)
+
+        self._node.create_service(
+            service_class(service.type), service.name, answer, callback_group=self._calls
+        )
+
+    def call(self, service: Service) -> Answer | None:
+        """Call a service without arguments; None: its node cannot be reached."""
+        kind = service_class(service.type)
+        client = self._node.create_client(kind, service.name, callback_group=self._calls)
+        try:
+            if not client.wait_for_service(timeout_sec=CALL_S):
+                return None
+            future = client.call_async(kind.Request())
+            answered = _done(future)
+            return answer_of(future.result()) if answered.wait(CALL_S) else None
+        finally:
+            self._node.destroy_client(client)
+
+    def command_client(self, service: Service) -> CommandClient:
+        """A client that gives commands to another node."""
+        bus = self._process.bus
+        if bus.serves(service):
+            return Commander(service.server, lambda: LocalService(lambda: bus.handler(service), service))
+        client = self._node.create_client(
+            service_class(service.type), service.name, callback_group=self._calls
+        )
+        return Commander(service.server, lambda: RclpyCommandService(client, service))
+
+    def action_server(
+        self,
+        action: Action,
+        on_goal: Callable[[ClientGoal], None],
+        on_cancel: Callable[[ClientGoal], bool],
+        result: Callable[[Outcome, str], ResultMessage],
+    ) -> ActionServer:
+        """Serve an action."""
+        return RclpyActionServer(self._node, action, on_goal, on_cancel, result, self.log)
+
+    def action_client(self, action: Action) -> ActionClient:
+        """A client of an action."""
+        return RclpyActionClient(self._node, action)
+
+    def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
+        """Call back at a rate, in a thread of its own."""
+        self._process.every(rate_hz, callback, self.log)
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` at the end, while topics are open."""
+        self._process.on_close(callback)
+
+    def on_end(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` at the very end."""
+        self._process.on_end(callback)
+
+    @property
+    def ending(self) -> bool:
+        """Whether the end has begun."""
+        return self._process.ending
+
+    def fail(self, error: ReportedError) -> None:
+        """End the process with an error."""
+        self._process.fail(error)
+
+    def _declare(self, parameter: Parameter) -> str:
+        descriptor = ParameterDescriptor(description=parameter.about, read_only=True, dynamic_typing=True)
+        value = self._node.declare_parameter(parameter.name, "", descriptor).value
+        return "" if value is None else str(value)
+
+    def _write(self, level: int, text: str) -> None:
+        logger = self._node.get_logger()
+        if level >= logging.ERROR:
+            logger.error(text)
+        elif level >= logging.WARNING:
+            logger.warning(text)
+        else:
+            logger.info(text)
+
+
+def _done(future: Future) -> threading.Event:
+    event = threading.Event()
+    future.add_done_callback(lambda _future: event.set())
+    return event

@@ -1,0 +1,83 @@
+"""How the executables of the ROS 2 package start: an error is one sentence, and the exit code says its kind."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from end_effector_hal.errors import RosError
+from end_effector_hal.nodes import start_node
+from end_effector_hal.nodes.interface import (
+    DATA_LOGGER,
+    GRIP,
+    HAL_MAIN,
+    POSITION,
+    PRESSURE,
+    SUPERVISOR,
+    TOOL_CHANGE,
+)
+from end_effector_hal.nodes.process import guarded
+
+_ROS_PACKAGES = (
+    "rclpy",
+    "action_msgs",
+    "builtin_interfaces",
+    "diagnostic_msgs",
+    "rcl_interfaces",
+    "sensor_msgs",
+)
+
+
+PROGRAMS = {
+    "hal": (PRESSURE, POSITION, GRIP, TOOL_CHANGE, HAL_MAIN),
+    "pressure": (PRESSURE,),
+    "position": (POSITION,),
+    "grip": (GRIP,),
+    "tool_change": (TOOL_CHANGE,),
+    "hal_main": (HAL_MAIN,),
+    "data_logger": (DATA_LOGGER,),
+    "supervisor": (SUPERVISOR,),
+}
+"""The executables and their nodes. HALMain starts last and ends first: its clients hear from it that it ends."""
+
+
+def run(program: str, argv: Sequence[str] = ()) -> int:
+    """Run the nodes of an executable in one process; returns its exit code.
+
+    Args:
+        program: one of `PROGRAMS`.
+        argv: its arguments, with its name.
+    """
+    return guarded(program, lambda: _run_nodes(PROGRAMS[program], argv))
+
+
+def _run_nodes(names: Sequence[str], argv: Sequence[str]) -> int:
+    try:
+        from ._process import Process
+        from ._ros_node import RclpyNode
+    except ModuleNotFoundError as error:
+        raise _missing(error) from None
+    process = Process(names, argv)
+    try:
+        code = None
+        for name in names:
+            code = start_node(name, RclpyNode(name, process))
+        return process.wait() if code is None else code
+    except ModuleNotFoundError as error:
+        raise _missing(error) from None
+    finally:
+        process.close()
+
+
+def _missing(error: ModuleNotFoundError) -> Exception:
+    package = (error.name or "").partition(".")[0]
+    if package in ("end_effector_msgs", "genpy"):
+        return RosError(
+            "The messages of ROS 2 are not built, or those of ROS 1 stand before them in PYTHONPATH.",
+            todo="Source one ROS only; in the checkout: make ros2.",
+        )
+    if package in _ROS_PACKAGES:
+        return RosError(
+            f"The Python package {package} of ROS 2 is missing.",
+            todo="Source ROS 2, such as: . /opt/ros/jazzy/setup.bash",
+        )
+    return error

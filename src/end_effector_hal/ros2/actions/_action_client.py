@@ -1,0 +1,56 @@
+"""The client of one action."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from action_msgs.srv import CancelGoal
+from rclpy.action import ActionClient
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+
+from end_effector_hal.nodes.interface import Action
+from end_effector_hal.ros2.connections import action_class
+
+
+class RclpyActionClient:
+    """Sends goals, which have no options.
+
+    Args:
+        node: of rclpy; its executor runs in a thread.
+        action: its name and type.
+    """
+
+    def __init__(self, node: Node, action: Action) -> None:
+        self._kind, group = action_class(action.type), ReentrantCallbackGroup()
+        self._client = ActionClient(node, self._kind, action.name, callback_group=group)
+        self._cancels = node.create_client(
+            CancelGoal, f"{action.name}/_action/cancel_goal", callback_group=group
+        )
+
+    def is_ready(self) -> bool:
+        """Whether the server is in the graph."""
+        return bool(self._client.server_is_ready())
+
+    def send(self, on_feedback: Callable[[Any], None], on_end: Callable[[Any, bool], None]) -> None:
+        """Send a goal; a refusal without words is no result of ours, and counts as one that is lost."""
+
+        def answered(future: Any) -> None:
+            handle = future.result()
+            if handle is None or not handle.accepted:
+                on_end(None, False)
+            else:
+                handle.get_result_async().add_done_callback(ended)
+
+        def ended(future: Any) -> None:
+            response = future.result()
+            on_end(response.result, response.status == GoalStatus.STATUS_SUCCEEDED)
+
+        sent = self._client.send_goal_async(self._kind.Goal(), lambda message: on_feedback(message.feedback))
+        sent.add_done_callback(answered)
+
+    def cancel_all(self) -> None:
+        """Cancel every goal of this action: no id and no time stand for all of them."""
+        self._cancels.call_async(CancelGoal.Request())

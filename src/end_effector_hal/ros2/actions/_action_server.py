@@ -1,0 +1,156 @@
+"""The server of one action: that of rclpy, but what comes in is bounded, and every goal ends with words."""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.nodes.interface import Action
+from end_effector_hal.nodes.transport import ClientGoal, FeedbackMessage, ResultMessage
+from end_effector_hal.ros2.connections import RclpyMessageMaker, action_class
+
+OPEN = 10
+"""Goals of one action that may wait for their answer at once."""
+RESULT_KEPT_S = 10
+"""How long a result is kept for a client that asks late."""
+
+
+class RclpyActionServer:
+    """Passes on goals and cancels of one action; it does not decide what becomes of them.
+
+    A refusal of ROS 2 carries no text: a goal is accepted by the server, and ends ABORTED with the outcome REJECTED
+    and the reason. A cancel that cannot change anything is refused. All of rclpy is called in the executor's thread.
+
+    Args:
+        node: of rclpy; its executor runs in a thread.
+        action: its name and type.
+        on_goal, on_cancel: called with a goal, in the executor's thread.
+        result: makes the result of a goal that this server refuses.
+        log: gets what fails.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        action: Action,
+        on_goal: Callable[[ClientGoal], None],
+        on_cancel: Callable[[ClientGoal], bool],
+        result: Callable[[Outcome, str], ResultMessage],
+        log: logging.Logger,
+    ) -> None:
+        kind = action_class(action.type)
+        self._node, self._name, self._log = node, action.name, log
+        self._on_goal, self._on_cancel, self._result = on_goal, on_cancel, result
+        self.make_result = RclpyMessageMaker(kind.Result, node.get_clock())
+        self.make_feedback = RclpyMessageMaker(kind.Feedback, node.get_clock())
+        self._open: dict[bytes, RclpyGoal] = {}
+        self._jobs: deque[Callable[[], None]] = deque()
+        self._server = ActionServer(
+            node,
+            kind,
+            action.name,
+            execute_callback=_never,
+            callback_group=ReentrantCallbackGroup(),
+            goal_callback=lambda _goal: GoalResponse.ACCEPT,
+            handle_accepted_callback=self._accepted,
+            cancel_callback=self._cancelled,
+            result_timeout=RESULT_KEPT_S,
+        )
+
+    def run(self, job: Callable[[], None]) -> None:
+        """Run a job in the executor's thread, after those that came before; what it raises is logged."""
+        self._jobs.append(job)  # an executor does not keep the order of its tasks
+        if (executor := self._node.executor) is not None:
+            executor.create_task(self._work)
+
+    def forget(self, goal: RclpyGoal) -> None:
+        """A goal has ended."""
+        self._open.pop(goal.key, None)
+
+    def close(self) -> None:
+        """Nothing waits here: results are sent as soon as the executor comes to them."""
+
+    def _work(self) -> None:
+        while self._jobs:
+            try:
+                self._jobs.popleft()()
+            except Exception:  # noqa: BLE001 what escapes here ends the executor
+                self._log.exception("%s: an answer could not be given", self._name)
+
+    def _accepted(self, handle: ServerGoalHandle) -> None:
+        goal = RclpyGoal(self, handle)
+        if len(self._open) >= OPEN:
+            why = (
+                f"{OPEN} goals of {self._name} wait for their answer: more are not taken. Wait for their end."
+            )
+            goal.end(self._result(Outcome.REJECTED, why), begun=False)
+            return
+        self._open[goal.key] = goal
+        try:
+            self._on_goal(goal)
+        except Exception:  # noqa: BLE001 what escapes here ends the executor
+            self._log.exception("%s: a goal could not be taken", self._name)
+
+    def _cancelled(self, handle: ServerGoalHandle) -> CancelResponse:
+        goal = self._open.get(bytes(handle.goal_id.uuid))
+        try:
+            taken = goal is not None and self._on_cancel(goal)
+        except Exception:  # noqa: BLE001 what escapes here ends the executor
+            self._log.exception("%s: a cancel could not be taken", self._name)
+            taken = False
+        return CancelResponse.ACCEPT if taken else CancelResponse.REJECT
+
+
+class RclpyGoal:
+    """A goal, by its handle in rclpy."""
+
+    def __init__(self, server: RclpyActionServer, handle: ServerGoalHandle) -> None:
+        self._server, self._handle = server, handle
+        self.key = bytes(handle.goal_id.uuid)
+        self.over: Future = Future()
+
+    def begin(self) -> None:
+        """It is EXECUTING."""
+        self._server.run(lambda: self._handle.execute(self._wait))
+
+    def publish_feedback(self, feedback: FeedbackMessage) -> None:
+        """How far it is."""
+        message = self._server.make_feedback(feedback)
+        self._server.run(lambda: self._handle.publish_feedback(message))
+
+    def end(self, result: ResultMessage, *, begun: bool) -> None:
+        """SUCCEEDED, CANCELED or ABORTED."""
+        message = self._server.make_result(result)
+        wanted = (Outcome.CANCELLED, Outcome.NOT_EXECUTED)
+
+        def end() -> None:
+            if not begun:
+                # from ACCEPTED there is no way to an end but through EXECUTING
+                self._handle.execute(self._wait)
+            if result.outcome == Outcome.SUCCEEDED:
+                self._handle.succeed()
+            elif result.outcome in wanted and self._handle.is_cancel_requested:
+                self._handle.canceled()
+            else:
+                self._handle.abort()
+            self.over.set_result(message)
+            self._server.forget(self)
+
+        self._server.run(end)
+
+    async def _wait(self, _handle: ServerGoalHandle) -> Any:
+        # anything but a result ends the process in a failed assertion of C
+        return await self.over
+
+
+def _never(_handle: ServerGoalHandle) -> None:
+    """In place of the callback that rclpy would call for every goal: each has its own."""

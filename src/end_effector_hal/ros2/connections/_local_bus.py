@@ -1,0 +1,75 @@
+"""The short way between the nodes of one process: a message is handed on in the thread of its publisher.
+
+No middleware stands between a sensor frame and the automata, and nobody outside can send one in their place.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Collection
+from copy import copy
+from typing import Any
+
+from end_effector_hal.control import Answer
+from end_effector_hal.nodes.interface import Service, Topic
+
+Handler = Callable[[Any], Answer]
+
+
+class LocalBus:
+    """Topics and services within one process; thread-safe.
+
+    Args:
+        nodes: names of the nodes that run here.
+        log: gets what a callback raises.
+    """
+
+    def __init__(self, nodes: frozenset[str], log: logging.Logger) -> None:
+        self._nodes, self._log = nodes, log
+        self._lock = threading.Lock()
+        self._callbacks: dict[str, tuple[Callable[[Any], None], ...]] = {}
+        self._last: dict[str, Any] = {}
+        self._handlers: dict[str, Handler] = {}
+
+    def carries(self, topic: Topic) -> bool:
+        """Whether everything that counts on a topic is published in this process."""
+        return not topic.public and self._nodes.issuperset(topic.publishers)
+
+    def runs(self, nodes: Collection[str]) -> bool:
+        """Whether all these nodes run here."""
+        return self._nodes.issuperset(nodes)
+
+    def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+        """Call back for every message of a topic; of a latched one for its last message at once."""
+        with self._lock:
+            self._callbacks[topic.name] = (*self._callbacks.get(topic.name, ()), callback)
+            last = self._last.get(topic.name)
+        if last is not None:
+            self._call(callback, last)
+
+    def deliver(self, topic: Topic, message: Any) -> None:
+        """Hand a copy of a message to every subscriber: its publisher may change it afterwards."""
+        if topic.latched:
+            with self._lock:
+                self._last[topic.name] = copy(message)
+        for callback in self._callbacks.get(topic.name, ()):
+            self._call(callback, copy(message))
+
+    def serves(self, service: Service) -> bool:
+        """Whether the server of a service runs here."""
+        return service.server in self._nodes
+
+    def serve(self, service: Service, handler: Handler) -> None:
+        """Answer the calls of this process."""
+        self._handlers[service.name] = handler
+
+    def handler(self, service: Service) -> Handler | None:
+        """What answers a service; None: its node is not up yet."""
+        return self._handlers.get(service.name)
+
+    def _call(self, callback: Callable[[Any], None], message: Any) -> None:
+        try:
+            callback(message)
+        except Exception:  # noqa: BLE001 a callback may raise anything
+            self._log.exception("a callback of a topic failed")

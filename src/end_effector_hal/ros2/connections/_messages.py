@@ -1,0 +1,99 @@
+"""From the messages and answers of the nodes to those of ROS 2."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from rclpy.clock import Clock, ClockType
+
+from end_effector_hal.control import Answer
+from end_effector_hal.nodes.transport import MessageHeader
+from end_effector_hal.vocabulary import printable
+
+from ._types import message_class
+
+_RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
+"""Fields of ``std_srvs`` that :class:`Answer` calls otherwise."""
+LONGEST_TEXT = 5_000
+
+Convert = Callable[[Any], Any]
+
+
+class RclpyMessageMaker:
+    """Makes messages of one type from objects with its fields.
+
+    Args:
+        kind: the class of the message.
+        clock: of the node, for the stamps of headers.
+    """
+
+    def __init__(self, kind: Any, clock: Clock) -> None:
+        self._kind = kind
+        fields = kind.get_fields_and_field_types()
+        self._converters = {name: _converter(of, clock) for name, of in fields.items()}
+
+    def __call__(self, source: Any) -> Any:
+        """A message with the fields that ``source`` has; the others keep their defaults."""
+        message = self._kind()
+        for name, convert in self._converters.items():
+            if (value := getattr(source, name, None)) is not None:
+                setattr(message, name, convert(value))
+        return message
+
+
+def response_maker(service: Any) -> Callable[[Answer, Any], Any]:
+    """A function that fills the response of a service (its class) from an answer."""
+    fields = service.Response.get_fields_and_field_types()
+    names = {name: _RESPONSE_FIELDS.get(name, name) for name in fields}
+
+    def fill(answer: Answer, response: Any) -> Any:
+        for name, source in names.items():
+            value = getattr(answer, source)
+            setattr(response, name, _text(value) if isinstance(value, str) else value)
+        return response
+
+    return fill
+
+
+def answer_of(response: Any) -> Answer:
+    """The answer in a response of ``std_srvs``."""
+    return Answer(response.success, response.message)
+
+
+def _converter(of: str, clock: Clock) -> Convert:
+    if of.startswith("sequence<"):
+        each = _converter(of.removeprefix("sequence<").removesuffix(">"), clock)
+        return lambda values: [each(value) for value in values]
+    if of == "std_msgs/Header":
+        kind = message_class(of)
+        return lambda header: kind(stamp=_stamp(header, clock), frame_id=header.frame_id)
+    if "/" in of:
+        return RclpyMessageMaker(message_class(of), clock)
+    if of == "octet":
+        return lambda value: bytes([value])
+    return _PLAIN.get(of, int)
+
+
+def _text(text: str) -> str:
+    """What can be encoded: a text from outside, such as a third party's codec, must not end a node."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return printable(text, LONGEST_TEXT)
+    return text
+
+
+def _stamp(header: MessageHeader, clock: Clock) -> Time:
+    """ROS time of a moment on the monotonic clock; now, where the header names none or time is simulated."""
+    before, now, after = time.monotonic_ns(), clock.now().nanoseconds, time.monotonic_ns()
+    simulated = clock.clock_type is ClockType.ROS_TIME and getattr(clock, "ros_time_is_active", False)
+    if header.at_us is not None and not simulated:
+        now -= max(0, (before + after) // 2 - 1000 * header.at_us)
+    seconds, nanoseconds = divmod(now, 1_000_000_000)
+    return Time(sec=seconds, nanosec=nanoseconds)
+
+
+_PLAIN: dict[str, Convert] = {"string": _text, "double": float, "boolean": bool}

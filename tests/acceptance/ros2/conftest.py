@@ -1,0 +1,204 @@
+"""The nodes on real ROS 2, in one process and in five, with the line arbiter and the testbench.
+
+They run in the environment of `make ros2` only: ROS 1 and ROS 2 have the same import names.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import RosError
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.demo._ros2 import FIVE, ONE, PROGRAM, apart
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import Child
+from tests.support.patience import PATIENCE_S, wait_until
+
+collect_ignore_glob = [] if importlib.util.find_spec("rclpy") else ["test_*.py"]
+
+
+class Sent:
+    """A goal that was sent, with everything that came of it."""
+
+    def __init__(self, client: Any, goal: Any) -> None:
+        self.feedback: list[Any] = []
+        future = client.send_goal_async(goal, lambda message: self.feedback.append(message.feedback))
+        wait_until("the goal was answered", future.done)
+        self.handle = future.result()
+        self._result = self.handle.get_result_async()
+
+    def ended(self) -> bool:
+        return bool(self._result.done())
+
+    def result(self, timeout_s: float = PATIENCE_S) -> tuple[int, Any]:
+        """Status of the action, and the result."""
+        wait_until("a result", self.ended, timeout_s)
+        response = self._result.result()
+        return response.status, response.result
+
+    def cancel(self) -> bool:
+        """Ask for a cancel; whether it was taken."""
+        future = self.handle.cancel_goal_async()
+        wait_until("the cancel was answered", future.done)
+        return bool(future.result().goals_canceling)
+
+
+class System:
+    """What the tests act upon: the running nodes, and a node of the test."""
+
+    def __init__(self, world: World, folder: Path, programs: Sequence[str]) -> None:
+        self.world, self.folder, self.programs = world, folder, programs
+        self.env = {**apart(folder / "ros"), "ROS_PYTHON_CHECK_FIELDS": "1"}
+        self.nodes: dict[str, Child] = {}
+        self.states: list[Any] = []
+        self._numbers = iter(range(1000))
+
+    until = staticmethod(wait_until)
+
+    @property
+    def five(self) -> bool:
+        return len(self.programs) > 1
+
+    def start(self, program: str, *arguments: str) -> Child:
+        """A program of the nodes, with the tool of this world."""
+        tool = ("--ros-args", "-p", f"description:={self.world.description_path.absolute()}")
+        return self.world.children.start(
+            program, [*PROGRAM, program, *tool, *arguments],
+            log=self.folder / f"{program}-{next(self._numbers)}.log", failed=RosError, env=self.env,
+            end_by=signal.SIGINT, patience_s=20.0,
+        )  # fmt: skip
+
+    def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """A program of the nodes, to its end."""
+        return subprocess.run(
+            [*PROGRAM, *arguments], env={**os.environ, **self.env}, capture_output=True, text=True,
+            timeout=PATIENCE_S, check=False,
+        )  # fmt: skip
+
+    def start_nodes(self) -> None:
+        for program in self.programs:
+            self.nodes[program] = self.start(program, "-p", f"directory:={self.folder / 'traces'}")
+
+    def kill_nodes(self, number: int) -> None:
+        for child in self.nodes.values():
+            os.kill(child.pid, number)
+        for child in self.nodes.values():
+            self.until("its end", lambda child=child: child.code is not None)
+
+    def connect(self) -> None:
+        """Become a node."""
+        os.environ.update(self.env)
+        import rclpy
+        from end_effector_msgs.action import EndEffector
+        from end_effector_msgs.msg import EndEffectorState as Message
+        from rclpy.action import ActionClient
+        from rclpy.context import Context
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.node import Node
+        from rclpy.qos import DurabilityPolicy, QoSProfile
+
+        self.context = Context()
+        rclpy.init(context=self.context)
+        self.node = Node("tests", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.latched = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.node.create_subscription(Message, "EndEffectorState", self.states.append, self.latched)
+        names = ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop")
+        self._clients = {name: ActionClient(self.node, EndEffector, name) for name in names}
+        self._goal = EndEffector.Goal
+        self._thread = threading.Thread(target=self.executor.spin, daemon=True)
+        self._thread.start()
+        for name, client in self._clients.items():
+            assert client.wait_for_server(PATIENCE_S), name
+        self.wait_for(EndEffectorState.STAND_BY)
+
+    def close(self) -> None:
+        self.executor.shutdown()
+        self._thread.join(5.0)
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+    @property
+    def state(self) -> Any:
+        """The newest EndEffectorState."""
+        return self.states[-1]
+
+    def wait_for(self, *states: EndEffectorState) -> Any:
+        """The newest message, once it has one of these states and nothing is executed."""
+        wait_until(
+            " or ".join(state.name for state in states),
+            lambda: self.states and self.state.state in states and self.state.command == -1,
+        )
+        return self.state
+
+    def send(self, name: str) -> Sent:
+        return Sent(self._clients[name], self._goal())
+
+    def do(self, name: str) -> Any:
+        """Have a goal succeed."""
+        status, result = self.send(name).result()
+        assert (status, result.outcome_name) == (4, "SUCCEEDED"), result.reason
+        return result
+
+    def call(self, kind: Any, name: str, request: Any) -> Any:
+        """The response of a service."""
+        client = self.node.create_client(kind, name)
+        assert client.wait_for_service(PATIENCE_S), name
+        future = client.call_async(request)
+        wait_until(f"{name} answered", future.done)
+        self.node.destroy_client(client)
+        return future.result()
+
+    def put_down(self) -> None:
+        """Whatever a test left: nothing is held, and nothing runs."""
+        self.choose("nominal")
+        wait_until("nothing is executed", lambda: self.state.command == -1)
+        wait_until("the sensors are heard", lambda: self.state.link_up and not self.state.stale)
+        if self.state.state != EndEffectorState.STAND_BY:
+            self.do("Drop")
+        wait_until("the tool changer is known", lambda: self.state.tool_changer_name != "UNKNOWN")
+        if self.state.tool_changer_name != "LOCKED":
+            self.do("LockToolChanger")
+        # a grip is refused while anything is not proven to be gone (IL-07)
+        wait_until("all is gone", lambda: set(self.state.evidence_names) == {"GONE"})
+
+    def choose(self, bench: str) -> None:
+        """What the testbench plays from now on."""
+        self.world.choose(bench)
+
+
+@pytest.fixture(scope="session", params=[ONE, FIVE], ids=["one", "five"])
+def running(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]:
+    """The nodes in one process, then in five."""
+    folder = tmp_path_factory.mktemp("ros2")
+    with World(load(profile_path()), "nominal", folder) as world:
+        system = System(world, folder, request.param)
+        system.start_nodes()
+        system.connect()
+        yield system
+        system.close()
+
+
+@pytest.fixture
+def system(running: System) -> Iterator[System]:
+    """Standing by before a test, and after it."""
+    running.put_down()
+    yield running
+    running.put_down()
+
+
+@pytest.fixture
+def python() -> str:
+    return sys.executable
