@@ -141,10 +141,13 @@ class System:
         return self.state
 
     def send(self, action: str) -> Goal:
-        """Send a goal."""
+        """Send a goal, once its server is there: a HALMain that has just returned is connected one by one."""
+        import rospy
         from end_effector_msgs.msg import EndEffectorGoal
 
-        return Goal(self._clients[action], EndEffectorGoal())
+        client = self._clients[action]
+        wait_until(f"the server of {action}", lambda: client.wait_for_server(rospy.Duration(1)))
+        return Goal(client, EndEffectorGoal())
 
     def run(self, action: str) -> tuple[int, Any]:
         """Send a goal and wait for its result."""

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import errno
+import os
 import termios
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import count, repeat
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NoReturn
 
 import pytest
@@ -411,6 +414,31 @@ def test_a_listener_that_ends_its_program_ends_nothing(port: str, caplog: pytest
 
 
 # The port itself
+
+
+@pytest.mark.wall
+def test_a_reader_that_has_ended_before_it_is_woken_is_closed_all_the_same(
+    port: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its thread sees that it is told to end with the next frame: the pipe that wakes it may be closed by then."""
+    heard = Heard()
+    with PtyPair(port) as pty:
+        link = LinkReader(port, FaultyCodec(), None, heard.frames.append)
+        link.start()
+        thread = link._thread
+        assert thread is not None
+        works(pty, heard)
+
+        def late(fd: int, *rest: bytes, call: Callable[..., Any]) -> Any:
+            if threading.current_thread() is not thread:
+                pty.write(b"a")
+                thread.join(PATIENCE_S)
+                assert not thread.is_alive()
+            return call(fd, *rest)
+
+        slow = {name: partial(late, call=getattr(os, name)) for name in ("write", "close")}
+        monkeypatch.setattr(_reader, "os", SimpleNamespace(**{**vars(os), **slow}))
+        link.close()
 
 
 class OddPort:

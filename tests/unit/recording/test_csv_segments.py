@@ -152,6 +152,22 @@ def test_samples_that_were_lost_are_a_gap_in_the_curve(tmp_path: Path, disk: Ful
     assert read_pressures(tmp_path / "pressures.csv").samples == ((0, (1.0,)), (1, (None,)), (3, (50.0,)))
 
 
+@pytest.mark.parametrize("left_out_s", [0.1, 0.3])
+def test_a_gap_and_a_sample_left_out_stand_in_their_order(tmp_path: Path, disk: FullDisk, left_out_s: float) -> None:
+    with PressuresWriter(tmp_path / "pressures.csv", ("a",)) as writer:
+        writer.write(0, {"a": 1.0})
+        for time_s in sorted((0.2, left_out_s)):
+            disk.full = time_s == 0.2
+            if disk.full:
+                with pytest.raises(ReportedError):
+                    writer.write(time_s, {"a": 10.0})
+            else:
+                writer.write(time_s, {"a": 1.0})
+        disk.full = False
+        writer.write(0.4, {"a": 50.0})
+    assert read_pressures(tmp_path / "pressures.csv").times_s == (0, *sorted((0.2, left_out_s)), 0.4)
+
+
 def test_an_alarm_that_could_not_be_written_comes_with_the_next(tmp_path: Path, disk: FullDisk) -> None:
     writer = AlarmsWriter(tmp_path / "alarms.csv")
     disk.full = True

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 
 from end_effector_hal.recording._limits import RecordingLimits
@@ -62,7 +63,8 @@ class PressuresWriter(TableWriter):
         self._check_time(time_s)
         values = tuple(_finite(kpa.get(channel)) for channel in self._channels)
         with self._lock:
-            sample: Sample = (max(time_s, self._last[0] if self._last else 0.0), values)
+            known = (each[0] for each in (self._last, self._left_out, self._gap) if each)
+            sample: Sample = (max(time_s, *known, 0.0), values)
             changed = self._last is None or not self._same_validity(values)
             if sample[0] < self._due_s - JITTER_S and not changed:
                 return False
@@ -88,8 +90,8 @@ class PressuresWriter(TableWriter):
         return all(old is None or new is None or abs(new - old) < STEP_KPA for old, new in pairs)
 
     def _append(self, sample: Sample, *, with_left_out: bool) -> None:
-        rows = [self._left_out] if with_left_out and self._left_out is not None else []
-        rows += [self._gap] if self._gap is not None else []
+        before = (self._gap, self._left_out if with_left_out else None)
+        rows = sorted((row for row in before if row is not None), key=itemgetter(0))
         self._gap = self._gap or (sample[0], (None,) * len(self._channels))
         self._file.append("".join(map(_text, [*rows, sample])))
         self._last, self._left_out, self._gap = sample, None, None

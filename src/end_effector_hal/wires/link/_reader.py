@@ -124,7 +124,7 @@ class LinkReader:
         thread, self._thread = self._thread, None
         if thread is None:
             return
-        os.write(self._wake, b"x")
+        os.close(self._wake)  # wakes the thread, which may have seen its end already and closes the other end
         if thread is threading.current_thread():
             return
         thread.join(CLOSE_S)
@@ -162,7 +162,7 @@ class LinkReader:
         return self._thread is not threading.current_thread()
 
     def _run(self) -> None:
-        pipe = self._wake_read, self._wake
+        wake_read = self._wake_read
         try:
             while not self._closed:
                 try:
@@ -170,8 +170,7 @@ class LinkReader:
                 except BaseException as error:  # noqa: BLE001 a codec, a driver: this thread outlives them all
                     self._fail(error)
         finally:
-            for end in pipe:
-                os.close(end)
+            os.close(wake_read)
 
     def _stay_open(self) -> None:
         """Until the end; raises whatever ends it before."""
