@@ -19,7 +19,7 @@ ABORTED = 4
 
 @pytest.fixture
 def forge(system: Any) -> Iterator[Any]:
-    """Starts a forger, see there; it is ended, and its alarm is over, after the test."""
+    """Starts a forger, see there; it is ended after the test."""
     children = []
 
     def start(*arguments: str) -> Any:
@@ -33,7 +33,13 @@ def forge(system: Any) -> Iterator[Any]:
     yield start
     for child in children:
         child.end(signal_number=signal.SIGKILL)
-    system.until("no alarm", lambda: not told(system, "does not count"))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quiet(session_system: Any) -> Iterator[None]:
+    """Alarms stay for some time: they are over when the next file begins."""
+    yield
+    session_system.until("no alarm", lambda: not told(session_system, "does not count"))
 
 
 def told(system: Any, *words: str) -> bool:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import atexit
+import shutil
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -61,9 +61,8 @@ class ProgramTrace:
         """A time in seconds since the beginning of the trace."""
         return (at - self.header.at) / 1_000_000
 
-    @contextmanager
-    def description(self) -> Iterator[Description]:
-        """The tool as it was recorded, with its automata; its files are there for as long as this lasts.
+    def description(self) -> Description:
+        """The tool as it was recorded, with its automata; its files are there until this process ends.
 
         Raises:
             UsageError: the trace does not hold it.
@@ -74,15 +73,13 @@ class ProgramTrace:
             raise UsageError(
                 "This trace does not hold its description.", where=str(self.file.path), todo=todo
             )
-        with TemporaryDirectory(prefix="eehal-replay-") as folder:
-            for name in (DESCRIPTION, MODEL):
-                (Path(folder) / name).write_bytes(files[name])
-            try:
-                yield load(Path(folder) / DESCRIPTION)
-            except DescriptionError as error:
-                what = f"The description in this trace is not valid any more: {error.faults[0]}"
-                todo = "Name another with --description."
-                raise UsageError(what, where=str(self.file.path), todo=todo) from None
+        try:
+            return _unpacked(files[DESCRIPTION], files[MODEL])
+        except DescriptionError as error:
+            what = f"The description in this trace is not valid any more: {error.faults[0]}"
+            raise UsageError(
+                what, where=str(self.file.path), todo="Name another with --description."
+            ) from None
 
     def _fault(self, number: int, record: Record, error: Exception) -> UsageError:
         what = f"Record {number} ({record.kind}) cannot be read: {_short(error)}."
@@ -143,6 +140,16 @@ def _order(path: Path) -> tuple[str, int]:
     """``grip-10.mcap`` comes after ``grip-9.mcap``."""
     name, _, number = path.stem.rpartition("-")
     return (name, int(number)) if name and number.isdecimal() and len(number) < 10 else (path.stem, 1)
+
+
+@lru_cache(maxsize=8)
+def _unpacked(description: bytes, model: bytes) -> Description:
+    """Once for all segments of a tool: their network is compiled once, then."""
+    folder = Path(mkdtemp(prefix="eehal-replay-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    (folder / DESCRIPTION).write_bytes(description)
+    (folder / MODEL).write_bytes(model)
+    return load(folder / DESCRIPTION)
 
 
 @cache

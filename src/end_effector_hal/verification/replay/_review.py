@@ -95,13 +95,8 @@ def review(
         UsageError: a record cannot be read.
         ModelError: the automata cannot be executed.
     """
-    if description is not None:
-        return _review(trace, description, before)
-    with trace.description() as recorded:
-        return _review(trace, recorded, before)
-
-
-def _review(trace: ProgramTrace, description: Description, before: SegmentEnd | None) -> Review:
+    if description is None:
+        description = trace.description()
     chain = Chain(trace, before)
     network = network_of(description)
     processes = getattr(description.automata, trace.header.program)
