@@ -3,14 +3,19 @@
 from ._counterexample import write_counterexample
 from ._finding import Finding, Proof, Requirement, WorstCase, requirements_of
 from ._prove import Progress, prove
+from ._verdict import Verdict, keep_verdict, kept_verdict, verdict_of
 
 __all__ = [
     "Finding",
     "Progress",
     "Proof",
     "Requirement",
+    "Verdict",
     "WorstCase",
+    "keep_verdict",
+    "kept_verdict",
     "prove",
     "requirements_of",
+    "verdict_of",
     "write_counterexample",
 ]

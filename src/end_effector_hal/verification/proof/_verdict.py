@@ -1,0 +1,103 @@
+"""What a proof came to, kept for whoever must know it later: by the hash of the tool and its automata."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import content_hash, product_version
+
+from ._finding import Proof
+
+_LONGEST_BYTES = 100_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What `prove` found out about a tool.
+
+    Attributes:
+        hash: of the tool and its automata, see `content_hash`.
+        version: of the product that proved it: another one may ask for more.
+        at: when, local time, ISO 8601.
+        requirements: how many there are.
+        failed, undecided: the identifiers of those that do not hold, and of those that were given up.
+    """
+
+    hash: str
+    version: str
+    at: str
+    requirements: int
+    failed: tuple[str, ...] = ()
+    undecided: tuple[str, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether every requirement was decided, and holds."""
+        return self.requirements > 0 and not self.failed and not self.undecided
+
+    def __str__(self) -> str:
+        """As a sentence."""
+        if self.holds:
+            return f"All {self.requirements} requirements hold ({self.at})."
+        parts = [
+            f"{len(names)} {what} ({', '.join(names[:5])}{', …' if len(names) > 5 else ''})"
+            for names, what in ((self.failed, "fail"), (self.undecided, "are not decided"))
+            if names
+        ]
+        return f"Of {self.requirements} requirements {' and '.join(parts)} ({self.at})."
+
+
+_VERDICT = TypeAdapter(Verdict)
+
+
+def verdict_of(description: Description, proof: Proof) -> Verdict:
+    """The verdict of a proof of a tool's network."""
+    return Verdict(
+        hash=content_hash(description),
+        version=product_version(),
+        at=datetime.now().astimezone().isoformat(timespec="seconds"),
+        requirements=len(proof.findings),
+        failed=tuple(each.id for each in proof.findings if each.decided and not each.holds),
+        undecided=tuple(each.id for each in proof.findings if not each.decided),
+    )
+
+
+def keep_verdict(verdict: Verdict) -> Path:
+    """Write a verdict where `kept_verdict` finds it; raises UsageError where that cannot be written."""
+    path = _folder() / f"{verdict.hash}.json"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
+            file.write(_VERDICT.dump_json(verdict, indent=2))
+        os.replace(file.name, path)
+    except OSError as error:
+        todo = "Set XDG_STATE_HOME to a folder that can be written."
+        raise UsageError(
+            f"The verdict cannot be kept: {error.strerror}.", where=str(path), todo=todo
+        ) from None
+    return path
+
+
+def kept_verdict(description: Description) -> Verdict | None:
+    """The verdict that this version of the product has found about exactly this tool; None: there is none."""
+    hash_now = content_hash(description)
+    try:
+        with (_folder() / f"{hash_now}.json").open("rb") as file:
+            verdict = _VERDICT.validate_json(file.read(_LONGEST_BYTES))
+    except (OSError, ValidationError):
+        return None
+    return verdict if (verdict.hash, verdict.version) == (hash_now, product_version()) else None
+
+
+def _folder() -> Path:
+    """Below ``$XDG_STATE_HOME``, else ``~/.local/state``."""
+    state = os.environ.get("XDG_STATE_HOME") or os.path.expanduser("~/.local/state")
+    return Path(state) / "end-effector-hal" / "verdicts"
