@@ -28,12 +28,12 @@ demo-all: setup ## the same, then a cancel, a release that fails, unlock and loc
 # Collecting all tests takes ten seconds: the parts that need few files collect no others
 OF_PROCESSES = tests/acceptance $(shell grep -rlE 'mark\.(wall|ros)\b' tests/unit --include='test_*.py')
 OF_TIMES = $(shell grep -rlE 'mark\.alone\b' tests --include='test_*.py')
-# Real processes mostly wait: three workers on two processors. One of them runs all nodes of ROS, see tests/conftest.py
+# Real processes mostly wait: four workers on two processors. Two of them run the nodes of ROS, see tests/conftest.py
 SHARED := --dist loadfile --no-loadscope-reorder
 
 test: setup ## all tests: of logic, of real processes, then those that measure times
 	@$(ROS_ENV) && pytest -q -n 2 -m "not (wall or ros or nightly)"
-	@$(ROS_ENV) && pytest -q -n 3 $(SHARED) -m "(wall or ros) and not (alone or nightly)" $(OF_PROCESSES) $(WALL_OPTIONS)
+	@$(ROS_ENV) && pytest -q -n 4 $(SHARED) -m "(wall or ros) and not (alone or nightly)" $(OF_PROCESSES) $(WALL_OPTIONS)
 	@$(ROS_ENV) && pytest -q -m "alone and not nightly" $(OF_TIMES) $(WALL_OPTIONS)
 
 test-ros2: ros2 ## the contract of the ROS interface, on real ROS 2
