@@ -3,6 +3,7 @@
 A transport (``ros1``) starts them and moves their messages; ``transport`` says what it has to offer.
 """
 
+from ._lifecycle import missing, require_proof
 from ._start import start_node
 
-__all__ = ["start_node"]
+__all__ = ["missing", "require_proof", "start_node"]

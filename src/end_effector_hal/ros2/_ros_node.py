@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections.abc import Callable
 from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.task import Future
 
@@ -37,7 +35,9 @@ from end_effector_hal.nodes.transport import (
 )
 from end_effector_hal.wires import now_us
 
-from ._process import Process
+from ._node_group import NodeGroup
+from ._parameters import declared
+from ._rosout import writer_of
 from .actions import RclpyActionClient, RclpyActionServer
 from .connections import (
     LocalService,
@@ -64,17 +64,21 @@ class RclpyNode:
 
     Args:
         name: of the node in the table.
-        process: that it runs in.
+        group: that it runs in.
     """
 
-    def __init__(self, name: str, process: Process) -> None:
-        self._process, self._node = process, process.node(name)
+    def __init__(self, name: str, group: NodeGroup) -> None:
+        self._group, self._node = group, group.node(name)
         self.name = self._node.get_name()
-        self.log, self._log_handler = node_log(name, self._write)
+        self.log, self._log_handler = node_log(name, writer_of(self._node))
         self.unknown_senders = UnknownSenders(lambda alarm: self.log.warning("%s", alarm), now_us)
         self._topics, self._calls = MutuallyExclusiveCallbackGroup(), ReentrantCallbackGroup()
-        self._parameters = {each.name: self._declare(each) for each in PARAMETERS if name in each.nodes}
-        process.on_close(self._log_handler.end)
+        self._parameters = {
+            each.name: declared(self._node, each, group.parameters.get(each.name, ""))
+            for each in PARAMETERS
+            if name in each.nodes
+        }
+        group.on_close(self._log_handler.end)
 
     def description(self) -> Description:
         """The tool that the parameter ``description`` or ``profile`` names; raises DescriptionError."""
@@ -96,7 +100,7 @@ class RclpyNode:
         sender = self._node.create_publisher(kind, topic.name, writer_quality(topic))
 
         def publish(message: Any) -> None:
-            self._process.bus.deliver(topic, message)
+            self._group.bus.deliver(topic, message)
             # a latched one is kept for subscribers that are yet to come
             if topic.latched or sender.get_subscription_count():
                 sender.publish(make(message))
@@ -105,8 +109,8 @@ class RclpyNode:
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Call back for every message of a topic that comes from a node that the table names."""
-        if self._process.bus.carries(topic):
-            self._process.bus.subscribe(topic, callback)
+        if self._group.bus.carries(topic):
+            self._group.bus.subscribe(topic, callback)
             return
         name = self._node.resolve_topic_name(topic.name)
         own = f"{self._node.get_namespace().rstrip('/')}/"
@@ -144,8 +148,8 @@ class RclpyNode:
 
     def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
         """Answer the calls of a service; an internal one only within this process, where its callers run here too."""
-        self._process.bus.serve(service, handler)
-        if service.internal and self._process.bus.runs(service.callers):
+        self._group.bus.serve(service, handler)
+        if service.internal and self._group.bus.runs(service.callers):
             return
         fill = response_maker(service_class(service.type))
 
@@ -158,9 +162,9 @@ class RclpyNode:
                 except Exception:
                     self.log.exception("a call of %s failed", service.name)
                     reply = Answer(False, "The call failed by a fault of the program; its log says more.")
-                self._process.executor.create_task(lambda: answered.set_result(reply))
+                self._group.executor.create_task(lambda: answered.set_result(reply))
 
-            self._process.workers.submit(work)
+            self._group.workers.submit(work)
             return fill(await answered, response)
 
         self._node.create_service(
@@ -182,7 +186,7 @@ class RclpyNode:
 
     def command_client(self, service: Service) -> CommandClient:
         """A client that gives commands to another node."""
-        bus = self._process.bus
+        bus = self._group.bus
         if bus.serves(service):
             return Commander(service.server, lambda: LocalService(lambda: bus.handler(service), service))
         client = self._node.create_client(
@@ -206,38 +210,24 @@ class RclpyNode:
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call back at a rate, in a thread of its own."""
-        self._process.every(rate_hz, callback, self.log)
+        self._group.every(rate_hz, callback, self.log)
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while topics are open."""
-        self._process.on_close(callback)
+        self._group.on_close(callback)
 
     def on_end(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the very end."""
-        self._process.on_end(callback)
+        self._group.on_end(callback)
 
     @property
     def ending(self) -> bool:
         """Whether the end has begun."""
-        return self._process.ending
+        return self._group.ending
 
     def fail(self, error: ReportedError) -> None:
         """End the process with an error."""
-        self._process.fail(error)
-
-    def _declare(self, parameter: Parameter) -> str:
-        descriptor = ParameterDescriptor(description=parameter.about, read_only=True, dynamic_typing=True)
-        value = self._node.declare_parameter(parameter.name, "", descriptor).value
-        return "" if value is None else str(value)
-
-    def _write(self, level: int, text: str) -> None:
-        logger = self._node.get_logger()
-        if level >= logging.ERROR:
-            logger.error(text)
-        elif level >= logging.WARNING:
-            logger.warning(text)
-        else:
-            logger.info(text)
+        self._group.fail(error)
 
 
 def _done(future: Future) -> threading.Event:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import closing
 
 from end_effector_hal.errors import RosError
 from end_effector_hal.nodes import start_node
@@ -22,13 +23,17 @@ _ROS_PACKAGES = (
     "action_msgs",
     "builtin_interfaces",
     "diagnostic_msgs",
+    "lifecycle_msgs",
     "rcl_interfaces",
     "sensor_msgs",
 )
 
 
+_HAL = (PRESSURE, POSITION, GRIP, TOOL_CHANGE, HAL_MAIN)
+MANAGED = "lifecycle_hal"
 PROGRAMS = {
-    "hal": (PRESSURE, POSITION, GRIP, TOOL_CHANGE, HAL_MAIN),
+    "hal": _HAL,
+    MANAGED: _HAL,
     "pressure": (PRESSURE,),
     "position": (POSITION,),
     "grip": (GRIP,),
@@ -37,7 +42,10 @@ PROGRAMS = {
     "data_logger": (DATA_LOGGER,),
     "supervisor": (SUPERVISOR,),
 }
-"""The executables and their nodes. HALMain starts last and ends first: its clients hear from it that it ends."""
+"""The executables and their nodes. HALMain starts last and ends first: its clients hear from it that it ends.
+
+Those of `MANAGED` work while its lifecycle node is active.
+"""
 
 
 def run(program: str, argv: Sequence[str] = ()) -> int:
@@ -47,25 +55,37 @@ def run(program: str, argv: Sequence[str] = ()) -> int:
         program: one of `PROGRAMS`.
         argv: its arguments, with its name.
     """
-    return guarded(program, lambda: _run_nodes(PROGRAMS[program], argv))
+    return guarded(program, lambda: _run(program, argv))
+
+
+def _run(program: str, argv: Sequence[str]) -> int:
+    try:
+        return _run_managed(argv) if program == MANAGED else _run_nodes(PROGRAMS[program], argv)
+    except ModuleNotFoundError as error:
+        raise _missing(error) from None
 
 
 def _run_nodes(names: Sequence[str], argv: Sequence[str]) -> int:
-    try:
-        from ._process import Process
-        from ._ros_node import RclpyNode
-    except ModuleNotFoundError as error:
-        raise _missing(error) from None
-    process = Process(names, argv)
-    try:
+    from ._node_group import NodeGroup
+    from ._process import Process
+    from ._ros_node import RclpyNode
+
+    with closing(Process(argv)) as process, closing(NodeGroup(process, names)) as group:
         code = None
         for name in names:
-            code = start_node(name, RclpyNode(name, process))
+            code = start_node(name, RclpyNode(name, group))
         return process.wait() if code is None else code
-    except ModuleNotFoundError as error:
-        raise _missing(error) from None
-    finally:
-        process.close()
+
+
+def _run_managed(argv: Sequence[str]) -> int:
+    from ._lifecycle import ToolLifecycle
+    from ._process import Process
+
+    with (
+        closing(Process(argv)) as process,
+        closing(ToolLifecycle(process, PROGRAMS[MANAGED], argv)),
+    ):
+        return process.wait()
 
 
 def _missing(error: ModuleNotFoundError) -> Exception:

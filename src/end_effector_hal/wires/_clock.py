@@ -26,6 +26,7 @@ def be_steady() -> None:
     What was needed to make it (the trees of two parsers) is given back to the machine.
     """
     sys.setswitchinterval(SWITCH_S)
+    gc.unfreeze()  # what a call before this one kept, and nobody needs any more
     gc.collect()
     with suppress(OSError, AttributeError):  # only glibc has it
         ctypes.CDLL(None).malloc_trim(0)

@@ -96,7 +96,7 @@ class System:
         for child in self.nodes.values():
             self.until("its end", lambda child=child: child.code is not None)
 
-    def connect(self) -> None:
+    def join(self) -> None:
         """Become a node."""
         os.environ.update(self.env)
         import rclpy
@@ -120,9 +120,12 @@ class System:
         self._goal = EndEffector.Goal
         self._thread = threading.Thread(target=self.executor.spin, daemon=True)
         self._thread.start()
+
+    def connect(self, state: EndEffectorState = EndEffectorState.STAND_BY) -> None:
+        """Find the servers of the actions."""
         for name, client in self._clients.items():
             assert client.wait_for_server(PATIENCE_S), name
-        self.wait_for(EndEffectorState.STAND_BY)
+        self.wait_for(state)
 
     def close(self) -> None:
         self.executor.shutdown()
@@ -186,6 +189,7 @@ def running(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     with World(load(profile_path()), "nominal", folder) as world:
         system = System(world, folder, request.param)
         system.start_nodes()
+        system.join()
         system.connect()
         yield system
         system.close()

@@ -11,13 +11,21 @@ import pytest
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import content_hash
-from end_effector_hal.verification.proof import Finding, Proof, Verdict, keep_verdict, kept_verdict, verdict_of
+from end_effector_hal.verification.proof import (
+    Finding,
+    Proof,
+    Verdict,
+    keep_verdict,
+    kept_verdict,
+    verdict_of,
+)
 
 
 def proof(*holds: bool | None) -> Proof:
     """One finding each; None: not decided."""
     findings = tuple(
-        Finding(f"r{n}", "So.", "", each is True, 1, 0.1, decided=each is not None) for n, each in enumerate(holds)
+        Finding(f"r{n}", "So.", "", each is True, 1, 0.1, decided=each is not None)
+        for n, each in enumerate(holds)
     )
     return Proof(findings, 10, 0.1)
 
@@ -30,9 +38,13 @@ def test_it_is_found_again_for_the_same_tool_only(verdin: Description) -> None:
     assert [each.name for each in path.parent.iterdir()] == [f"{content_hash(verdin)}.json"]
     vacuum, *rest = verdin.actuators
     slower = verdin.actuators[vacuum].model_copy(update={"timeout_s": 3.0})
-    other = verdin.model_copy(update={"actuators": {vacuum: slower, **{each: verdin.actuators[each] for each in rest}}})
+    other = verdin.model_copy(
+        update={"actuators": {vacuum: slower, **{each: verdin.actuators[each] for each in rest}}}
+    )
     assert kept_verdict(other) is None
-    at_another_port = verdin.model_copy(update={"link": verdin.link.model_copy(update={"port": "/dev/ttyS9"})})
+    at_another_port = verdin.model_copy(
+        update={"link": verdin.link.model_copy(update={"port": "/dev/ttyS9"})}
+    )
     assert kept_verdict(at_another_port) == verdict, "a port is no part of what is proven"
 
 
@@ -44,7 +56,9 @@ def test_what_it_says(verdin: Description) -> None:
     assert not verdict_of(verdin, proof()).holds, "nothing was proven"
 
 
-@pytest.mark.parametrize("change", [{"hash": "0"}, {"version": "0.0.1"}, {"requirements": "many"}, {"failed": None}])
+@pytest.mark.parametrize(
+    "change", [{"hash": "0"}, {"version": "0.0.1"}, {"requirements": "many"}, {"failed": None}]
+)
 def test_one_that_does_not_fit_is_none(verdin: Description, change: dict[str, object]) -> None:
     path = keep_verdict(verdict_of(verdin, proof(True)))
     path.write_text(json.dumps(json.loads(path.read_text()) | change))

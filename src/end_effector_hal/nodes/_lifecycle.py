@@ -1,0 +1,50 @@
+"""What a managed node asks before it lets a tool work: is it proven, and do its sensors say where it is?"""
+
+from __future__ import annotations
+
+from end_effector_hal.control import network_of
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import EndEffectorState, Evidence
+
+from .transport import StateMessage
+
+
+def require_proof(description: Description, *, prove_now: bool) -> str:
+    """The verdict about exactly this tool, as a sentence; raises UsageError where there is none, or it is bad.
+
+    Args:
+        description: the tool.
+        prove_now: prove it where no verdict is kept, which takes seconds.
+    """
+    from end_effector_hal.verification.proof import keep_verdict, kept_verdict, prove, verdict_of
+
+    verdict = kept_verdict(description)
+    if verdict is None and prove_now:
+        verdict = verdict_of(description, prove(network_of(description)))
+        keep_verdict(verdict)
+    if verdict is None:
+        raise UsageError(
+            f"Nothing is known of a proof of {description.name} as it is now.",
+            where=str(description.source),
+            todo="Run `eehal verify` on it as this user, or set the parameter prove to true.",
+        )
+    if not verdict.holds:
+        raise UsageError(str(verdict), where=str(description.source), todo="`eehal verify` shows why.")
+    return str(verdict)
+
+
+def missing(description: Description, state: StateMessage | None) -> tuple[str, ...]:
+    """What a tool that is not ready lacks, each a clause, and what it complains of; nothing: it is ready."""
+    if state is None:
+        return ("its nodes say nothing",)
+    pairs = zip(state.actuator_names, state.evidence, strict=True)
+    unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
+    lacks: list[str] = []
+    if not state.link_up:
+        lacks.append(f"no frame comes over the sensor link {description.link.port}")
+    elif state.state == EndEffectorState.OFF:
+        lacks.append("its lines are not adopted")
+    elif unknown:
+        lacks.append(f"its sensors say nothing of {', '.join(unknown)}")
+    return (*lacks, *(alarm.rstrip(".") for alarm in state.alarms if lacks))

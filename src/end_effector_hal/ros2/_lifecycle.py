@@ -1,0 +1,211 @@
+"""A managed node (REP-2002's states): it has the nodes of a tool work while it is active, in its own process."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+
+from end_effector_hal.description import Description, tool_path
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.nodes import missing, require_proof, start_node
+from end_effector_hal.nodes.interface import (
+    DESCRIPTION,
+    DIRECTORY,
+    END_EFFECTOR_STATE,
+    KEEP_MB,
+    PROFILE,
+    SEGMENT_MB,
+    Parameter,
+    load_for_nodes,
+)
+from end_effector_hal.nodes.process import node_log
+from end_effector_hal.nodes.transport import StateMessage
+from end_effector_hal.recording import content_hash
+from end_effector_hal.wires import be_steady
+
+from ._node_group import NodeGroup
+from ._parameters import declared
+from ._process import Process
+from ._ros_node import HOW, RclpyNode
+from ._rosout import writer_of
+
+NAME = "EndEffector"
+PROVE = Parameter("prove", (NAME,), "`true`: prove the tool when it is configured and no verdict is kept")
+READY_S = Parameter("ready_s", (NAME,), "seconds; how long activate waits for the sensors; default: 10")
+PARAMETERS = (DESCRIPTION, PROFILE, DIRECTORY, SEGMENT_MB, KEEP_MB, PROVE, READY_S)
+_OWN_NAME = re.compile(r"__(node|name):=")
+_LONGEST_END_S = 5.0
+
+
+class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
+    """Configure loads the tool and asks for its proof; activate starts its nodes and waits for the sensors.
+
+    Deactivate ends the nodes as SIGTERM does: the lines go where `endings: sigterm` says, what is held stays held.
+    Cleanup moves no line. A transition that fails says why in the log.
+
+    Args:
+        process: that it runs in.
+        names: of the nodes of the table that work while it is active.
+        argv: of the program.
+    """
+
+    def __init__(self, process: Process, names: Sequence[str], argv: Sequence[str]) -> None:
+        super().__init__(NAME, context=process.context)
+        self._process, self._names = process, names
+        self._arguments = _without_own_name(argv)
+        self._log, self._log_handler = node_log(NAME, writer_of(self))
+        self._parameters = {each.name: declared(self, each) for each in PARAMETERS}
+        self._hash = ""
+        self._group: NodeGroup | None = None
+        self._guard_transitions()
+        self._executor = SingleThreadedExecutor(context=process.context)
+        self._executor.add_node(self)
+        self._thread = threading.Thread(target=self._executor.spin, name="lifecycle", daemon=True)
+        self._thread.start()
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Load the description, and look for its verdict."""
+        return self._tried("configured", self._configure)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Open, adopt, and wait for the sensors."""
+        return self._tried("activated", self._activate)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """End the nodes; what is held stays held."""
+        self._end_group()
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Forget the description."""
+        self._hash = ""
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """From any state."""
+        self._end_group()
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """A transition has raised: begin anew, with everything closed."""
+        self._end_group()
+        return TransitionCallbackReturn.SUCCESS
+
+    def close(self) -> None:
+        """At the end of the process, in any state."""
+        self._executor.shutdown(_LONGEST_END_S)
+        self._thread.join(_LONGEST_END_S)
+        self._end_group()
+        self._log_handler.end()
+        self.destroy_node()
+
+    def _guard_transitions(self) -> None:
+        """A transition that is not possible now raises in rclpy, which would end the executor: it is refused."""
+        service = next(each for each in self.services if each.srv_name.endswith("/change_state"))
+        change = service.callback
+
+        def guarded(request: Any, response: Any) -> Any:
+            try:
+                return change(request, response)
+            except Exception:  # noqa: BLE001 RCLError, which rclpy does not export
+                wanted = request.transition.label or request.transition.id
+                self._log.warning("refused: transition %s is not possible in this state", wanted)
+                response.success = False
+                return response
+
+        service.callback = guarded
+
+    def _configure(self) -> None:
+        description = self._load()
+        verdict = require_proof(description, prove_now=self._parameters[PROVE.name].lower() == "true")
+        self._hash = content_hash(description)
+        self._log.info("%s: %s", description.name, verdict)
+
+    def _activate(self) -> None:
+        ready_s = _seconds(self._parameters[READY_S.name])
+        description = self._load()
+        if content_hash(description) != self._hash:
+            raise UsageError(
+                "The description is not the one that was configured.",
+                where=str(description.source),
+                todo="Clean up and configure again.",
+            )
+        parameters = {each.name: self._parameters[each.name] for each in PARAMETERS}
+        self._group = group = NodeGroup(self._process, self._names, self._arguments, parameters)
+        try:
+            for name in self._names:
+                start_node(name, RclpyNode(name, group))
+            self._wait_until_ready(group, description, ready_s)
+        except BaseException:
+            self._end_group()
+            raise
+        be_steady()
+
+    def _wait_until_ready(self, group: NodeGroup, description: Description, ready_s: float) -> None:
+        changed = threading.Condition()
+        last: list[StateMessage | None] = [None]
+
+        def on_state(message: StateMessage) -> None:
+            with changed:
+                last[0] = message
+                changed.notify_all()
+
+        group.bus.subscribe(END_EFFECTOR_STATE, on_state)
+        with changed:
+            changed.wait_for(lambda: not missing(description, last[0]) or group.ending, ready_s)
+            if why := missing(description, last[0]):
+                raise UsageError(
+                    f"{description.name} is not ready after {ready_s:g} s: {'; '.join(why)}.",
+                    todo="`eehal doctor` says what this machine lacks.",
+                )
+
+    def _end_group(self) -> None:
+        group, self._group = self._group, None
+        if group is not None:
+            group.close()
+
+    def _load(self) -> Description:
+        given = [self._parameters[each.name] for each in (DESCRIPTION, PROFILE)]
+        return load_for_nodes(tool_path(*given, how=HOW))
+
+    def _tried(self, what: str, work: Callable[[], None]) -> TransitionCallbackReturn:
+        try:
+            work()
+        except ReportedError as error:
+            self._log.error("not %s: %s", what, error)
+            return TransitionCallbackReturn.FAILURE
+        except Exception:  # noqa: BLE001 rclpy would not say which
+            self._log.exception("not %s, by a fault of the program", what)
+            return TransitionCallbackReturn.ERROR
+        self._log.info("%s", what)
+        return TransitionCallbackReturn.SUCCESS
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text or 10)
+    except ValueError:
+        seconds = -1.0
+    if not 0 < seconds <= 600:
+        raise UsageError(f"The parameter {READY_S.name} is {text[:40]!r}, expected are seconds, at most 600.")
+    return seconds
+
+
+def _without_own_name(argv: Sequence[str]) -> list[str]:
+    """The arguments for the nodes: a launch file names the managed node with a rule that would name all."""
+    arguments: list[str] = []
+    words = iter(argv[1:])
+    for word in words:
+        if word in ("-r", "--remap"):
+            rule = next(words, "")
+            if _OWN_NAME.match(rule):
+                continue
+            arguments += [word, rule]
+        else:
+            arguments.append(word)
+    return arguments

@@ -1,0 +1,133 @@
+"""Nodes that start and end together: one executor in a thread of its own, one bus between them."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+
+from end_effector_hal.errors import ReportedError, RosError, UsageError
+from end_effector_hal.nodes.process import Ticker
+
+from ._process import Process
+from .connections import LocalBus
+
+_log = logging.getLogger("end_effector_hal.ros2")
+LAST_MESSAGES_S = 0.05
+"""For the last messages to leave the queues."""
+LONGEST_END_S = 5.0
+WORKERS = 16
+"""Calls of services that may block at once."""
+
+
+class NodeGroup:
+    """Runs nodes until they are closed, or one of them fails, which ends the process.
+
+    Args:
+        process: that they run in.
+        names: of the nodes that will run here.
+        arguments: of ROS, in place of those of the process.
+        parameters: values for what the arguments do not give.
+    """
+
+    def __init__(
+        self,
+        process: Process,
+        names: Sequence[str],
+        arguments: Sequence[str] | None = None,
+        parameters: Mapping[str, str] | None = None,
+    ) -> None:
+        self._process, self._arguments = process, arguments
+        self.parameters = dict(parameters or {})
+        self.executor = SingleThreadedExecutor(context=process.context)
+        self.workers = ThreadPoolExecutor(WORKERS, thread_name_prefix="service")
+        self.bus = LocalBus(frozenset(names), _log)
+        self._closing = self._closed = False
+        self._nodes: list[Node] = []
+        self._tickers: list[Ticker] = []
+        self._closers: list[Callable[[], None]] = []
+        self._enders: list[Callable[[], None]] = []
+        self._thread = threading.Thread(target=self._spin, name="ros2", daemon=True)
+
+    def node(self, name: str) -> Node:
+        """A node of rclpy in this group."""
+        own = (
+            {} if self._arguments is None else {"cli_args": [*self._arguments], "use_global_arguments": False}
+        )
+        node = Node(name, context=self._process.context, **own)
+        self.add(node, name)
+        return node
+
+    def add(self, node: Node, name: str) -> None:
+        """Run a node in this group; raises UsageError where another one of it has its name."""
+        taken = any(each.get_name() == node.get_name() for each in self._nodes)
+        self._nodes.append(node)
+        if taken:
+            what = f"Two nodes of this process would be called {node.get_name()}."
+            raise UsageError(what, todo=f"Name the one that is meant: -r {name}:__node:=NAME.")
+        self.executor.add_node(node)
+        if not self._thread.is_alive():
+            self._thread.start()
+
+    def every(self, rate_hz: float, callback: Callable[[], None], log: logging.Logger) -> None:
+        """Call back at a rate, in a thread of its own."""
+        self._tickers.append(Ticker(1 / rate_hz, callback, log))
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` at the end, while topics are open."""
+        self._closers.insert(0, callback)
+
+    def on_end(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` at the very end."""
+        self._enders.insert(0, callback)
+
+    @property
+    def ending(self) -> bool:
+        """Whether the end has begun."""
+        return self._closing or self._process.ending
+
+    def fail(self, error: ReportedError) -> None:
+        """End the process with an error, so that its launcher starts it again; in any thread."""
+        self._process.fail(error)
+
+    def close(self) -> None:
+        """End all nodes: callbacks while the topics are open, then the topics, then the last callbacks."""
+        if self._closed:
+            return
+        self._closing = self._closed = True
+        for ticker in self._tickers:
+            ticker.close()
+        for callback in self._closers:
+            _guarded(callback)
+        time.sleep(LAST_MESSAGES_S)
+        # its thread is gone before a node is destroyed: rclpy would end the process
+        self.executor.shutdown(LONGEST_END_S)
+        if self._thread.is_alive():
+            self._thread.join(LONGEST_END_S)
+        self.workers.shutdown(wait=False, cancel_futures=True)
+        for node in self._nodes:
+            node.destroy_node()
+        for callback in self._enders:
+            _guarded(callback)
+
+    def _spin(self) -> None:
+        try:
+            self.executor.spin()
+        except ExternalShutdownException:
+            pass
+        except Exception as error:  # noqa: BLE001 it must not end without a word
+            if not self.ending:
+                _log.exception("the executor of ROS 2 has ended")
+                self.fail(RosError(f"The executor of ROS 2 has ended: {error}."))
+
+
+def _guarded(callback: Callable[[], None]) -> None:
+    try:
+        callback()
+    except Exception:  # noqa: BLE001 the others end all the same
+        _log.exception("the end of a node failed")

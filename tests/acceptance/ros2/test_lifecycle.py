@@ -1,0 +1,171 @@
+"""The managed node, by the services of ROS 2's lifecycle: what each transition does to the lines, and why one fails."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.control import network_of
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.verification.proof import Proof, keep_verdict, prove, verdict_of
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.demo._world import World
+
+from .conftest import System
+
+CONFIGURE, CLEANUP, ACTIVATE, DEACTIVATE, SHUTDOWN_INACTIVE = 1, 2, 3, 4, 6
+UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED = 1, 2, 3, 4
+GRIP_LINES = ("SODIMM_208", "SODIMM_210", "SODIMM_212")
+LINES = (*GRIP_LINES, "SODIMM_206")
+
+
+class Managed(System):
+    """The managed node of a tool, and its world."""
+
+    def start_nodes(self) -> None:
+        for program in self.programs:
+            self.nodes[program] = self.start(program, "-p", "ready_s:=2", "-r", "__node:=tool")
+
+    def change(self, transition: int) -> bool:
+        """Ask for a transition; whether it was made."""
+        from lifecycle_msgs.srv import ChangeState
+
+        request = ChangeState.Request()
+        request.transition.id = transition
+        return bool(self.call(ChangeState, "tool/change_state", request).success)
+
+    @property
+    def now(self) -> int:
+        """The state of the managed node."""
+        from lifecycle_msgs.srv import GetState
+
+        return int(self.call(GetState, "tool/get_state", GetState.Request()).current_state.id)
+
+    def said(self) -> str:
+        return "".join(child.text() for child in self.nodes.values())
+
+    def edges(self) -> list[tuple[str, int]]:
+        """Every write to the lines so far, but those with which the line arbiter has begun."""
+        records = [json.loads(line) for line in self.world.chip.read_text().splitlines() if line.strip()]
+        return [(record["line"], record["level"]) for record in records if "line" in record][len(LINES) :]
+
+
+@pytest.fixture(scope="module")
+def proof() -> Proof:
+    return prove(network_of(load(profile_path())))
+
+
+@pytest.fixture
+def managed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, proof: Proof) -> Iterator[Managed]:
+    """Unconfigured; the verdict of its tool is kept."""
+    with World(load(profile_path()), "nominal", tmp_path) as world:
+        keep_verdict(verdict_of(load(world.description_path), proof))
+        system = Managed(world, tmp_path, ("lifecycle_hal",))
+        system.env["XDG_STATE_HOME"] = os.environ["XDG_STATE_HOME"]
+        system.start_nodes()
+        system.join()
+        yield system
+        system.close()
+
+
+def test_a_grip_is_held_through_deactivation_and_adopted_by_the_next_activation(managed: Managed) -> None:
+    assert managed.now == UNCONFIGURED
+    assert not managed.change(ACTIVATE), "not from here"
+    assert managed.change(CONFIGURE)
+    assert "requirements hold" in managed.said()
+    assert (managed.now, managed.edges(), managed.states) == (INACTIVE, [], [])
+    assert managed.change(ACTIVATE)
+    managed.connect()
+    managed.do("LockToolChanger")
+    managed.do("TriggerGrip")
+    held = managed.edges()
+    assert {line for line, level in held if level} >= set(GRIP_LINES)
+
+    assert managed.change(DEACTIVATE)
+    managed.until("OFF", lambda: managed.state.state == EndEffectorState.OFF)
+    assert managed.change(CLEANUP)
+    assert managed.now == UNCONFIGURED
+    assert managed.edges() == held, "what is held stays held"
+    begun = len(managed.states)
+    assert managed.change(CONFIGURE)
+    assert managed.change(ACTIVATE)
+    managed.until("adopted", lambda: any(each.held for each in managed.states[begun:]))
+    managed.connect(EndEffectorState.GRIPPED)
+    assert managed.edges() == held
+    managed.do("Drop")
+    assert {line for line, level in managed.edges()[len(held) :] if not level} >= set(GRIP_LINES)
+    assert managed.change(DEACTIVATE)
+    assert managed.change(SHUTDOWN_INACTIVE)
+    assert managed.now == FINALIZED
+
+
+def test_sigterm_while_active_ends_in_good_order_and_holds(managed: Managed) -> None:
+    assert managed.change(CONFIGURE)
+    assert managed.change(ACTIVATE)
+    managed.connect()
+    managed.do("LockToolChanger")
+    managed.do("TriggerGrip")
+    held = managed.edges()
+    managed.kill_nodes(signal.SIGTERM)
+    assert [child.code for child in managed.nodes.values()] == [0]
+    assert managed.edges() == held
+
+
+@pytest.mark.parametrize(
+    ("requirement", "why"), [(None, "Nothing is known of a proof"), ("grip", "requirements 1 fail (grip)")]
+)
+def test_without_a_good_verdict_it_is_not_configured(
+    managed: Managed, proof: Proof, requirement: str | None, why: str
+) -> None:
+    description = load(managed.world.description_path)
+    findings = tuple(
+        each if each.id != requirement else type(each)(each.id, each.sentence, each.query, False, 1, 0.1)
+        for each in proof.findings
+    )
+    path = keep_verdict(verdict_of(description, Proof(findings, 1, 0.1)))
+    if requirement is None:
+        path.unlink()
+    assert not managed.change(CONFIGURE)
+    managed.until("the reason", lambda: why in managed.said())
+    assert (managed.now, managed.states) == (UNCONFIGURED, [])
+
+
+def test_a_description_that_has_changed_is_not_activated(managed: Managed) -> None:
+    assert managed.change(CONFIGURE)
+    path = managed.world.description_path
+    text = path.read_text()
+    path.write_text(text.replace("attempts: 3", "attempts: 2", 1))
+    assert path.read_text() != text
+    assert not managed.change(ACTIVATE)
+    managed.until("the reason", lambda: "is not the one that was configured" in managed.said())
+    assert managed.now == INACTIVE
+    assert managed.edges() == []
+    path.write_text(text)
+    assert managed.change(ACTIVATE)
+
+
+def test_without_the_line_arbiter_it_is_not_activated(managed: Managed) -> None:
+    managed.world.arbiter.end(signal_number=signal.SIGKILL)
+    assert managed.change(CONFIGURE)
+    assert not managed.change(ACTIVATE)
+    managed.until("the reason", lambda: "not activated: " in managed.said())
+    assert "line arbiter" in managed.said().partition("not activated: ")[2]
+    assert (managed.now, managed.edges()) == (INACTIVE, [])
+
+
+def test_without_its_sensors_it_is_not_activated(managed: Managed) -> None:
+    managed.world.choose("silent-after:0")
+    assert managed.change(CONFIGURE)
+    assert not managed.change(ACTIVATE)
+    managed.until(
+        "the reason", lambda: "is not ready after 2 s: no frame comes over the sensor link" in managed.said()
+    )
+    assert (managed.now, managed.edges()) == (INACTIVE, [])
+    managed.world.choose("nominal")
+    assert managed.change(ACTIVATE)
+    managed.connect()
