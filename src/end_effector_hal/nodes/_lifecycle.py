@@ -5,7 +5,8 @@ from __future__ import annotations
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import EndEffectorState, Evidence
+from end_effector_hal.runtime import changer_is_sensed
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
 
 from .transport import StateMessage
 
@@ -47,4 +48,6 @@ def missing(description: Description, state: StateMessage | None) -> tuple[str, 
         lacks.append("its lines are not adopted")
     elif unknown:
         lacks.append(f"its sensors say nothing of {', '.join(unknown)}")
+    elif state.tool_changer == ChangerState.UNKNOWN and changer_is_sensed(description):
+        lacks.append("its sensors do not say whether the tool is locked")
     return (*lacks, *(alarm.rstrip(".") for alarm in state.alarms if lacks))

@@ -12,6 +12,7 @@ from ._open_program import open_program
 from ._outputs import LineWriter
 from ._predicate_publisher import PredicatePublisher
 from ._program import Program
+from ._ready import changer_is_sensed
 from ._reset import reset
 from ._script import ScriptCommand, read_command, read_script
 
@@ -28,6 +29,7 @@ __all__ = [
     "RunningGoal",
     "ScriptCommand",
     "arbiter_policy",
+    "changer_is_sensed",
     "connect_arbiter",
     "error_text",
     "load_automata",

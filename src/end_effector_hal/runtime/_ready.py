@@ -19,10 +19,13 @@ def gripper_ready(status: Status) -> bool:
 
 def changer_ready(description: Description, status: Status) -> bool:
     """The same of the tool changer; one without sensors is never known."""
+    return status.changer != ChangerState.UNKNOWN or not changer_is_sensed(description)
+
+
+def changer_is_sensed(description: Description) -> bool:
+    """Whether there is a tool changer, and its two sensors are carried by the link."""
     changer, carried = description.tool_changer, get_codec(description.link.codec).channels
-    if changer is None or changer.locked_bit not in carried or changer.unlocked_bit not in carried:
-        return True
-    return status.changer != ChangerState.UNKNOWN
+    return changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
 
 
 def missing(description: Description, grip: Status, change: Status, link: LinkHealth) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.verification.proof import Proof, keep_verdict, prove, verdict_of
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.demo._world import World
+from tests.support.patience import PATIENCE_S
 
 from .conftest import System
 
@@ -31,13 +33,27 @@ class Managed(System):
         for program in self.programs:
             self.nodes[program] = self.start(program, "-p", "ready_s:=2", "-r", "__node:=tool")
 
-    def change(self, transition: int) -> bool:
-        """Ask for a transition; whether it was made."""
+    def join(self) -> None:
+        """Become a node whose calls are answered: the first answer of a service may find no way back yet."""
         from lifecycle_msgs.srv import ChangeState
 
-        request = ChangeState.Request()
+        super().join()
+        self._transitions = self.node.create_client(ChangeState, "tool/change_state")
+        assert self._transitions.wait_for_service(PATIENCE_S)
+        self.until("an answer", lambda: self._asked(ACTIVATE, timeout_s=2.0) is not None)
+
+    def change(self, transition: int) -> bool:
+        """Ask for a transition; whether it was made."""
+        made = self._asked(transition, timeout_s=PATIENCE_S)
+        assert made is not None, "not answered"
+        return made
+
+    def _asked(self, transition: int, *, timeout_s: float) -> bool | None:
+        request = self._transitions.srv_type.Request()
         request.transition.id = transition
-        return bool(self.call(ChangeState, "tool/change_state", request).success)
+        future, answered = self._transitions.call_async(request), threading.Event()
+        future.add_done_callback(lambda _: answered.set())
+        return bool(future.result().success) if answered.wait(timeout_s) else None
 
     @property
     def now(self) -> int:
@@ -77,7 +93,7 @@ def test_a_grip_is_held_through_deactivation_and_adopted_by_the_next_activation(
     assert managed.now == UNCONFIGURED
     assert not managed.change(ACTIVATE), "not from here"
     assert managed.change(CONFIGURE)
-    assert "requirements hold" in managed.said()
+    managed.until("the verdict", lambda: "requirements hold" in managed.said())
     assert (managed.now, managed.edges(), managed.states) == (INACTIVE, [], [])
     assert managed.change(ACTIVATE)
     managed.connect()

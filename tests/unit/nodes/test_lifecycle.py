@@ -11,7 +11,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.nodes import missing, require_proof
 from end_effector_hal.verification.proof import kept_verdict
-from end_effector_hal.vocabulary import EndEffectorState, Evidence
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
 
 
 def state(**values: Any) -> Any:
@@ -20,6 +20,7 @@ def state(**values: Any) -> Any:
         "link_up": True,
         "actuator_names": ["a", "b"],
         "evidence": [Evidence.GONE, Evidence.GONE],
+        "tool_changer": ChangerState.LOCKED,
         "alarms": ["The supply is low."],
     }
     return SimpleNamespace(**(whole | values))
@@ -34,6 +35,10 @@ def state(**values: Any) -> Any:
         (
             {"evidence": [Evidence.GONE, Evidence.UNKNOWN], "alarms": []},
             ("its sensors say nothing of b",),
+        ),
+        (
+            {"tool_changer": ChangerState.UNKNOWN, "alarms": []},
+            ("its sensors do not say whether the tool is locked",),
         ),
         (
             {"state": EndEffectorState.OFF, "link_up": False, "alarms": []},
