@@ -9,7 +9,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench format clean debian ros kill-matrix kill-matrix-full link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -98,6 +98,10 @@ kill-matrix: setup ## kill, stop and end every process in the states that tell m
 
 kill-matrix-full: setup ## the same in every state (15 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run --full
+
+kill-matrix-ros2: ros2 ## the same on ROS 2, with one process of the HAL and with five (9 minutes)
+	@$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python -m tests.acceptance.kill_matrix.run --ros 2-one
+	@$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python -m tests.acceptance.kill_matrix.run --ros 2-five
 
 link-campaign: setup ## 10,000 faults of the sensor link in virtual time, a minute of them for real
 	@$(BIN)/python -m tests.acceptance.link_campaign.run

@@ -8,9 +8,13 @@ from dataclasses import dataclass
 
 from end_effector_hal.description import Description
 
-PROCESSES = (
-    "HALMain", "Grip", "ToolChange", "Pressure", "Position", "LineOwner", "roscore", "testbench", "Supervisor",
-)  # fmt: skip
+NODES = ("HALMain", "Grip", "ToolChange", "Pressure", "Position")
+PROCESSES = {
+    "1": (*NODES, "LineOwner", "roscore", "testbench", "Supervisor"),
+    "2-five": (*NODES, "LineOwner", "testbench", "Supervisor"),
+    "2-one": ("HAL", "LineOwner", "testbench", "Supervisor"),
+}
+"""The generations of ROS, the second with a process for each node and with one for all, to what may be hit."""
 SIGNALS = ("SIGKILL", "SIGSTOP", "SIGTERM")
 STOPPED_S = 3.0
 """A process that gets SIGSTOP goes on after this (SIGCONT)."""
@@ -57,15 +61,15 @@ def states(description: Description) -> tuple[str, ...]:
     return (STAND_BY, *steps, GRIPPED, RELEASING, UNLOCKING)
 
 
-def full(description: Description) -> Iterator[Cell]:
+def full(description: Description, generation: str) -> Iterator[Cell]:
     """Every cell."""
-    for process in PROCESSES:
+    for process in PROCESSES[generation]:
         for name in SIGNALS:
             for state in states(description):
                 yield Cell(process, name, state)
 
 
-def telling(description: Description) -> Iterator[Cell]:
+def telling(description: Description, generation: str) -> Iterator[Cell]:
     """Those that say most in few minutes; `FIRST` and `LAST` are steps of the grip."""
     steps = [f"{GRIPPING} {name}" for name in description.sequence]
     named = {FIRST: steps[0], LAST: steps[-1]}
@@ -75,12 +79,15 @@ def telling(description: Description) -> Iterator[Cell]:
         for each in signals
         for state in states
     }
-    return (cell for cell in full(description) if parts(cell) in wanted)
+    return (cell for cell in full(description, generation) if parts(cell) in wanted)
 
 
 FIRST, LAST = "first step", "last step"
 KILL, STOP = SIGNALS[:1], SIGNALS[1:2]
 TELLING = (
+    ("HAL", SIGNALS, (FIRST, LAST, GRIPPED, RELEASING)),
+    ("HAL", KILL, (STAND_BY, UNLOCKING)),
+    ("HAL", STOP, (UNLOCKING,)),
     ("HALMain", SIGNALS, (GRIPPED,)),
     ("HALMain", KILL, (LAST, RELEASING)),
     ("Grip", SIGNALS, (FIRST, LAST, GRIPPED, RELEASING)),
@@ -102,7 +109,7 @@ TELLING = (
 """Process, signals, states."""
 
 
-def chosen(texts: Iterable[str], description: Description) -> list[Cell]:
+def chosen(texts: Iterable[str], description: Description, generation: str) -> list[Cell]:
     """Cells whose parts begin as those of a text ``process:signal:state`` do; a part may be left out."""
     wanted = [text.lower().split(":") for text in texts]
 
@@ -110,7 +117,7 @@ def chosen(texts: Iterable[str], description: Description) -> list[Cell]:
         pairs = zip(parts(cell), begin, strict=False)
         return all(mine.lower().startswith(part.strip()) for mine, part in pairs)
 
-    return [cell for cell in full(description) if any(fits(cell, begin) for begin in wanted)]
+    return [cell for cell in full(description, generation) if any(fits(cell, begin) for begin in wanted)]
 
 
 def parts(cell: Cell) -> tuple[str, str, str]:

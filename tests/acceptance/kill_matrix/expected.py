@@ -9,6 +9,7 @@ Rules (section 5 of the contract, and what follows from it):
   what is left, if it is part of a grip alone, is a GRIP_ERROR.
 * A line arbiter that dies moves nothing, and the programs go on when it is back. One that hangs for longer than its
   clients wait for an answer (1 s) finds their connections closed: they are dead to it.
+* The one process of ROS 2 (HAL) is all nodes at once: both programs get their ending, and nobody reads the sensors.
 * A master that goes away makes every node end in order, and start anew once it is back.
 * Who owns no line moves none: what runs, goes on. What lacks readings meanwhile waits, holds, and confirms nothing;
   a release without readings may end in RELEASE_ERROR.
@@ -137,21 +138,21 @@ def _ending(cell: Cell, program: str) -> str:
         ending = "process_death"
     elif cell.process == "roscore" and cell.ends:
         ending = "sigterm"
-    elif cell.process != own:
+    elif cell.process not in (own, "HAL"):
         return GOES_ON
     return ending
 
 
 def _first_s(cell: Cell) -> float | None:
     """How long a will may wait: for a socket that closes, for an orderly end, or for the end of a lease."""
-    if cell.process not in ("Grip", "ToolChange"):
+    if cell.process not in ("Grip", "ToolChange", "HAL"):
         return None
     return {"SIGKILL": 0.5, "SIGTERM": 1.5, "SIGSTOP": 1.0 + 0.5}[cell.signal]
 
 
 def _blinds(cell: Cell) -> bool:
     """Whether there are no readings for a while."""
-    return cell.process in ("Pressure", "testbench") or (cell.process == "roscore" and cell.ends)
+    return cell.process in ("Pressure", "HAL", "testbench") or (cell.process == "roscore" and cell.ends)
 
 
 def _off(lines: list[str]) -> tuple[Switch, ...]:

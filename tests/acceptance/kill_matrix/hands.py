@@ -14,10 +14,14 @@ SUCCEEDED = 5
 
 
 class Hands:
-    """Talks with one client process; everything it said is in its log file."""
+    """Talks with one client process; everything it said is in its log file.
 
-    def __init__(self, children: Children, log: Path, env: dict[str, str]) -> None:
-        command = [sys.executable, str(Path(__file__).with_name("client.py"))]
+    Args:
+        client: the module that it runs.
+    """
+
+    def __init__(self, children: Children, client: str, log: Path, env: dict[str, str]) -> None:
+        command = [sys.executable, "-m", f"tests.acceptance.kill_matrix.{client}"]
         log.unlink(missing_ok=True)
         self.process: Child = children.start("client", command, log=log, env=env, commands=True)
         self._file = log.open(encoding="utf-8")
@@ -35,7 +39,7 @@ class Hands:
             try:
                 said = json.loads(line)
             except ValueError:
-                continue  # a warning of rospy
+                continue  # a warning of ROS
             self.heard = said.get("heard", self.heard)
             self.state = said.get("change") or said.get("state") or self.state
             if "change" in said:

@@ -16,7 +16,7 @@ from tests.acceptance.kill_matrix.cells import GRIPPED, STOPPED_S, Cell
 from tests.acceptance.kill_matrix.expected import Expected, Switch, expected, one_of, told
 from tests.acceptance.kill_matrix.hands import SUCCEEDED
 from tests.acceptance.kill_matrix.prepare import GONE, Prepared, prepare
-from tests.acceptance.kill_matrix.system import LAUNCHED, System
+from tests.acceptance.kill_matrix.system import System, lives
 from tests.acceptance.kill_matrix.waiting import Late, pause, until
 
 SETTLED_S = 30.0
@@ -94,14 +94,16 @@ class Play:
             with suppress(ProcessLookupError):
                 os.kill(pid, cell.number)
         if cell.process == "roscore" and cell.ends:
-            return self._new_master(pids)
+            self.system.begin_anew(pids)
+            self.seen = 0
+            return
         if cell.process != "testbench":
             system.plant.choose("nominal")
         if cell.signal == "SIGSTOP":
             pause(STOPPED_S)
             for pid in pids:
                 os.kill(pid, signal.SIGCONT)
-        until(f"the end of {cell.process}", lambda: not cell.ends or not any(map(_lives, pids)), 10.0)
+        until(f"the end of {cell.process}", lambda: not cell.ends or not any(map(lives, pids)), 10.0)
         if cell.process == "testbench":
             if cell.ends:
                 system.plant.power_up()
@@ -110,22 +112,6 @@ class Play:
                 system.plant.choose("nominal")
         elif cell.process != "Supervisor":
             until(f"{cell.process} again", lambda: self._pids(prepared), 20.0)
-        return None
-
-    def _new_master(self, pids: list[int]) -> None:
-        """Its nodes notice that it has gone, and leave; only then it is started again."""
-        system = self.system
-        nodes = [name for name in LAUNCHED if name != "LineOwner"]
-        before = [pid for name in nodes for pid in system.pids(name)]
-        until("the end of the master", lambda: not any(map(_lives, pids)), 15.0)
-        until("the nodes' leaving", lambda: not any(map(_lives, before)), 20.0)
-        system.plant.choose("nominal")
-        system.hands.close()
-        system.start_master()
-        until("the nodes again", lambda: all(system.pids(name) for name in nodes), 20.0)
-        system.connect()
-        until("the client", system.hands.look, 30.0)
-        self.seen = 0
 
     def _pids(self, prepared: Prepared) -> list[int]:
         if self.cell.process == "Supervisor":
@@ -187,7 +173,7 @@ class Play:
         if any(map(self._claims, self._said())):
             self.faults.append("GRIPPED was claimed")
         ended = self.system.hands.result(prepared.goal) if prepared.goal else None
-        if ended and ended["name"] == "grip" and ended["outcome"] == SUCCEEDED and ended["status"] == 3:
+        if ended and ended["name"] == "grip" and ended["outcome"] == SUCCEEDED and ended["succeeded"]:
             self.faults.append("the goal succeeded")
 
     def _claims(self, said: dict[str, Any]) -> bool:
@@ -247,7 +233,7 @@ class Play:
         """Another one gives the commands; it ends with 1 when any did not succeed."""
         held = self.system.hands.look()["held"]
         script = f"{'drop; ' if held else ''}wait 1; grip; drop; quit"
-        again = self.system.supervisor(f"_script:={script}")
+        again = self.system.supervisor(script)
         if again.wait_for_end(timeout_s=40.0):
             self.faults.append(f"another Supervisor: {again.text().strip().splitlines()[-1:]}")
 
@@ -277,10 +263,3 @@ def _without_retries(moved: tuple[Switch, ...], wanted: tuple[Switch, ...]) -> t
         else:
             kept.append((line, level))
     return tuple(kept)
-
-
-def _lives(pid: int) -> bool:
-    try:
-        return open(f"/proc/{pid}/stat").read().rpartition(")")[2].split()[0] not in "ZX"
-    except OSError:
-        return False

@@ -19,10 +19,12 @@ from rich.console import Console
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_lab.demo import Ros1
-from tests.acceptance.kill_matrix.cells import Cell, chosen, full, telling
+from end_effector_lab.demo import Ros1, Ros2
+from tests.acceptance.kill_matrix.cells import PROCESSES, Cell, chosen, full, telling
 from tests.acceptance.kill_matrix.play import Play, Row
 from tests.acceptance.kill_matrix.system import System
+from tests.acceptance.kill_matrix.system_ros1 import Ros1System
+from tests.acceptance.kill_matrix.system_ros2 import FIVE, ONE, Ros2System
 from tests.acceptance.kill_matrix.table import show
 from tests.acceptance.kill_matrix.waiting import Late, Stopped, stopping
 
@@ -40,14 +42,14 @@ def main() -> int:
         console.print("\n".join(map(str, cells)))
         return 0
     try:
-        Ros1().check()
+        (Ros1() if arguments.ros == "1" else Ros2()).check()
     except ReportedError as error:
         console.print(str(error))
         return 3
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, lambda *_: stopping.set())
     begun, folder = time.monotonic(), Path(mkdtemp(prefix="eehal-kill-"))
-    rows = Matrix(description, cells, folder, arguments.systems).run()
+    rows = Matrix(description, cells, folder, arguments.systems, arguments.ros).run()
     rows.sort(key=lambda row: cells.index(row.cell))
     show(console, rows)
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
@@ -72,8 +74,11 @@ class Matrix:
     Such a cell is played once more, for these are processes on a shared machine; the row keeps what came before.
     """
 
-    def __init__(self, description: Description, cells: list[Cell], folder: Path, systems: int) -> None:
+    def __init__(
+        self, description: Description, cells: list[Cell], folder: Path, systems: int, generation: str
+    ) -> None:
         self._description, self._folder, self._total = description, folder, len(cells)
+        self._generation = generation
         self._left: queue.SimpleQueue[Cell] = queue.SimpleQueue()
         # those that take longest first
         for cell in sorted(cells, key=lambda cell: (cell.process != "roscore", cell.state)):
@@ -98,12 +103,17 @@ class Matrix:
         try:
             while again or not self._left.empty():
                 count += 1
-                with System(self._folder / f"{number}-{count}", self._description) as system:
+                with self._system(self._folder / f"{number}-{count}") as system:
                     again = self._play(system, again)
         except Stopped:
             return
         except (ReportedError, Late) as error:
             console.print(f"system {number} cannot be started: {error}", style="red")
+
+    def _system(self, folder: Path) -> System:
+        if self._generation == "1":
+            return Ros1System(folder, self._description)
+        return Ros2System(folder, self._description, FIVE if self._generation == "2-five" else ONE)
 
     def _play(self, system: System, again: tuple[Cell, str] | None) -> tuple[Cell, str] | None:
         """Cells, one after the other; ends when one does not hold. It is returned, once, with what was observed."""
@@ -145,8 +155,9 @@ def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
             where=str(arguments.description),
         )
     if not arguments.cells:
-        return description, list(full(description) if arguments.full else telling(description))
-    cells = chosen(arguments.cells, description)
+        some = full if arguments.full else telling
+        return description, list(some(description, arguments.ros))
+    cells = chosen(arguments.cells, description, arguments.ros)
     if not cells:
         raise UsageError(f"No cell is {' or '.join(arguments.cells)}.", todo="--list --full names them all.")
     return description, cells
@@ -154,6 +165,9 @@ def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--ros", choices=PROCESSES, default="1", help="1, or 2 with five processes or one (default 1)"
+    )
     parser.add_argument("--full", action="store_true", help="all cells")
     parser.add_argument(
         "--description",
@@ -164,11 +178,16 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--systems", type=int, default=2, metavar="N", help="systems at once (default 2)")
     parser.add_argument("--list", action="store_true", help="list the cells, play none")
-    parser.add_argument("-o", "--output", type=Path, default=Path("runs/kill-matrix.json"), metavar="FILE")
+    parser.add_argument("-o", "--output", type=Path, default=None, metavar="FILE")
     parser.add_argument(
         "cells", nargs="*", metavar="PROCESS:SIGNAL:STATE", help="only these; parts may be cut off"
     )
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if arguments.output is None:
+        arguments.output = Path(
+            f"runs/kill-matrix{'' if arguments.ros == '1' else f'-ros{arguments.ros}'}.json"
+        )
+    return arguments
 
 
 if __name__ == "__main__":

@@ -36,6 +36,9 @@ def description() -> Description:
         ("LineOwner:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("roscore:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+        ("HAL:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("HAL:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("HAL:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
     ],
 )
 def test_endings(description: Description, cell: str, state: State, moved: list, active: list) -> None:
@@ -119,11 +122,18 @@ def test_what_cannot_be_played_is_a_sentence(tmp_path: Path, arguments: list[str
     assert "Traceback" not in run.stderr
 
 
-def test_every_cell_is_there_once_and_enough_are_told_in_five_minutes(description: Description) -> None:
-    cells = list(full(description))
-    assert len(cells) == len(set(cells)) == len(PROCESSES) * len(SIGNALS) * len(states(description)) == 189
-    chosen = list(telling(description))
-    assert len(chosen) >= 40
-    assert {cell.process for cell in chosen} == set(PROCESSES)
+@pytest.mark.parametrize(
+    ("generation", "all_cells", "enough"), [("1", 189, 40), ("2-five", 168, 40), ("2-one", 84, 25)]
+)
+def test_every_cell_is_there_once_and_enough_are_told_in_five_minutes(
+    description: Description, generation: str, all_cells: int, enough: int
+) -> None:
+    cells, processes = list(full(description, generation)), PROCESSES[generation]
+    assert (
+        len(cells) == len(set(cells)) == len(processes) * len(SIGNALS) * len(states(description)) == all_cells
+    )
+    chosen = list(telling(description, generation))
+    assert len(chosen) >= enough
+    assert {cell.process for cell in chosen} == set(processes)
     assert {cell.signal for cell in chosen} == set(SIGNALS)
     assert {cell.state for cell in chosen} >= set(states(description)) - {"GRIPPING cylinder"}

@@ -1,0 +1,60 @@
+"""The client in ROS 2."""
+
+from __future__ import annotations
+
+import os
+import threading
+from functools import partial
+from typing import Any
+
+import rclpy
+from end_effector_msgs.action import EndEffector
+from end_effector_msgs.msg import EndEffectorState, SensorFrame, ToolChangerPosition, UnitStatus
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+
+from tests.acceptance.kill_matrix.client import ACTIONS, HEARD, Client
+
+SUCCEEDED = 4
+TYPES = {
+    "grip/state": UnitStatus,
+    "tool_change/state": UnitStatus,
+    "sensor_frame": SensorFrame,
+    "PositionToolChanger": ToolChangerPosition,
+}
+
+
+class Ros2Client(Client):
+    def __init__(self, node: Any) -> None:
+        super().__init__()
+        node.create_subscription(EndEffectorState, "EndEffectorState", self.state_came, 100)
+        for topic, name in HEARD.items():
+            node.create_subscription(TYPES[topic], topic, partial(self.came, node=name), 100)
+        self._clients = {name: ActionClient(node, EndEffector, action) for name, action in ACTIONS.items()}
+
+    def send(self, number: int, name: str) -> None:
+        client = self._clients[name]
+        client.wait_for_server(10.0)
+
+        def answered(future: Any) -> None:
+            handle = future.result()
+            if not handle.accepted:
+                self.ended(number, name, None, succeeded=False)
+                return
+            handle.get_result_async().add_done_callback(over)
+
+        def over(future: Any) -> None:
+            response = future.result()
+            self.ended(number, name, response.result, succeeded=response.status == SUCCEEDED)
+
+        client.send_goal_async(EndEffector.Goal()).add_done_callback(answered)
+
+
+rclpy.init()
+node = rclpy.create_node(f"kill_matrix_{os.getpid()}")
+executor = SingleThreadedExecutor()
+executor.add_node(node)
+client = Ros2Client(node)
+threading.Thread(target=executor.spin, daemon=True).start()
+client.run()
+os._exit(0)  # rclpy may hang at its end
