@@ -48,6 +48,9 @@ class Transport:
     def command_client(self, service: Service) -> Any:
         return self
 
+    def offers(self, action: Action) -> bool:
+        return True
+
     def action_server(self, action: Action, *_: Any) -> Any:
         return self
 
