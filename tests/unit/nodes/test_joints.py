@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from math import isnan
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 
 from end_effector_hal.description import Description, load
-from end_effector_hal.nodes.interface import actuator_joints, grip_joint, grip_position
+from end_effector_hal.nodes._position import PositionNode
+from end_effector_hal.nodes.interface import (
+    JOINT_STATES,
+    SENSOR_FRAME,
+    STATE_HZ,
+    actuator_joints,
+    grip_joint,
+    grip_position,
+)
+from end_effector_hal.nodes.transport import FrameMessage
 from end_effector_hal.vocabulary import Evidence
+from end_effector_hal.wires import now_us
+from tests.support.lone_node import LoneTransport
 
 TOOL = """\
 name: tool
@@ -18,7 +30,7 @@ sequence: [cup, rod, grip]
 actuators:
   cup: {kind: vacuum, line: A, channel: bottom}
   rod: {kind: cylinder, line: B, channel: cylinder}
-  grip: {kind: cylinder, line: C, channel: top, extended_bit: none, retracted_bit: none, stroke_mm: 25}
+  grip: {kind: cylinder, line: C, channel: top, extended_bit: in_stand, retracted_bit: none, stroke_mm: 25}
 """
 
 
@@ -54,3 +66,29 @@ def test_the_tool_is_gripped_or_released_only_as_a_whole() -> None:
         [9],
     ):
         assert isnan(grip_position(evidence))
+
+
+def test_a_joint_is_published_at_once_repeated_and_left_out_when_it_is_not_proven(tool: Description) -> None:
+    transport = LoneTransport(tool)
+    PositionNode(cast("Any", transport))
+    published, tick = transport.published[JOINT_STATES.name], transport.ticks[STATE_HZ]
+
+    def frame(seq: int, extended: bool) -> None:
+        channels, values = ["in_stand", "top"], [int(extended), 0]
+        message = FrameMessage(now_us(), seq, -1, channels, values, [True, True])
+        transport.callbacks[SENSOR_FRAME.name](message)
+
+    def seen() -> list[dict[str, float]]:
+        return [dict(zip(each.name, each.position, strict=True)) for each in cast("list[Any]", published)]
+
+    tick()
+    assert seen() == [], "nothing is proven before the first frame"
+    frame(1, extended=True)
+    assert seen() == [{"tool_grip_joint": 0.025}], "a change does not wait for the clock"
+    frame(2, extended=True)
+    assert len(seen()) == 1
+    tick()
+    assert seen() == [{"tool_grip_joint": 0.025}] * 2
+    frame(3, extended=False)
+    tick()
+    assert len(seen()) == 2, "on its way it stands nowhere"
