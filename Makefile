@@ -37,6 +37,7 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 	@$(ROS_ENV) && pytest -q -m "alone and not nightly" $(OF_TIMES) $(WALL_OPTIONS)
 
 test-ros2: ros2 ## the contract of the ROS interface, on real ROS 2
+	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
 	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2
 
 test-thinned: setup ## those of which `make test` runs representatives

@@ -73,12 +73,15 @@ def _build(folder: Path, space: Path) -> None:
 
 def _generate(package: str, files: list[str], generated: Path) -> None:
     # only in this environment
+    from rosidl_generator_c import cli as generator_c
     from rosidl_generator_c.cli import GenerateC
     from rosidl_generator_py.cli import GeneratePython
     from rosidl_typesupport_c.cli import GenerateCTypesupport
     from rosidl_typesupport_fastrtps_c.cli import GenerateFastRTPSCTypesupport
     from rosidl_typesupport_introspection_c.cli import GenerateIntrospectionCTypesupport
 
+    # theirs takes a message for the action of its name
+    generator_c.build_type_description_tuples = _type_descriptions
     share = [str(PREFIX / "share")]
     for generator in (
         GenerateC("c"),
@@ -98,6 +101,13 @@ def _generate(package: str, files: list[str], generated: Path) -> None:
             f"{generated / 'tmp'}:{path.relative_to(generated / 'tmp')}"
             for path in (generated / "tmp").rglob("*.idl")
         ]
+
+
+def _type_descriptions(idls: Iterable[str], descriptions: Iterable[Path]) -> list[str]:
+    """The type description of each definition, as ``msg/Name.idl:path``."""
+    paths = {(path.parent.name, path.stem): path for path in map(Path, descriptions)}
+    names = [Path(str(idl).rpartition(":")[2]) for idl in idls]
+    return [f"{name}:{paths[name.parent.name, name.stem]}" for name in names]
 
 
 def _others(folder: Path) -> list[str]:

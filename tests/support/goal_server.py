@@ -67,7 +67,6 @@ class Server:
     def __init__(self, clock: Clock) -> None:
         import rospy
 
-        from end_effector_hal.control.goals import Outcome
         from end_effector_hal.nodes.interface import TRIGGER_GRIP
         from end_effector_hal.nodes.transport import ResultMessage
         from end_effector_hal.ros1.actions._action_server import GoalServer
@@ -77,7 +76,7 @@ class Server:
             TRIGGER_GRIP,
             lambda goal: self.goals.append(goal.handle),
             lambda goal: self.cancelled.append(goal.handle) is None,
-            lambda outcome, reason: ResultMessage(outcome, Outcome(outcome).name, 6, "STAND_BY", reason),
+            lambda ending: ResultMessage(ending.outcome, ending.outcome.name, 6, "STAND_BY", ending.reason),
             clock,  # type: ignore[arg-type]
         )
         self.server.status_list_timeout = rospy.Duration(5.0)
@@ -85,6 +84,12 @@ class Server:
         self.server.result_pub, self.server.status_pub = self.results, self.status
         self.server.feedback_pub = self.feedback
         self.server.started = True
+
+    def result(self, outcome: int, reason: str) -> Any:
+        """As HALMain makes it."""
+        from end_effector_hal.control.goals import Ending, Outcome
+
+        return self.server._result(Ending(Outcome(outcome), reason))
 
     def goal(self, goal_id: str = "a", ahead_s: float = 0.0, stamp: Any = None) -> None:
         import rospy

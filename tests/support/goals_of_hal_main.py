@@ -48,7 +48,9 @@ class Hal:
         import rospy
         from end_effector_msgs.msg import EndEffectorState, StepReport
 
+        from end_effector_hal.nodes.hal_main._goal_types import CommandGoals
         from end_effector_hal.nodes.hal_main._served_goals import ServedGoals
+        from end_effector_hal.nodes.interface import COMMAND_ACTIONS
         from end_effector_hal.ros1.actions import action_server
         from end_effector_hal.ros1.actions._action_server import GoalServer
 
@@ -71,9 +73,11 @@ class Hal:
         node = SimpleNamespace(
             log=log,
             command_client=lambda service: self.grip if service.server == "Grip" else self.tool_change,
+            offers=lambda action: True,
             action_server=serve,
         )
-        self.goals = ServedGoals(cast("Any", node), lambda: self.state)
+        types = [CommandGoals(action) for action in COMMAND_ACTIONS]
+        self.goals = ServedGoals(cast("Any", node), types, lambda: self.state)
 
     def send(self, goal_id: str = "a", action: str = "TriggerGrip") -> None:
         import rospy

@@ -12,8 +12,15 @@ from ._shape import fields_of, stanza_at
 SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
 KILOPASCAL = {"kpa": 1.0, "pa": 1e-3, "hpa": 0.1, "mbar": 0.1, "bar": 100.0, "mpa": 1000.0, "psi": 6.894757}
 FRACTION = {"fraction": 1.0, "percent": 0.01}
-QUANTITIES = (SECONDS, KILOPASCAL, FRACTION)
-WORDS = {"s": "seconds", "ms": "milliseconds", "kpa": "kPa", "fraction": "a fraction of 1"}
+MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+QUANTITIES = (SECONDS, KILOPASCAL, FRACTION, MILLIMETRES)
+WORDS = {
+    "s": "seconds",
+    "ms": "milliseconds",
+    "kpa": "kPa",
+    "fraction": "a fraction of 1",
+    "mm": "millimetres",
+}
 
 
 def split(key: str) -> tuple[str, str]:
@@ -60,7 +67,7 @@ MISTAKES = {
     "kpa": (("pa", "pascal"), ("mbar", "millibar")),
     "fraction": (("percent", "percent"),),
 }
-SIGNS = {"s": "s", "ms": "ms", "kpa": "kPa"}
+SIGNS = {"s": "s", "ms": "ms", "kpa": "kPa", "mm": "mm"}
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from ._parts import (
     Pair,
     PressureRange,
     Quote,
+    Travel,
     below_ambient_kpa,
 )
 from ._registry import get_kind, kind_names, kind_of, recorded_kind, usable_kinds
@@ -34,6 +35,7 @@ __all__ = [
     "Pair",
     "PressureRange",
     "Quote",
+    "Travel",
     "below_ambient_kpa",
     "get_kind",
     "kind_names",

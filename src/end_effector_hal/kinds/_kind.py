@@ -18,6 +18,7 @@ from ._parts import (
     JointRule,
     Pair,
     PressureRange,
+    Travel,
 )
 from .stanza import Actuator, Hold, Supply
 
@@ -41,7 +42,9 @@ class DeviceKind(ABC, Generic[Stanza]):
     8. **States.** ``states`` are its words for the integers of Table II: 0 inactive, 1 pending, 2 active.
     9. **Words.** ``lost`` says what its sensor shows when a part is lost, ``not_fitted`` what is off where a channel is
        not carried, ``limits`` what a recording and its figures show.
-    10. **Model.** The constants of the automata come from the keys that every `Actuator` has.
+    10. **Travel.** ``travel`` is the joint that it moves, for those who plan and draw a robot; None where the stanza
+        does not say how far.
+    11. **Model.** The constants of the automata come from the keys that every `Actuator` has.
     """
 
     name: ClassVar[str]
@@ -91,6 +94,10 @@ class DeviceKind(ABC, Generic[Stanza]):
     def limits(self, part: Stanza, supply: Supply) -> dict[str, float]:
         """Thresholds for a recording, positive kPa by name; ``confirmed_kpa`` is the one that figures draw."""
         return {}
+
+    def travel(self, part: Stanza) -> Travel | None:
+        """The joint that it moves; None: it moves none, or nobody has said how far."""
+        return None
 
     def channel_names(self, part: Stanza) -> tuple[str, ...]:
         """The channels of one actuator that prove something, carried or not."""

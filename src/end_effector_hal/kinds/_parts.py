@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol
 
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import Evidence
@@ -122,6 +122,18 @@ def below_ambient_kpa(value: int | bool) -> float:
     if isinstance(value, bool):
         return 100.0 if value else 0.0
     return -value / 1000
+
+
+class Travel(NamedTuple):
+    """How an actuator moves a joint: from 0, where it is released, to ``upper``, where it is confirmed.
+
+    Attributes:
+        joint: its type in a URDF.
+        upper: m, or rad of one that turns; more than 0.
+    """
+
+    joint: Literal["prismatic", "revolute"]
+    upper: float
 
 
 COMPRESSED_AIR = PressureRange(-10.0, 2000.0, "compressed air")

@@ -11,6 +11,7 @@ class TestJaw(KindConformance):
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 from typing import Any, ClassVar
 
 from end_effector_hal.signals import Kind, Value, memory_of, recall
@@ -159,6 +160,10 @@ class KindConformance:
         limits = self.kind.limits(self.part, self.supply)
         assert all(isinstance(each, int | float) and each > 0 for each in limits.values())
         assert not limits.keys() & {"channel", "kind", "attempts"}
+
+    def test_its_travel_is_a_length_or_an_angle(self) -> None:
+        travel = self.kind.travel(self.part)
+        assert travel is None or (travel.joint in ("prismatic", "revolute") and 0 < travel.upper < inf)
 
     def _number(self, key: str) -> float:
         owner = self.supply if key.startswith("supply.") else self.part

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from math import nan
+from math import isnan, nan
 from typing import Any
 
 from end_effector_hal.codecs import get_codec
@@ -16,10 +16,14 @@ from end_effector_hal.vocabulary import Evidence
 from end_effector_hal.wires import now_us
 
 from .interface import (
+    JOINT_STATES,
     POSITION_TOOL_CHANGER,
     POSITION_TOOL_STAND,
     SENSOR_FRAME,
     STATE_HZ,
+    actuator_joints,
+    grip_joint,
+    grip_position,
     position_topics,
 )
 from .report import OK, WARN, Health, publish_health
@@ -28,6 +32,7 @@ from .transport import (
     CylinderPlace,
     CylinderPositionMessage,
     FrameMessage,
+    JointStateMessage,
     MessageHeader,
     NodeTransport,
     PositionMessage,
@@ -51,7 +56,7 @@ _CHANGER = {
 
 
 class PositionNode:
-    """Publishes each position at every change, and at 10 Hz; what is stale turns UNKNOWN by itself."""
+    """Publishes each position and the joints at every change, and at 10 Hz; what is stale turns UNKNOWN by itself."""
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
@@ -78,6 +83,9 @@ class PositionNode:
                     _message,
                 ),
             ]
+        self._publish_joints = node.publisher(JOINT_STATES)
+        self._grip_joint, self._joints = grip_joint(description), actuator_joints(description)
+        self._known_joints: dict[str, float] = {}
         self._known: dict[str, IntEnum] = {}
         node.subscribe(SENSOR_FRAME, self._on_frame)
         node.every(STATE_HZ, self._tick)
@@ -106,6 +114,19 @@ class PositionNode:
                 old = before if before is not None else output.places(0)
                 if old is not position:
                     self._log.info("%s: %s -> %s", output.name, old.name, position.name)
+
+        joints = self._proven_joints()
+        if joints and (every or joints != self._known_joints):
+            message = JointStateMessage(list(joints), list(joints.values()), MessageHeader(at))
+            self._publish_joints(message)
+        self._known_joints = joints
+
+    def _proven_joints(self) -> dict[str, float]:
+        """A joint whose position is not proven is left out: NaN ends in a broken transform, an old value in a lie."""
+        evidence = self._senses.evidence
+        found = {joint.name: joint.position(evidence) for joint in self._joints}
+        found[self._grip_joint] = grip_position(evidence)
+        return {name: position for name, position in found.items() if not isnan(position)}
 
     def _cylinder(self, index: int) -> Callable[[int], int]:
         return lambda _at: _CYLINDER[self._senses.evidence[index]]

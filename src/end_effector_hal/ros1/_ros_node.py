@@ -13,7 +13,7 @@ from typing import Any, Self
 import rospy
 
 from end_effector_hal.control import Answer
-from end_effector_hal.control.goals import Outcome
+from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.interface import DESCRIPTION, Action, Parameter, Service, Topic, load_for_nodes
@@ -24,7 +24,6 @@ from end_effector_hal.nodes.transport import (
     ClientGoal,
     CommandClient,
     Commander,
-    ResultMessage,
     UnknownSenders,
 )
 from end_effector_hal.wires import be_steady, now_us
@@ -149,12 +148,16 @@ class RosNode:
         """A client that gives commands to another node."""
         return Commander(service.server, lambda: CommandService(service))
 
+    def offers(self, action: Action) -> bool:
+        """Whether the table offers an action in ROS 1."""
+        return 1 in action.generations
+
     def action_server(
         self,
         action: Action,
         on_goal: Callable[[ClientGoal], None],
         on_cancel: Callable[[ClientGoal], bool],
-        result: Callable[[Outcome, str], ResultMessage],
+        result: Callable[[Ending], Any],
     ) -> ActionServer:
         """Serve an action."""
         return action_server(action, on_goal, on_cancel, result, self.log)

@@ -10,7 +10,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallb
 from rclpy.task import Future
 
 from end_effector_hal.control import Answer
-from end_effector_hal.control.goals import Outcome
+from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description, tool_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.interface import (
@@ -30,7 +30,6 @@ from end_effector_hal.nodes.transport import (
     ClientGoal,
     CommandClient,
     Commander,
-    ResultMessage,
     UnknownSenders,
 )
 from end_effector_hal.wires import now_us
@@ -45,6 +44,7 @@ from .connections import (
     RclpyCommandService,
     RclpyMessageMaker,
     answer_of,
+    has_action_class,
     message_class,
     reader_quality,
     response_maker,
@@ -194,12 +194,21 @@ class RclpyNode:
         )
         return Commander(service.server, lambda: RclpyCommandService(client, service))
 
+    def offers(self, action: Action) -> bool:
+        """Whether the type of an action is there; one that may be missing is told in the log."""
+        if 2 not in action.generations:
+            return False
+        if not action.optional or has_action_class(action.type):
+            return True
+        self.log.info("%s is not offered: the type %s is not installed", action.name, action.type)
+        return False
+
     def action_server(
         self,
         action: Action,
         on_goal: Callable[[ClientGoal], None],
         on_cancel: Callable[[ClientGoal], bool],
-        result: Callable[[Outcome, str], ResultMessage],
+        result: Callable[[Ending], Any],
     ) -> ActionServer:
         """Serve an action."""
         return RclpyActionServer(self._node, action, on_goal, on_cancel, result, self.log)

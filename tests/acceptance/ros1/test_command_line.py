@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.nodes.interface import ACTIONS, services, topics
+from end_effector_hal.nodes.interface import COMMAND_ACTIONS, services, topics
 from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
@@ -49,7 +49,7 @@ def test_rosmsg_and_rossrv_show_every_type_of_the_interface(system: Any) -> None
     """Debian has the definitions of messages in packages of their own, apart from their Python modules."""
     tool = load(profile_path())
     types = {("rosmsg", topic.type) for topic in topics(tool)}
-    types |= {("rosmsg", f"{action.type}Action") for action in ACTIONS}
+    types |= {("rosmsg", f"{action.type}Action") for action in COMMAND_ACTIONS}
     types |= {("rossrv", service.type) for service in services(tool)}
     shown = {kind: system.cli(kind[0], "show", kind[1]) for kind in sorted(types)}
     assert {kind: done.stderr for kind, done in shown.items() if done.returncode or not done.stdout} == {}

@@ -129,7 +129,7 @@ def test_an_accepted_goal_ends_with_its_outcome(
         assert server.cancelled == [handle]
     clock.pass_s(1.0)
     words = "" if outcome == 5 else "why"
-    getattr(handle, end)(server.server._result(outcome, words), words)
+    getattr(handle, end)(server.result(outcome, words), words)
     assert server.ends() == [("a", status, outcome)]
 
 
@@ -141,7 +141,7 @@ def test_a_goal_that_was_not_accepted_is_rejected(
     server.goal()
     if cancelled:
         server.cancel()
-    server.goals[0].set_rejected(server.server._result(outcome, "why"), "why")
+    server.goals[0].set_rejected(server.result(outcome, "why"), "why")
     assert server.ends() == [], "not within 0.1 s after the goal"
     clock.pass_s(0.1)
     assert server.ends() == [("a", REJECTED, outcome)]
@@ -158,7 +158,7 @@ def test_a_goal_that_comes_twice_is_answered_once(server: Server, clock: Clock) 
     server.goal()
     server.goal()
     assert len(server.goals) == 1
-    server.goals[0].set_rejected(server.server._result(1, "why"), "why")
+    server.goals[0].set_rejected(server.result(1, "why"), "why")
     server.goal()
     clock.pass_s(1.0)
     server.goal()
@@ -184,7 +184,7 @@ def test_a_flood_of_goals_is_refused_in_words_and_takes_a_bounded_room(server: S
             clock.pass_s(0.001)
             for handle in server.goals:
                 if handle.get_goal_status().status == PENDING:
-                    handle.set_rejected(server.server._result(1, "busy"), "busy")
+                    handle.set_rejected(server.result(1, "busy"), "busy")
             assert len(server.server._came) <= OPEN
             assert len(server.server.status_list) <= LISTED
             assert len(clock.jobs) <= 101, "0.1 s of 1,000 goals a second"
@@ -249,6 +249,6 @@ def test_closed_topics_at_the_end_are_no_traceback(
     server.server.publish_status_async(None)
     handle.set_accepted()
     handle.publish_feedback(None)
-    handle.set_aborted(server.server._result(4, "why"), "why")
+    handle.set_aborted(server.result(4, "why"), "why")
     clock.pass_s(1.0)
     assert server.results.sent == []

@@ -11,13 +11,13 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import RosError
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.demo._ros2 import FIVE, ONE, PROGRAM, apart
@@ -25,18 +25,24 @@ from end_effector_lab.demo._world import World
 from end_effector_lab.processes import Child
 from tests.support.patience import PATIENCE_S, wait_until
 
+STROKE_MM = 80.0
+"""Of the cylinder: the description of the paper's tool has none."""
+
 collect_ignore_glob = [] if importlib.util.find_spec("rclpy") else ["test_*.py"]
 
 
 class Sent:
     """A goal that was sent, with everything that came of it."""
 
-    def __init__(self, client: Any, goal: Any) -> None:
+    def __init__(self, executor: Any, client: Any, goal: Any) -> None:
         self.feedback: list[Any] = []
-        future = client.send_goal_async(goal, lambda message: self.feedback.append(message.feedback))
+        self._executor = executor
+        future = self._ask(
+            client.send_goal_async, goal, lambda message: self.feedback.append(message.feedback)
+        )
         wait_until("the goal was answered", future.done)
         self.handle = future.result()
-        self._result = self.handle.get_result_async()
+        self._result = self._ask(self.handle.get_result_async)
 
     def ended(self) -> bool:
         return bool(self._result.done())
@@ -49,9 +55,15 @@ class Sent:
 
     def cancel(self) -> bool:
         """Ask for a cancel; whether it was taken."""
-        future = self.handle.cancel_goal_async()
+        future = self._ask(self.handle.cancel_goal_async)
         wait_until("the cancel was answered", future.done)
         return bool(future.result().goals_canceling)
+
+    def _ask(self, question: Any, *arguments: Any) -> Any:
+        """In the executor's thread: rclpy drops an answer that comes before it has noted the question."""
+        task = self._executor.create_task(question, *arguments)
+        wait_until("the question was sent", task.done)
+        return task.result()
 
 
 class System:
@@ -70,12 +82,12 @@ class System:
     def five(self) -> bool:
         return len(self.programs) > 1
 
-    def start(self, program: str, *arguments: str) -> Child:
+    def start(self, program: str, *arguments: str, env: Mapping[str, str] | None = None) -> Child:
         """A program of the nodes, with the tool of this world."""
         tool = ("--ros-args", "-p", f"description:={self.world.description_path.absolute()}")
         return self.world.children.start(
             program, [*PROGRAM, program, *tool, *arguments],
-            log=self.folder / f"{program}-{next(self._numbers)}.log", failed=RosError, env=self.env,
+            log=self.folder / f"{program}-{next(self._numbers)}.log", failed=RosError, env={**self.env, **(env or {})},
             end_by=signal.SIGINT, patience_s=20.0,
         )  # fmt: skip
 
@@ -147,7 +159,11 @@ class System:
         return self.state
 
     def send(self, name: str) -> Sent:
-        return Sent(self._clients[name], self._goal())
+        return self.send_to(self._clients[name], self._goal())
+
+    def send_to(self, client: Any, goal: Any) -> Sent:
+        """A goal of any type."""
+        return Sent(self.executor, client, goal)
 
     def do(self, name: str) -> Any:
         """Have a goal succeed."""
@@ -182,11 +198,17 @@ class System:
         self.world.choose(bench)
 
 
+def with_stroke(tool: Description) -> Description:
+    """The same tool, whose cylinder moves a joint."""
+    cylinder = tool.actuators["cylinder"].model_copy(update={"stroke_mm": STROKE_MM})
+    return tool.model_copy(update={"actuators": {**tool.actuators, "cylinder": cylinder}})
+
+
 @pytest.fixture(scope="session", params=[ONE, FIVE], ids=["one", "five"])
 def running(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]:
     """The nodes in one process, then in five."""
     folder = tmp_path_factory.mktemp("ros2")
-    with World(load(profile_path()), "nominal", folder) as world:
+    with World(with_stroke(load(profile_path())), "nominal", folder) as world:
         system = System(world, folder, request.param)
         system.start_nodes()
         system.join()

@@ -43,9 +43,13 @@ class TestCylinder(KindConformance):
 
 class TestCylinderByItsBits(KindConformance):
     kind = Cylinder()
-    stanza: ClassVar = {"line": "A", "channel": "none"}
+    stanza: ClassVar = {"line": "A", "channel": "none", "stroke_mm": 80.0}
     active: ClassVar = {"cylinder_extended": True, "cylinder_retracted": False}
     inactive: ClassVar = {"cylinder_extended": False, "cylinder_retracted": True}
+
+    def test_its_stroke_is_metres_of_a_joint(self) -> None:
+        assert self.kind.travel(self.part) == ("prismatic", 0.08)
+        assert self.kind.travel(self.part.model_copy(update={"stroke_mm": None})) is None
 
 
 class TestVacuumPhysics(PhysicsConformance):
@@ -126,4 +130,4 @@ def test_what_is_no_kind_is_a_sentence_and_ends_nothing(
 
 def test_a_kind_is_documented_rule_by_rule():
     rules = (DeviceKind.__doc__ or "").splitlines()
-    assert [line.strip()[0] for line in rules if line.strip()[:1].isdigit()] == [*"123456789", "1"]
+    assert [line.strip()[0] for line in rules if line.strip()[:1].isdigit()] == [*"123456789", "1", "1"]

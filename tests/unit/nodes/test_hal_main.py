@@ -3,65 +3,35 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.control.goals import Outcome
 from end_effector_hal.nodes.hal_main import HalMainNode
-from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, GRIP_STATE, STATE_HZ, Action, Service, Topic
-from end_effector_hal.nodes.transport import StatusMessage, UnknownSenders
+from end_effector_hal.nodes.interface import (
+    COMMAND_ACTIONS,
+    END_EFFECTOR_STATE,
+    GRIP_STATE,
+    GRIPPER_COMMAND,
+    PARALLEL_GRIPPER_COMMAND,
+    STATE_HZ,
+)
+from end_effector_hal.nodes.transport import StatusMessage
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_hal.wires import now_us
+from tests.support.lone_node import LoneTransport
 
 
-class Transport:
-    """Keeps what a node publishes; a test calls what it has registered."""
-
-    name = "HALMain"
-
-    def __init__(self) -> None:
-        self.log = logging.getLogger("tests.hal_main")
-        self.unknown_senders = UnknownSenders(lambda alarm: None, now_us)
-        self.published: dict[str, list[Any]] = {}
-        self.callbacks: dict[str, Callable[[Any], None]] = {}
-        self.ticks: dict[float, Callable[[], None]] = {}
-        self.closers: list[Callable[[], None]] = []
-
-    def description(self) -> Description:
-        return load(profile_path())
-
-    def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        return self.published.setdefault(topic.name, []).append
-
-    def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        self.callbacks[topic.name] = callback
-
-    def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
-        self.ticks[rate_hz] = callback
-
-    def on_close(self, callback: Callable[[], None]) -> None:
-        self.closers.insert(0, callback)
-
-    def command_client(self, service: Service) -> Any:
-        return self
-
-    def action_server(self, action: Action, *_: Any) -> Any:
-        return self
-
-    def close(self) -> None:
-        """As an action server without a goal."""
-
-    @property
-    def states(self) -> list[EndEffectorState]:
-        return [EndEffectorState(each.state) for each in self.published[END_EFFECTOR_STATE.name]]
+def names_of_states(transport: LoneTransport) -> list[EndEffectorState]:
+    return [EndEffectorState(each.state) for each in transport.published[END_EFFECTOR_STATE.name]]
 
 
 @pytest.fixture
-def transport() -> Transport:
-    transport = Transport()
+def transport() -> LoneTransport:
+    transport = LoneTransport()
     HalMainNode(cast("Any", transport))
     return transport
 
@@ -79,13 +49,13 @@ def status(count: int, state: EndEffectorState) -> StatusMessage:
     )
 
 
-def test_every_status_is_one_state_and_a_repeated_one_is_none(transport: Transport) -> None:
+def test_every_status_is_one_state_and_a_repeated_one_is_none(transport: LoneTransport) -> None:
     grip = transport.callbacks[GRIP_STATE.name]
     first = status(1, EndEffectorState.STAND_BY)
     grip(first)
     grip(replace(first))
     grip(status(2, EndEffectorState.GRIPPING))
-    assert transport.states == [EndEffectorState.STAND_BY, EndEffectorState.GRIPPING]
+    assert names_of_states(transport) == [EndEffectorState.STAND_BY, EndEffectorState.GRIPPING]
     states = transport.published[END_EFFECTOR_STATE.name]
     first_count, second_count = (each.count for each in states)
     assert second_count == first_count + 1
@@ -93,7 +63,7 @@ def test_every_status_is_one_state_and_a_repeated_one_is_none(transport: Transpo
     assert len({each.since_us for each in states}) == 1
 
 
-def test_beside_each_integer_stands_its_name(transport: Transport) -> None:
+def test_beside_each_integer_stands_its_name(transport: LoneTransport) -> None:
     message = status(1, EndEffectorState.GRIPPED)
     message.actuators, message.evidence, message.cause, message.tool_changer = [2, 1, 0], [3, 2, 0], 1, 1
     transport.callbacks[GRIP_STATE.name](message)
@@ -106,7 +76,7 @@ def test_beside_each_integer_stands_its_name(transport: Transport) -> None:
 
 
 def test_off_is_the_last_state_whatever_comes_later(
-    transport: Transport, caplog: pytest.LogCaptureFixture
+    transport: LoneTransport, caplog: pytest.LogCaptureFixture
 ) -> None:
     grip = transport.callbacks[GRIP_STATE.name]
     grip(status(1, EndEffectorState.STAND_BY))
@@ -115,7 +85,29 @@ def test_off_is_the_last_state_whatever_comes_later(
     with caplog.at_level(logging.INFO):
         grip(status(2, EndEffectorState.GRIPPED))
         transport.ticks[STATE_HZ]()
-    assert transport.states == [EndEffectorState.STAND_BY, EndEffectorState.OFF]
+    assert names_of_states(transport) == [EndEffectorState.STAND_BY, EndEffectorState.OFF]
     last = transport.published[END_EFFECTOR_STATE.name][-1]
     assert (last.command, last.lift_allowed, last.secure) == (Command.NONE, False, False)
     assert caplog.records == []
+
+
+def test_what_the_transport_does_not_offer_is_not_served() -> None:
+    bare = LoneTransport(without=(GRIPPER_COMMAND, PARALLEL_GRIPPER_COMMAND))
+    HalMainNode(cast("Any", bare))
+    assert list(bare.goals) == [action.name for action in COMMAND_ACTIONS]
+
+
+def test_a_position_that_is_none_ends_its_goal_and_asks_no_program(
+    transport: LoneTransport, caplog: pytest.LogCaptureFixture
+) -> None:
+    ended: list[Any] = []
+    goal = SimpleNamespace(
+        request=SimpleNamespace(command=SimpleNamespace(position=0.5, max_effort=0.0)),
+        end=lambda ending, result: ended.append((ending.outcome, ending.seconds, result.reached_goal)),
+    )
+    transport.goals[GRIPPER_COMMAND.name](goal)
+    assert ended == [(Outcome.REJECTED, None, False)]
+    (record,) = caplog.records
+    why = "The position 0.5 is none of this tool: 0 grips, 1 drops."
+    assert record.getMessage() == f"{GRIPPER_COMMAND.name}: REJECTED. {why}"
+    assert record.levelno == logging.WARNING, "its result has no place for the reason"

@@ -11,6 +11,7 @@ import pytest
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.interface import (
     ACTIONS,
+    COMMAND_ACTIONS,
     position_topics,
     pressure_topics,
     services,
@@ -46,7 +47,7 @@ def test_the_services_and_topics_of_table_i(tool: Description) -> None:
 
 
 def test_each_action_gives_one_command() -> None:
-    assert {action.name: action.command for action in ACTIONS} == {
+    assert {action.name: action.command for action in COMMAND_ACTIONS} == {
         "LockToolChanger": Command.LOCK,
         "UnlockToolChanger": Command.UNLOCK,
         "TriggerGrip": Command.GRIP,

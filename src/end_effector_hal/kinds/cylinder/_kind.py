@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from end_effector_hal.kinds import ChannelKey, ChannelReadings, DeviceKind, JointRule, Quote
+from end_effector_hal.kinds import ChannelKey, ChannelReadings, DeviceKind, JointRule, Quote, Travel
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Supply
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import TableState
@@ -74,6 +74,10 @@ class Cylinder(DeviceKind[CylinderActuator]):
         """At the nominal pressure of the supply."""
         extended_kpa = part.extended_fraction * supply.nominal_kpa
         return {"confirmed_kpa": extended_kpa, "gone_kpa": part.retracted_kpa}
+
+    def travel(self, part: CylinderActuator) -> Travel | None:
+        """Its stroke."""
+        return None if part.stroke_mm is None else Travel("prismatic", part.stroke_mm / 1000)
 
     def _instead(self, part: CylinderActuator, position: str, carried: Mapping[str, Kind]) -> str:
         if part.channel in carried:

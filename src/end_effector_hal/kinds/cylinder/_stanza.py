@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from end_effector_hal.kinds.stanza import Actuator, Kilopascal, Name, Seconds
+from end_effector_hal.kinds.stanza import Actuator, Kilopascal, MaybeMillimetres, Name, Seconds
 
 
 class CylinderActuator(Actuator):
@@ -24,4 +24,7 @@ class CylinderActuator(Actuator):
     )
     retracted_bit: Name | None = Field(
         default="cylinder_retracted", description="position bit that proves retracted; none: no such sensor"
+    )
+    stroke_mm: MaybeMillimetres = Field(
+        default=None, description="from retracted to extended, for joint_states and the URDF; null: no joint"
     )

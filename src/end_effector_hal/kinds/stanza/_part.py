@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 Seconds = Annotated[float, Field(gt=0, le=600)]
 MaybeSeconds = Annotated[float | None, Field(gt=0, le=600)]
 Kilopascal = Annotated[float, Field(gt=0, le=2000)]
+MaybeMillimetres = Annotated[float | None, Field(gt=0, le=5000)]
 BelowAmbient = Annotated[float, Field(gt=0, le=100)]
 Samples = Annotated[int, Field(ge=1, le=1000)]
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]

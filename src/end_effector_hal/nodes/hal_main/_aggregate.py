@@ -8,7 +8,7 @@ from math import nan
 
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.nodes.interface import GRIP, TOOL_CHANGE
+from end_effector_hal.nodes.interface import GRIP, TOOL_CHANGE, actuator_joints
 from end_effector_hal.nodes.transport import StateMessage, StatusMessage
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
 
@@ -37,6 +37,8 @@ class Aggregate:
         self._kinds = [part.kind for _, part in description.ordered]
         self._states = [kind_of(part).states for _, part in description.ordered]
         count = len(description.sequence)
+        joints = {joint.actuator: joint for joint in actuator_joints(description)}
+        self._joints = [joints.get(name) for name in description.sequence]
         nothing = StatusMessage(actuators=[0] * count, outputs=[False] * count, evidence=[0] * count)
         self.grip = self.tool_change = nothing
 
@@ -72,7 +74,7 @@ class Aggregate:
             evidence_names=[_name(Evidence, each) for each in evidence],
             margins=self._margins.values(grip.stale if grip.link_up and not lost else None),
             margin_units=["Pa"] * len(sequence),
-            positions=[nan] * len(sequence),
+            positions=[joint.position(evidence) if joint else nan for joint in self._joints],
             actuator="" if lost or grip.step < 0 else sequence[grip.step],
             attempt=grip.attempt,
             attempts_allowed=grip.attempts_allowed,

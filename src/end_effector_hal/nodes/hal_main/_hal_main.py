@@ -1,4 +1,4 @@
-"""Node HALMain: the only interface of applications; four actions, and the aggregated state."""
+"""Node HALMain: the only interface of applications; its actions, and the aggregated state."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_hal.wires import now_us
 
 from ._aggregate import CHANGER, STAND, Aggregate
+from ._goal_types import goal_types
 from ._margins import Margins
 from ._positions import Positions
 from ._served_goals import ServedGoals
@@ -64,7 +65,7 @@ class HalMainNode:
         self._log, self._unknown_senders = node.log, node.unknown_senders
         self._publish = node.publisher(END_EFFECTOR_STATE)
         self._state = self._aggregate.message(self._at_us, self._at_us, self._silence)
-        self._goals = ServedGoals(node, lambda: self._state)
+        self._goals = ServedGoals(node, goal_types(description, node.log), lambda: self._state)
         node.subscribe(GRIP_STATE, self._on_status(GRIP))
         node.subscribe(TOOL_CHANGE_STATE, self._on_status(TOOL_CHANGE))
         for channel, topic in pressure_topics(description):

@@ -1,33 +1,33 @@
-"""The four actions of HALMain: goals in, the rules of `control.goals`, answers out."""
+"""The actions of HALMain: goals in, the rules of `control.goals`, answers out."""
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 from end_effector_hal.control import Status
-from end_effector_hal.control.goals import Effect, Goal, Goals, Outcome, Phase, Todo
+from end_effector_hal.control.goals import Effect, Ending, Goal, Goals, Outcome, Phase, Todo
 from end_effector_hal.nodes.interface import (
-    ACTIONS,
     GRIP,
     GRIP_COMMAND,
     TOOL_CHANGE,
     TOOL_CHANGE_COMMAND,
-    Action,
 )
 from end_effector_hal.nodes.transport import (
     ClientGoal,
-    FeedbackMessage,
     NodeTransport,
-    ResultMessage,
     StateMessage,
     StatusMessage,
 )
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
 from end_effector_hal.wires import now_us
+
+from ._goal_types import GoalType
 
 _PROGRAMS = {GRIP: "grip", TOOL_CHANGE: "tool_change"}
 
@@ -36,6 +36,7 @@ _PROGRAMS = {GRIP: "grip", TOOL_CHANGE: "tool_change"}
 class ServedGoal(Goal):
     """A goal of a client."""
 
+    type: GoalType = field(kw_only=True)
     client: ClientGoal = field(kw_only=True)
 
 
@@ -48,10 +49,13 @@ class ServedGoals:
 
     Args:
         node: serves the actions; its log gets how each goal ended.
+        types: of the goals, an action each.
         state: gives the newest EndEffectorState.
     """
 
-    def __init__(self, node: NodeTransport, state: Callable[[], StateMessage]) -> None:
+    def __init__(
+        self, node: NodeTransport, types: Iterable[GoalType], state: Callable[[], StateMessage]
+    ) -> None:
         self._state, self._log = state, node.log
         self._lock, self._turn = threading.Lock(), threading.Lock()
         self._goals: Goals[ServedGoal] = Goals({name: f"The node {node}" for node, name in _PROGRAMS.items()})
@@ -60,9 +64,13 @@ class ServedGoals:
         self._commanders = {name: node.command_client(service) for name, service in commands.items()}
         self._servers = [
             node.action_server(
-                action, partial(self._came, action), partial(self._cancelled, action), self._result
+                each.action,
+                partial(self._came, each),
+                partial(self._cancelled, each),
+                partial(self._result, each),
             )
-            for action in ACTIONS
+            for each in types
+            if node.offers(each.action)
         ]
 
     def on_status(self, node: str, status: StatusMessage) -> None:
@@ -84,17 +92,21 @@ class ServedGoals:
         for server in self._servers:
             server.close()
 
-    def _came(self, action: Action, client: ClientGoal) -> None:
-        goal = ServedGoal(Command(action.command), action.name, client=client)
-        self._decide(lambda at: self._goals.begin(goal, at))
+    def _came(self, kind: GoalType, client: ClientGoal) -> None:
+        command = kind.command(client.request)
+        if isinstance(command, Command):
+            goal = ServedGoal(command, kind.action.name, type=kind, client=client)
+            self._decide(lambda at: self._goals.begin(goal, at))
+        else:
+            self._answer(kind, client, Ending(Outcome.REJECTED, command), None)
 
-    def _cancelled(self, action: Action, client: ClientGoal) -> bool:
+    def _cancelled(self, kind: GoalType, client: ClientGoal) -> bool:
         taken = False
 
         def decide(_at: int) -> list[Effect[ServedGoal]]:
             nonlocal taken
             for goal in self._goals.open:
-                if goal.name == action.name and goal.client == client:
+                if goal.type is kind and goal.client == client:
                     # a program that was asked for a drop or a change of the tool will not be asked to stop
                     taken = goal.command is Command.GRIP or goal.phase is Phase.WAITING
                     return self._goals.cancel(goal)
@@ -136,34 +148,19 @@ class ServedGoals:
         elif todo is Todo.SAY_BEGUN:
             goal.client.begin()
         elif todo is Todo.SAY_PROGRESS:
-            goal.client.publish_feedback(self._feedback())
-        else:
-            self._say_ended(goal)
+            goal.client.publish_feedback(goal.type.feedback(self._state()))
+        elif goal.ending is not None:
+            self._answer(goal.type, goal.client, goal.ending, goal.command)
 
-    def _say_ended(self, goal: ServedGoal) -> None:
-        if (ending := goal.ending) is None:
-            return
-        self._log.info("%s: %s", goal.name, f"{ending.outcome.name}. {ending.reason}".rstrip())
-        result = self._result(ending.outcome, ending.reason)
-        if ending.seconds is not None:
-            result.seconds = ending.seconds
-            result.steps = self._state().steps if goal.command is Command.GRIP else []
-        goal.client.end(result, begun=ending.seconds is not None)
+    def _answer(self, kind: GoalType, client: ClientGoal, ending: Ending, command: Command | None) -> None:
+        wanted = ending.outcome in (Outcome.SUCCEEDED, Outcome.CANCELLED, Outcome.NOT_EXECUTED)
+        # where the result has no place for a reason this line is all that says it
+        level = logging.INFO if wanted or kind.says_why else logging.WARNING
+        self._log.log(level, "%s: %s", kind.action.name, f"{ending.outcome.name}. {ending.reason}".rstrip())
+        client.end(ending, self._result(kind, ending, command))
 
-    def _result(self, outcome: Outcome, reason: str) -> ResultMessage:
-        state = self._state()
-        return ResultMessage(outcome, outcome.name, state.state, state.state_name, reason)
-
-    def _feedback(self) -> FeedbackMessage:
-        state = self._state()
-        return FeedbackMessage(
-            state=state.state,
-            state_name=state.state_name,
-            actuator=state.actuator,
-            attempt=state.attempt if state.state == EndEffectorState.GRIPPING else 0,
-            attempts_allowed=state.attempts_allowed,
-            time_left_s=state.time_left_s,
-        )
+    def _result(self, kind: GoalType, ending: Ending, command: Command | None = None) -> Any:
+        return kind.result(self._state(), ending, command)
 
 
 def _status(message: StatusMessage) -> Status:

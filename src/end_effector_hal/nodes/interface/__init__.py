@@ -1,10 +1,12 @@
 """The ROS interface of a tool, for either generation: names, types, rates, who publishes and who may call."""
 
-from ._entries import Action, Parameter, Service, Topic
+from ._entries import Action, CommandAction, Parameter, Service, Topic
+from ._joints import GRIP_UPPER, ToolJoint, actuator_joints, grip_joint, grip_position
 from ._name_faults import load_for_nodes, name_faults
 from ._table import (
     ACTIONS,
     ARM_TOOL_CHANGER,
+    COMMAND_ACTIONS,
     COMMAND_VALID_S,
     DATA_LOGGER,
     DESCRIPTION,
@@ -17,10 +19,13 @@ from ._table import (
     GRIP,
     GRIP_COMMAND,
     GRIP_STATE,
+    GRIPPER_COMMAND,
     HAL_MAIN,
     HAL_NODES,
+    JOINT_STATES,
     KEEP_MB,
     NODES,
+    PARALLEL_GRIPPER_COMMAND,
     PARAMETERS,
     PATIENCE,
     PATIENCE_S,
@@ -47,6 +52,7 @@ from ._tool import position_topics, pressure_topics, services, set_services, set
 __all__ = [
     "ACTIONS",
     "ARM_TOOL_CHANGER",
+    "COMMAND_ACTIONS",
     "COMMAND_VALID_S",
     "DATA_LOGGER",
     "DESCRIPTION",
@@ -57,12 +63,16 @@ __all__ = [
     "GIVE_UP_S",
     "GONE_AFTER_S",
     "GRIP",
+    "GRIPPER_COMMAND",
     "GRIP_COMMAND",
     "GRIP_STATE",
+    "GRIP_UPPER",
     "HAL_MAIN",
     "HAL_NODES",
+    "JOINT_STATES",
     "KEEP_MB",
     "NODES",
+    "PARALLEL_GRIPPER_COMMAND",
     "PARAMETERS",
     "PATIENCE",
     "PATIENCE_S",
@@ -84,9 +94,14 @@ __all__ = [
     "TOOL_CHANGE_STATE",
     "TRIGGER_GRIP",
     "Action",
+    "CommandAction",
     "Parameter",
     "Service",
+    "ToolJoint",
     "Topic",
+    "actuator_joints",
+    "grip_joint",
+    "grip_position",
     "load_for_nodes",
     "name_faults",
     "position_topics",

@@ -53,11 +53,27 @@ class Service:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """An action, its server, and the command of Table II that a goal gives."""
+    """An action and its server.
+
+    Attributes:
+        name: relative.
+        type: of its goals, results and feedback.
+        server: the node that serves it.
+        generations: of ROS that offer it.
+        optional: it is only offered where the package of its type is installed.
+    """
 
     name: str
     type: str
     server: str
+    generations: tuple[int, ...] = (1, 2)
+    optional: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandAction(Action):
+    """An action whose goals all give the same command of Table II."""
+
     command: Command
 
 

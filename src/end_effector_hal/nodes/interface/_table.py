@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from end_effector_hal.vocabulary import Command
 
-from ._entries import Action, Parameter, Service, Topic
+from ._entries import Action, CommandAction, Parameter, Service, Topic
 
 HAL_MAIN, GRIP, TOOL_CHANGE = "HALMain", "Grip", "ToolChange"
 PRESSURE, POSITION = "Pressure", "Position"
@@ -55,6 +55,7 @@ POSITION_TOOL_STAND = Topic(
     "PositionToolStand", "end_effector_msgs/ToolStandPosition", (POSITION,), (HAL_MAIN,),
     rate_hz=STATE_HZ, latched=True,
 )  # fmt: skip
+JOINT_STATES = Topic("joint_states", "sensor_msgs/JointState", (POSITION,), rate_hz=STATE_HZ)
 END_EFFECTOR_STATE = Topic(
     "EndEffectorState", "end_effector_msgs/EndEffectorState", (HAL_MAIN,), (DATA_LOGGER, SUPERVISOR),
     rate_hz=STATE_HZ, latched=True, queue=100,
@@ -76,7 +77,7 @@ TOOL_CHANGE_COMMAND = Service(
 PRESSURE_SUPPLY = pressure("PressureSupply")
 FIXED_TOPICS = (
     END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
-    POSITION_TOOL_CHANGER, POSITION_TOOL_STAND, PRESSURE_SUPPLY,
+    POSITION_TOOL_CHANGER, POSITION_TOOL_STAND, PRESSURE_SUPPLY, JOINT_STATES,
 )  # fmt: skip
 """Topics that are called the same for every tool."""
 
@@ -87,11 +88,28 @@ RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
 FIXED_SERVICES = (ARM_TOOL_CHANGER, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
 """Services that are called the same for every tool."""
 
-LOCK_TOOL_CHANGER = Action("LockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.LOCK)
-UNLOCK_TOOL_CHANGER = Action("UnlockToolChanger", "end_effector_msgs/EndEffector", HAL_MAIN, Command.UNLOCK)
-TRIGGER_GRIP = Action("TriggerGrip", "end_effector_msgs/EndEffector", HAL_MAIN, Command.GRIP)
-DROP = Action("Drop", "end_effector_msgs/EndEffector", HAL_MAIN, Command.RELEASE)
-ACTIONS = (LOCK_TOOL_CHANGER, UNLOCK_TOOL_CHANGER, TRIGGER_GRIP, DROP)
+
+def command_action(name: str, command: Command) -> CommandAction:
+    """An action of our own type."""
+    return CommandAction(name, "end_effector_msgs/EndEffector", HAL_MAIN, command=command)
+
+
+LOCK_TOOL_CHANGER = command_action("LockToolChanger", Command.LOCK)
+UNLOCK_TOOL_CHANGER = command_action("UnlockToolChanger", Command.UNLOCK)
+TRIGGER_GRIP = command_action("TriggerGrip", Command.GRIP)
+DROP = command_action("Drop", Command.RELEASE)
+COMMAND_ACTIONS = (LOCK_TOOL_CHANGER, UNLOCK_TOOL_CHANGER, TRIGGER_GRIP, DROP)
+
+# MoveIt's name of an action is that of its controller, then action_ns
+GRIPPER_COMMAND = Action(
+    "gripper_controller/gripper_cmd", "control_msgs/GripperCommand", HAL_MAIN,
+    generations=(2,), optional=True,
+)  # fmt: skip
+PARALLEL_GRIPPER_COMMAND = Action(
+    "parallel_gripper_controller/gripper_cmd", "control_msgs/ParallelGripperCommand", HAL_MAIN,
+    generations=(2,), optional=True,
+)  # fmt: skip
+ACTIONS: tuple[Action, ...] = (*COMMAND_ACTIONS, GRIPPER_COMMAND, PARALLEL_GRIPPER_COMMAND)
 
 DESCRIPTION = Parameter(
     "description",

@@ -14,6 +14,7 @@ from ._table import (
     GRIP_COMMAND,
     GRIP_STATE,
     HAL_MAIN,
+    JOINT_STATES,
     POSITION,
     POSITION_TOOL_CHANGER,
     POSITION_TOOL_STAND,
@@ -67,7 +68,7 @@ def topics(description: Description) -> tuple[Topic, ...]:
     changer = (POSITION_TOOL_CHANGER, POSITION_TOOL_STAND) if description.tool_changer else ()
     return (
         END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, *(topic for _, topic in pressure_topics(description)),
-        *position_topics(description).values(), *changer,
+        *position_topics(description).values(), JOINT_STATES, *changer,
         SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
     )  # fmt: skip
 

@@ -2,7 +2,18 @@
 
 from ._guarded import guarded
 from ._paced_log import BURST, LONGEST, PER_S, Allowance, PacedLog, node_log
-from ._ros_class import ros_class
+from ._ros_class import has_ros_class, ros_class
 from ._ticker import Ticker
 
-__all__ = ["BURST", "LONGEST", "PER_S", "Allowance", "PacedLog", "Ticker", "guarded", "node_log", "ros_class"]
+__all__ = [
+    "BURST",
+    "LONGEST",
+    "PER_S",
+    "Allowance",
+    "PacedLog",
+    "Ticker",
+    "guarded",
+    "has_ros_class",
+    "node_log",
+    "ros_class",
+]

@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import importlib
+from importlib.util import find_spec
 from typing import Any
 
 from end_effector_hal.errors import RosError
+
+
+def has_ros_class(name: str, kind: str) -> bool:
+    """Whether a type is installed, named as for `ros_class`."""
+    package, _, plain = name.partition("/")
+    if find_spec(package) is None or find_spec(f"{package}.{kind}") is None:
+        return False
+    return hasattr(importlib.import_module(f"{package}.{kind}"), plain)
 
 
 def ros_class(name: str, kind: str, todo: str) -> Any:

@@ -9,7 +9,7 @@ from functools import partial
 
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import RosError
-from end_effector_hal.nodes.interface import ACTIONS, GIVE_UP_S, PATIENCE_S
+from end_effector_hal.nodes.interface import COMMAND_ACTIONS, GIVE_UP_S, PATIENCE_S
 from end_effector_hal.nodes.transport import FeedbackMessage, NodeTransport, ResultMessage, StepMessage
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
@@ -78,7 +78,7 @@ class GoalClients:
         self, node: NodeTransport, say: Callable[[str], None], patience_s: float = PATIENCE_S
     ) -> None:
         self._node, self._say, self._patience_s = node, say, patience_s
-        self._clients = {Command(action.command): node.action_client(action) for action in ACTIONS}
+        self._clients = {action.command: node.action_client(action) for action in COMMAND_ACTIONS}
         self._sent: list[SentGoal] = []
         self._lock = threading.Lock()
         self._seen: tuple[int | None, float] = (None, 0.0)
@@ -96,7 +96,7 @@ class GoalClients:
         """Wait until every action is up, with a message; raises RosError after 30 s."""
         if self._up(1.0):
             return
-        self._say(f"waiting for the actions {', '.join(action.name for action in ACTIONS)} …")
+        self._say(f"waiting for the actions {', '.join(action.name for action in COMMAND_ACTIONS)} …")
         if not self._up(GIVE_UP_S - 1.0) and not self._node.ending:
             raise RosError(
                 f"The actions of HALMain did not come up within {GIVE_UP_S:g} s.",

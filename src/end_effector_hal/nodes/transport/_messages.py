@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import nan
 
 from end_effector_hal.vocabulary import Command
 
@@ -57,6 +58,15 @@ class CylinderPositionMessage:
     position_name: str
     fraction: float
     header: MessageHeader
+
+
+@dataclass(slots=True)
+class JointStateMessage:
+    """``JointState``: only the joints whose position is proven, m or rad."""
+
+    name: Sequence[str]
+    position: Sequence[float]
+    header: MessageHeader = field(default_factory=MessageHeader)
 
 
 @dataclass(slots=True)
@@ -185,6 +195,25 @@ class ResultMessage:
     reason: str
     seconds: float = 0.0
     steps: Sequence[StepMessage] = ()
+
+
+@dataclass(slots=True)
+class GripperMessage:
+    """``GripperCommand_Result`` and ``_Feedback``; NaN: not known."""
+
+    position: float
+    effort: float = nan
+    stalled: bool = False
+    reached_goal: bool = False
+
+
+@dataclass(slots=True)
+class ParallelGripperMessage:
+    """``ParallelGripperCommand_Result`` and ``_Feedback``."""
+
+    state: JointStateMessage
+    stalled: bool = False
+    reached_goal: bool = False
 
 
 @dataclass(slots=True)

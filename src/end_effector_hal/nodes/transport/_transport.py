@@ -30,12 +30,11 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from end_effector_hal.control import Answer
-from end_effector_hal.control.goals import Outcome
+from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.interface import Action, Parameter, Service, Topic
 
-from ._messages import FeedbackMessage, ResultMessage
 from ._unknown_senders import UnknownSenders
 
 
@@ -53,16 +52,23 @@ class CommandClient(Protocol):
 
 
 class ClientGoal(Protocol):
-    """A goal that a client has sent; two are equal when they stand for the same one. Each call returns at once."""
+    """A goal that a client has sent; two are equal when they stand for the same one. Each call returns at once.
+
+    Messages to the client are those of `_messages`, made to the type of the action (rule 1).
+    """
+
+    @property
+    def request(self) -> Any:
+        """What it asks for (rule 2)."""
 
     def begin(self) -> None:
         """Tell the client that its goal is being executed."""
 
-    def publish_feedback(self, feedback: FeedbackMessage) -> None:
+    def publish_feedback(self, feedback: Any) -> None:
         """Tell the client how far its goal is."""
 
-    def end(self, result: ResultMessage, *, begun: bool) -> None:
-        """Tell the client how its goal ended; ``begun``: whether it was executed, as far as that is known."""
+    def end(self, ending: Ending, result: Any) -> None:
+        """Tell the client how its goal ended: by the status of the goal, and by the result of its action."""
 
 
 class ActionServer(Protocol):
@@ -135,12 +141,15 @@ class NodeTransport(Protocol):
     def command_client(self, service: Service) -> CommandClient:
         """A client that gives commands to another node."""
 
+    def offers(self, action: Action) -> bool:
+        """Whether this generation has the type of an action; of one that is only missing here the log says so."""
+
     def action_server(
         self,
         action: Action,
         on_goal: Callable[[ClientGoal], None],
         on_cancel: Callable[[ClientGoal], bool],
-        result: Callable[[Outcome, str], ResultMessage],
+        result: Callable[[Ending], Any],
     ) -> ActionServer:
         """Serve an action.
 
@@ -148,7 +157,7 @@ class NodeTransport(Protocol):
             action: of the table.
             on_goal: called with each goal that comes.
             on_cancel: called when a client cancels a goal; returns whether that can change anything.
-            result: makes the result of a goal that the server refuses by itself: too many, or an id without bounds.
+            result: makes the result of a goal that the server ends by itself: too many, or an id without bounds.
         """
 
     def action_client(self, action: Action) -> ActionClient:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from typing import Any
 
-from end_effector_hal.control.goals import Outcome
+from end_effector_hal.control.goals import Ending
 from end_effector_hal.nodes.interface import Action
-from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal, ResultMessage
+from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
 
 
 def action_server(
     action: Action,
     on_goal: Callable[[ClientGoal], None],
     on_cancel: Callable[[ClientGoal], bool],
-    result: Callable[[Outcome, str], ResultMessage],
+    result: Callable[[Ending], Any],
     log: logging.Logger,
 ) -> ActionServer:
     """Serve an action; see `NodeTransport.action_server`."""

@@ -13,9 +13,9 @@ import actionlib
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
-from end_effector_hal.control.goals import NOT_BEGUN, Outcome
+from end_effector_hal.control.goals import NOT_BEGUN, Ending, Outcome
 from end_effector_hal.nodes.interface import Action
-from end_effector_hal.nodes.transport import ClientGoal, FeedbackMessage, ResultMessage
+from end_effector_hal.nodes.transport import ClientGoal
 from end_effector_hal.ros1.connections import MessageMaker, message_class
 from end_effector_hal.wires import now_us
 
@@ -51,23 +51,28 @@ class ActionlibGoal:
     make_result: Callable[[Any], Any] = field(compare=False)
     make_feedback: Callable[[Any], Any] = field(compare=False)
 
+    @property
+    def request(self) -> Any:
+        """The goal: it has no options."""
+        return self.handle.get_goal()
+
     def begin(self) -> None:
         """It is ACTIVE."""
         self.handle.set_accepted()
 
-    def publish_feedback(self, feedback: FeedbackMessage) -> None:
+    def publish_feedback(self, feedback: Any) -> None:
         """How far it is."""
         self.handle.publish_feedback(self.make_feedback(feedback))
 
-    def end(self, result: ResultMessage, *, begun: bool) -> None:
+    def end(self, ending: Ending, result: Any) -> None:
         """SUCCEEDED, PREEMPTED or ABORTED; RECALLED or REJECTED where it was not begun."""
         ends = {Outcome.SUCCEEDED: self.handle.set_succeeded, Outcome.CANCELLED: self.handle.set_canceled}
-        if begun:
-            end = ends.get(Outcome(result.outcome), self.handle.set_aborted)
+        if ending.seconds is not None:
+            end = ends.get(ending.outcome, self.handle.set_aborted)
         else:
-            not_executed = result.outcome == Outcome.NOT_EXECUTED
+            not_executed = ending.outcome is Outcome.NOT_EXECUTED
             end = self.handle.set_canceled if not_executed else self.handle.set_rejected
-        end(self.make_result(result), result.reason)
+        end(self.make_result(result), ending.reason)
 
 
 class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
@@ -91,7 +96,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         action: Action,
         on_goal: Callable[[ClientGoal], None],
         on_cancel: Callable[[ClientGoal], bool],
-        result: Callable[[Outcome, str], ResultMessage],
+        result: Callable[[Ending], Any],
         later: Later,
     ) -> None:
         make_result = MessageMaker(message_class(f"{action.type}Result"))
@@ -108,9 +113,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
             auto_start=False,
         )
         self._name, self._later = action.name, later
-        self._result: Callable[[Outcome, str], Any] = lambda outcome, reason: make_result(
-            result(outcome, reason)
-        )
+        self._result: Callable[[Ending], Any] = lambda ending: make_result(result(ending))
         self._cancels = Cancels()
         self._came: dict[str, int] = {}
 
@@ -165,7 +168,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
     def publish_result(self, status: Any, result: Any) -> None:
         """A goal has come to its end."""
         if result.outcome == Outcome.NOT_EXECUTED and not result.reason:
-            result = self._result(Outcome.NOT_EXECUTED, NOT_BEGUN)
+            result = self._result(Ending(Outcome.NOT_EXECUTED, NOT_BEGUN))
         status.text = status.text or result.reason
         self._answer(copy(status), result)
 
@@ -190,7 +193,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
 
     def _refuse(self, goal_id: Any, reason: str) -> None:
         status = GoalStatus(goal_id, GoalStatus.REJECTED, reason)
-        send = partial(self._send, status, self._result(Outcome.REJECTED, reason))
+        send = partial(self._send, status, self._result(Ending(Outcome.REJECTED, reason)))
         # what is too long to be kept does not wait
         self._later.put(0 if len(goal_id.id) > LONGEST_ID else now_us() + ANSWER_AFTER_US, send)
 

@@ -24,6 +24,7 @@ class RclpyActionClient:
     """
 
     def __init__(self, node: Node, action: Action) -> None:
+        self._node = node
         self._kind, group = action_class(action.type), ReentrantCallbackGroup()
         self._client = ActionClient(node, self._kind, action.name, callback_group=group)
         self._cancels = node.create_client(
@@ -48,8 +49,15 @@ class RclpyActionClient:
             response = future.result()
             on_end(response.result, response.status == GoalStatus.STATUS_SUCCEEDED)
 
-        sent = self._client.send_goal_async(self._kind.Goal(), lambda message: on_feedback(message.feedback))
-        sent.add_done_callback(answered)
+        def send() -> None:
+            sent = self._client.send_goal_async(
+                self._kind.Goal(), lambda message: on_feedback(message.feedback)
+            )
+            sent.add_done_callback(answered)
+
+        # rclpy drops an answer that comes before it has noted the goal: both happen in one thread
+        if (executor := self._node.executor) is not None:
+            executor.create_task(send)
 
     def cancel_all(self) -> None:
         """Cancel every goal of this action: no id and no time stand for all of them."""

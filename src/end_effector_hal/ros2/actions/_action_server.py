@@ -13,9 +13,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
-from end_effector_hal.control.goals import Outcome
+from end_effector_hal.control.goals import Ending, Outcome
 from end_effector_hal.nodes.interface import Action
-from end_effector_hal.nodes.transport import ClientGoal, FeedbackMessage, ResultMessage
+from end_effector_hal.nodes.transport import ClientGoal
 from end_effector_hal.ros2.connections import RclpyMessageMaker, action_class
 
 OPEN = 10
@@ -44,7 +44,7 @@ class RclpyActionServer:
         action: Action,
         on_goal: Callable[[ClientGoal], None],
         on_cancel: Callable[[ClientGoal], bool],
-        result: Callable[[Outcome, str], ResultMessage],
+        result: Callable[[Ending], Any],
         log: logging.Logger,
     ) -> None:
         kind = action_class(action.type)
@@ -92,7 +92,8 @@ class RclpyActionServer:
             why = (
                 f"{OPEN} goals of {self._name} wait for their answer: more are not taken. Wait for their end."
             )
-            goal.end(self._result(Outcome.REJECTED, why), begun=False)
+            ending = Ending(Outcome.REJECTED, why)
+            goal.end(ending, self._result(ending))
             return
         self._open[goal.key] = goal
         try:
@@ -118,27 +119,32 @@ class RclpyGoal:
         self.key = bytes(handle.goal_id.uuid)
         self.over: Future = Future()
 
+    @property
+    def request(self) -> Any:
+        """The goal."""
+        return self._handle.request
+
     def begin(self) -> None:
         """It is EXECUTING."""
         self._server.run(lambda: self._handle.execute(self._wait))
 
-    def publish_feedback(self, feedback: FeedbackMessage) -> None:
+    def publish_feedback(self, feedback: Any) -> None:
         """How far it is."""
         message = self._server.make_feedback(feedback)
         self._server.run(lambda: self._handle.publish_feedback(message))
 
-    def end(self, result: ResultMessage, *, begun: bool) -> None:
+    def end(self, ending: Ending, result: Any) -> None:
         """SUCCEEDED, CANCELED or ABORTED."""
         message = self._server.make_result(result)
         wanted = (Outcome.CANCELLED, Outcome.NOT_EXECUTED)
 
         def end() -> None:
-            if not begun:
+            if ending.seconds is None:
                 # from ACCEPTED there is no way to an end but through EXECUTING
                 self._handle.execute(self._wait)
-            if result.outcome == Outcome.SUCCEEDED:
+            if ending.outcome is Outcome.SUCCEEDED:
                 self._handle.succeed()
-            elif result.outcome in wanted and self._handle.is_cancel_requested:
+            elif ending.outcome in wanted and self._handle.is_cancel_requested:
                 self._handle.canceled()
             else:
                 self._handle.abort()

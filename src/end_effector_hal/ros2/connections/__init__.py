@@ -5,7 +5,7 @@ from ._local_bus import LocalBus
 from ._messages import RclpyMessageMaker, answer_of, response_maker
 from ._publishers_in_graph import PublishersInGraph
 from ._quality import reader_quality, writer_quality
-from ._types import action_class, message_class, service_class
+from ._types import action_class, has_action_class, message_class, service_class
 
 __all__ = [
     "LocalBus",
@@ -15,6 +15,7 @@ __all__ = [
     "RclpyMessageMaker",
     "action_class",
     "answer_of",
+    "has_action_class",
     "message_class",
     "reader_quality",
     "response_maker",

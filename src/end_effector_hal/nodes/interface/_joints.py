@@ -1,0 +1,62 @@
+"""The joints of a tool, as ``joint_states``, MoveIt and the URDF call them, and where they stand.
+
+``<tool>_joint`` stands for the whole tool: 0 gripped, `GRIP_UPPER` released. It moves nothing: a tool of vacuum cups
+has no opening in metres. ``<tool>_<actuator>_joint`` is what an actuator moves, where its description says how far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import nan
+
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import Travel, kind_of
+from end_effector_hal.vocabulary import Evidence
+
+GRIP_UPPER = 1.0
+"""rad; the lower limit is 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToolJoint:
+    """What one actuator moves.
+
+    Attributes:
+        name: on the ROS graph.
+        actuator: its name in the description.
+        index: of the actuator in the sequence.
+        travel: its type and upper limit.
+    """
+
+    name: str
+    actuator: str
+    index: int
+    travel: Travel
+
+    def position(self, evidence: Sequence[int]) -> float:
+        """Where the evidence of all actuators proves that it stands, m or rad; NaN: nowhere."""
+        ends: dict[int, float] = {Evidence.GONE: 0.0, Evidence.CONFIRMED: self.travel.upper}
+        return ends.get(evidence[self.index], nan)
+
+
+def grip_joint(description: Description) -> str:
+    """The joint that stands for the whole tool."""
+    return f"{description.name}_joint"
+
+
+def grip_position(evidence: Sequence[int]) -> float:
+    """Where it stands: 0 with everything confirmed, `GRIP_UPPER` with everything gone; NaN: neither is proven."""
+    ends: dict[int, float] = {Evidence.CONFIRMED: 0.0, Evidence.GONE: GRIP_UPPER}
+    return ends.get(evidence[0], nan) if len(set(evidence)) == 1 else nan
+
+
+def actuator_joints(description: Description) -> tuple[ToolJoint, ...]:
+    """In the order of a grip."""
+    return tuple(_joints(description))
+
+
+def _joints(description: Description) -> Iterator[ToolJoint]:
+    for index, (name, part) in enumerate(description.ordered):
+        if travel := kind_of(part).travel(part):
+            yield ToolJoint(f"{description.name}_{name}_joint", name, index, travel)

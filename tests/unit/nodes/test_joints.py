@@ -1,0 +1,94 @@
+"""Which joints a tool has, and where they stand; what Position publishes of them. It needs no ROS."""
+
+from __future__ import annotations
+
+from math import isnan
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+
+from end_effector_hal.description import Description, load
+from end_effector_hal.nodes._position import PositionNode
+from end_effector_hal.nodes.interface import (
+    JOINT_STATES,
+    SENSOR_FRAME,
+    STATE_HZ,
+    actuator_joints,
+    grip_joint,
+    grip_position,
+)
+from end_effector_hal.nodes.transport import FrameMessage
+from end_effector_hal.vocabulary import Evidence
+from end_effector_hal.wires import now_us
+from tests.support.lone_node import LoneTransport
+
+TOOL = """\
+name: tool
+link: {port: /dev/ttyS0}
+sequence: [cup, rod, grip]
+actuators:
+  cup: {kind: vacuum, line: A, channel: bottom}
+  rod: {kind: cylinder, line: B, channel: cylinder}
+  grip: {kind: cylinder, line: C, channel: top, extended_bit: in_stand, retracted_bit: none, stroke_mm: 25}
+"""
+
+
+@pytest.fixture
+def tool(tmp_path: Path) -> Description:
+    path = tmp_path / "tool.yaml"
+    path.write_text(TOOL, encoding="utf-8")
+    return load(path)
+
+
+def test_a_cylinder_has_a_joint_where_its_stroke_is_known(tool: Description) -> None:
+    (joint,) = actuator_joints(tool)
+    assert (joint.name, joint.actuator, joint.index) == ("tool_grip_joint", "grip", 2)
+    assert joint.travel == ("prismatic", 0.025)
+    assert grip_joint(tool) == "tool_joint"
+
+
+def test_a_joint_stands_where_its_own_evidence_proves_it(tool: Description) -> None:
+    (joint,) = actuator_joints(tool)
+    assert joint.position([Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.CONFIRMED]) == 0.025
+    assert joint.position([Evidence.CONFIRMED, Evidence.CONFIRMED, Evidence.GONE]) == 0.0
+    for level in (Evidence.UNKNOWN, Evidence.PARTIAL, 9):
+        assert isnan(joint.position([Evidence.CONFIRMED, Evidence.CONFIRMED, level]))
+
+
+def test_the_tool_is_gripped_or_released_only_as_a_whole() -> None:
+    assert grip_position([Evidence.CONFIRMED] * 3) == 0.0
+    assert grip_position([Evidence.GONE] * 3) == 1.0
+    for evidence in (
+        [Evidence.UNKNOWN] * 3,
+        [Evidence.PARTIAL] * 3,
+        [Evidence.CONFIRMED, Evidence.GONE],
+        [9],
+    ):
+        assert isnan(grip_position(evidence))
+
+
+def test_a_joint_is_published_at_once_repeated_and_left_out_when_it_is_not_proven(tool: Description) -> None:
+    transport = LoneTransport(tool)
+    PositionNode(cast("Any", transport))
+    published, tick = transport.published[JOINT_STATES.name], transport.ticks[STATE_HZ]
+
+    def frame(seq: int, extended: bool) -> None:
+        channels, values = ["in_stand", "top"], [int(extended), 0]
+        message = FrameMessage(now_us(), seq, -1, channels, values, [True, True])
+        transport.callbacks[SENSOR_FRAME.name](message)
+
+    def seen() -> list[dict[str, float]]:
+        return [dict(zip(each.name, each.position, strict=True)) for each in cast("list[Any]", published)]
+
+    tick()
+    assert seen() == [], "nothing is proven before the first frame"
+    frame(1, extended=True)
+    assert seen() == [{"tool_grip_joint": 0.025}], "a change does not wait for the clock"
+    frame(2, extended=True)
+    assert len(seen()) == 1
+    tick()
+    assert seen() == [{"tool_grip_joint": 0.025}] * 2
+    frame(3, extended=False)
+    tick()
+    assert len(seen()) == 2, "on its way it stands nowhere"
