@@ -9,7 +9,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -93,6 +93,9 @@ test-dist: $(UV) ## wheel and sdist: built, installed into fresh environments, u
 
 bench: setup ## measure it: latencies against their floor, CPU, memory
 	@$(ROS_ENV) && python benchmarks/run.py
+
+bench-ros2: ros2 ## the same without ROS and through ROS 2, in one run
+	@$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python benchmarks/run.py --parts core ros2-one ros2-five -o runs/bench-ros2.json
 
 kill-matrix: setup ## kill, stop and end every process in the states that tell most (5 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run

@@ -17,7 +17,12 @@ def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
     def aim(text: str, value: float, most: float, words: str) -> None:
         found.append({"text": text, "measured": words, "met": value <= most})
 
-    for part, where in (("core", "without ROS"), ("ros", "through ROS")):
+    for part, where in (
+        ("core", "without ROS"),
+        ("ros", "through ROS 1"),
+        ("ros2-one", "through ROS 2, one process"),
+        ("ros2-five", "through ROS 2, five processes"),
+    ):
         result = written.get(part)
         if not result:
             continue

@@ -22,9 +22,14 @@ from table import print_latencies, print_owner, print_usage, print_verification
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError, RosError
-from end_effector_lab.demo import Ros1
+from end_effector_lab.demo import Ros1, Ros2
 
-PARTS = {"core": "without ROS", "ros": "through ROS"}
+PARTS = {
+    "core": "without ROS",
+    "ros": "through ROS 1",
+    "ros2-one": "through ROS 2, one process",
+    "ros2-five": "through ROS 2, five processes",
+}
 OTHERS = ("owner", "verification")
 progress, console = Console(stderr=True, highlight=False), Console(width=150, highlight=False)
 
@@ -60,15 +65,15 @@ def main() -> int:
 
 def _latencies(part: str, plan: latency.Plan) -> dict[str, Any] | None:
     where = PARTS[part]
-    if part == "ros":
+    if part != "core":
         try:
-            Ros1().check()
+            (Ros1() if part == "ros" else Ros2()).check()
         except RosError as error:
             progress.print(f"{where}: left out. {error}")
             return None
     folder = Path(tempfile.mkdtemp(prefix="eehal-bench-"))
     try:
-        result = latency.measure(load(profile_path()), folder, plan, _say(where), ros=part == "ros")
+        result = latency.measure(load(profile_path()), folder, plan, _say(where), part)
     except BaseException:
         progress.print(f"{where}: the logs are in {folder}")
         raise
