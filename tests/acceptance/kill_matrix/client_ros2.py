@@ -25,8 +25,9 @@ TYPES = {
 
 
 class Ros2Client(Client):
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: Any, executor: Any) -> None:
         super().__init__()
+        self._executor = executor
         node.create_subscription(EndEffectorState, "EndEffectorState", self.state_came, 100)
         for topic, name in HEARD.items():
             node.create_subscription(TYPES[topic], topic, partial(self.came, node=name), 100)
@@ -47,14 +48,18 @@ class Ros2Client(Client):
             response = future.result()
             self.ended(number, name, response.result, succeeded=response.status == SUCCEEDED)
 
-        client.send_goal_async(EndEffector.Goal()).add_done_callback(answered)
+        def send() -> None:
+            client.send_goal_async(EndEffector.Goal()).add_done_callback(answered)
+
+        # in the executor's thread: an answer that overtakes the note of its question is dropped by rclpy
+        self._executor.create_task(send)
 
 
 rclpy.init()
 node = rclpy.create_node(f"kill_matrix_{os.getpid()}")
 executor = SingleThreadedExecutor()
 executor.add_node(node)
-client = Ros2Client(node)
+client = Ros2Client(node, executor)
 threading.Thread(target=executor.spin, daemon=True).start()
 client.run()
 os._exit(0)  # rclpy may hang at its end
