@@ -49,7 +49,12 @@ class SqliteBag:
 
     def topics(self) -> dict[str, str]:
         """Each topic and its type."""
-        return {each.topic: each.msgtype for _, reader in self._readers for each in reader.connections}
+        return {
+            each.topic: each.msgtype
+            for _, reader in self._readers
+            for each in reader.connections
+            if isinstance(each.topic, str) and isinstance(each.msgtype, str)  # a column holds anything
+        }
 
     def messages(self, topics: frozenset[str]) -> Iterator[BagMessage]:
         """The messages of these topics, in the order of the time at which they came."""
