@@ -17,6 +17,7 @@ GROUP = "end_effector_hal.commands"
 _COMMANDS = {
     "check": "say everything that is wrong with a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
+    "export": "a tool for other programs: its policy of SROS 2",
     "init": "a folder with a description to start from, and its schema",
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",
@@ -27,7 +28,7 @@ _COMMANDS = {
 }
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
 """Modules that only commands with lines, ports or locks import."""
-_ROOMS = {"doctor": "doctor._doctor", "model": "model._model"}
+_ROOMS = {"doctor": "doctor._doctor", "export": "export._export", "model": "model._model"}
 
 
 def _checked(command: object) -> click.Command:

@@ -1,0 +1,1 @@
+"""``eehal export``: the tool for other programs."""

@@ -1,0 +1,15 @@
+"""``eehal export``: the tool for other programs."""
+
+from __future__ import annotations
+
+import click
+
+from ._sros2 import export_sros2
+
+
+@click.group(name="export")
+def command() -> None:
+    """Write what other programs need to know of a tool."""
+
+
+command.add_command(export_sros2)
