@@ -7,11 +7,13 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType
 
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording import read_run, read_states
 from end_effector_lab.bags import ImportedBag, import_bag, open_bag
-from tests.support.bags import STATE, frame, state, write_ros1, write_ros2
+from tests.support.bags import STATE, frame, state, write_mcap, write_ros1, write_ros2
 from tests.support.nightly import examples
 
 S = 1_000_000
@@ -45,6 +47,26 @@ def test_an_mcap_that_was_cut_off_is_read_up_to_there(tmp_path: Path) -> None:
     assert "what follows is lost: it was not closed" in found.faults[0]
     assert read_run(found.folder).gaps[-1] == found.faults[0]
     assert len(read_states(found.folder / "states.csv").rows) > 100
+
+
+@pytest.mark.parametrize("compression", [CompressionType.NONE, CompressionType.ZSTD, CompressionType.LZ4])
+def test_an_mcap_whose_bytes_were_changed_loses_a_chunk_only(
+    tmp_path: Path, compression: CompressionType
+) -> None:
+    bag = write_mcap(tmp_path / "run.mcap", MESSAGES, compression)
+    assert imported(bag, tmp_path / "whole").states == 200
+    with bag.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    chunk = summary.chunk_indexes[len(summary.chunk_indexes) // 2]
+    data = bytearray(bag.read_bytes())
+    data[chunk.chunk_start_offset + chunk.chunk_length - 20] ^= 0x10
+    bag.write_bytes(data)
+    found = imported(bag, tmp_path / "imported")
+    assert 180 < found.states < 200
+    assert len(found.faults) == 1
+    assert "the messages before byte" in found.faults[0]
+    assert any("changes of the state are not in the bag" in gap for gap in read_run(found.folder).gaps)
 
 
 def test_a_chunk_that_was_changed_loses_its_messages_only(tmp_path: Path) -> None:

@@ -55,6 +55,7 @@ def test_who_commands_the_tool(verdin: Description, five: bool) -> None:
     assert holders(text, "reply", "/left/Drop/_action/send_goal") == server
     assert holders(text, "publish", "/left/Drop/_action/feedback") == server
     assert holders(text, "request", "/left/SetCylinder") == {"client"}
+    assert holders(text, "reply", "/left/SetCylinder") == {"grip" if five else "hal"}
     assert holders(text, "request", "/left/ArmToolChanger") == {"client", "supervisor"}
     assert not holders(text, "request", "/Drop/_action/send_goal")
     client = read_policy(text)["/left/client"]

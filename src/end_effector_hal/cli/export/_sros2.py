@@ -152,7 +152,7 @@ def _served(node: str, process: frozenset[str], description: Description) -> lis
 
 def _carried(topic: Topic, process: frozenset[str]) -> bool:
     """Whether its messages stay within the process for those who are in it."""
-    return not topic.public and process.issuperset(topic.publishers)
+    return process.issuperset(topic.publishers)
 
 
 def _inside(service: Service, process: frozenset[str]) -> bool:
