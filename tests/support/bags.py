@@ -11,7 +11,7 @@ import numpy
 from mcap.writer import CompressionType, Writer
 from rosbags.interfaces import Nodetype
 from rosbags.rosbag1 import Writer as Writer1
-from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -72,12 +72,18 @@ def write_ros1(path: Path, messages: Iterable[Message], types: Mapping[str, Any]
 
 
 def write_ros2(
-    path: Path, messages: Iterable[Message], types: Mapping[str, Any] | None = None, *, mcap: bool = True
+    path: Path,
+    messages: Iterable[Message],
+    types: Mapping[str, Any] | None = None,
+    *,
+    mcap: bool = True,
+    compression: CompressionMode = CompressionMode.NONE,
 ) -> Path:
     """A folder of rosbag2."""
     store = _store(Stores.ROS2_JAZZY, types)
-    plugin = StoragePlugin.MCAP if mcap else StoragePlugin.SQLITE3
-    with Writer2(path, version=9, storage_plugin=plugin) as writer:
+    writer = Writer2(path, version=9, storage_plugin=StoragePlugin.MCAP if mcap else StoragePlugin.SQLITE3)
+    writer.set_compression(compression, CompressionFormat.ZSTD)
+    with writer:
         connections: dict[str, Any] = {}
         for topic, kind, log_us, fields in messages:
             if topic not in connections:

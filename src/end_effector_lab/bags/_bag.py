@@ -10,9 +10,10 @@ from end_effector_hal.errors import UsageError
 from ._bag_message import Bag
 from ._mcap import McapBag
 from ._rosbag1 import Rosbag1
-from ._sqlite import SqliteBag
+from ._rosbag2 import Rosbag2
 
 MAGIC_ROS1, MAGIC_MCAP, MAGIC_SQLITE = b"#ROSBAG", b"\x89MCAP0\r\n", b"SQLite format 3\0"
+_MESSAGES_COMPRESSED = re.compile(rb"^\s*compression_mode:\s*['\"]?message\b", re.IGNORECASE | re.MULTILINE)
 _WHAT = "Name a .bag file, a folder that rosbag2 wrote, or an .mcap file."
 
 
@@ -28,7 +29,7 @@ def open_bag(path: Path) -> Bag:
         if head.startswith(MAGIC_MCAP):
             return McapBag((path,))
         if head.startswith(MAGIC_SQLITE):
-            return SqliteBag((path,))
+            return Rosbag2((path,))
         if head.startswith(MAGIC_ROS1):
             return Rosbag1(path)
     except OSError as error:
@@ -38,12 +39,15 @@ def open_bag(path: Path) -> Bag:
 
 def _open_folder(path: Path) -> Bag:
     """The files decide, so that a folder without its metadata.yaml, as a killed recorder leaves it, is read as well."""
-    if files := _numbered(path, ".mcap"):
+    metadata = path / "metadata.yaml"
+    told = metadata.read_bytes() if metadata.exists() else b""
+    files = _numbered(path, ".mcap")
+    if files and not _MESSAGES_COMPRESSED.search(told):
         return McapBag(files)
-    if (path / "metadata.yaml").exists():
-        return SqliteBag((path,))
+    if told:
+        return Rosbag2((path,))
     if files := _numbered(path, ".db3"):
-        return SqliteBag(files)
+        return Rosbag2(files)
     raise UsageError("There is no bag in this folder.", where=str(path), todo=_WHAT)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rosbags.rosbag2 import CompressionMode
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
@@ -139,6 +140,14 @@ def test_messages_out_of_order_and_changes_that_are_missing(write: Write) -> Non
     found = imported(bag)
     assert [row[0] for row in rows(found)] == [0.0, 1.0, 1.0, 4.0]
     assert read_run(found.folder).gaps == ("Before 4.000 s 3 changes of the state are not in the bag.",)
+
+
+@pytest.mark.parametrize("mcap", [True, False])
+@pytest.mark.parametrize("compression", [CompressionMode.MESSAGE, CompressionMode.FILE])
+def test_a_bag_that_is_compressed(tmp_path: Path, mcap: bool, compression: CompressionMode) -> None:
+    messages = [state(S, 0), state(2 * S, S, 1, count=1)]
+    bag = write_ros2(tmp_path / "run", messages, mcap=mcap, compression=compression)
+    assert [row[0] for row in rows(imported(bag))] == [0.0, 1.0]
 
 
 def test_one_of_several_tools(write: Write) -> None:

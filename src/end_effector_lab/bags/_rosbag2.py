@@ -1,4 +1,4 @@
-"""rosbag2 in SQLite."""
+"""rosbag2 as the library reads it: SQLite, and what is compressed message by message or file by file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._bag_message import IDL, MSG, BagMessage, reason_of
 _SYNTAX = {MessageDefinitionFormat.MSG: MSG, MessageDefinitionFormat.IDL: IDL}
 
 
-class SqliteBag:
+class Rosbag2:
     """Folders with a ``metadata.yaml``, or ``.db3`` files; raises UsageError when one cannot be opened."""
 
     def __init__(self, paths: tuple[Path, ...]) -> None:
