@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from contextlib import closing
 from pathlib import Path
@@ -67,3 +68,21 @@ def test_a_grip_is_imported_as_it_was_recorded(system: Any, tmp_path: Path, comp
     assert ours[0][1] == theirs[0][1]
     pressures = read_pressures(found.folder / "pressures.csv")
     assert min(value for value in pressures.curve("bottom") if value is not None) < -55
+
+
+def test_a_recorder_that_was_killed(system: Any, tmp_path: Path) -> None:
+    """Its file has no index, and is called ``.active``."""
+    recorder = system.start(
+        "killed_bag", "rosrun", "rosbag", "record", "__name:=killed_bag", "--chunksize=4", "-O",
+        str(tmp_path / "run.bag"), *TOPICS,
+    )  # fmt: skip
+    bag = tmp_path / "run.bag.active"
+    system.until("chunks", lambda: bag.exists() and bag.stat().st_size > 50_000)
+    os.kill(recorder.pid, signal.SIGKILL)
+    system.until("its end", lambda: recorder.code is not None)
+    with closing(open_bag(bag)) as opened:
+        found = import_bag(opened, tmp_path / "imported", description=system.world.description)
+    assert "it has no index" in found.faults[0]
+    assert found.states > 10
+    assert found.frames > 50
+    assert read_states(found.folder / "states.csv").rows
