@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
@@ -23,6 +23,8 @@ from ._fields import command_of, frame_of, lacking, state_of
 from ._line_of_time import LineOfTime
 
 NO_TRACE = "A bag holds no traces: `eehal replay` cannot judge this run."
+MOST_GAPS = 90
+"""So many places where changes are missing are told, the last ones."""
 WHOLE = RecordingLimits(total_bytes=10**15)
 """A bag ends: nothing of it is removed to keep a limit."""
 
@@ -129,6 +131,8 @@ class _Import:
         self._unusable: Counter[str] = Counter()
         self._why: dict[str, str] = {}
         self._notes: dict[str, None] = {}
+        self._gaps: deque[str] = deque(maxlen=MOST_GAPS)
+        self._restarts, self._restarted = 0, ""
 
     def run(self, topics: Mapping[str, str]) -> ImportedBag:
         handlers: dict[str, Callable[[BagMessage], None]] = {
@@ -162,7 +166,7 @@ class _Import:
             what = f"Nothing is imported: no message of {self._name(END_EFFECTOR_STATE)} can be used."
             raise UsageError(what, todo=" ".join(faults))
         self._tell(topics)
-        for each in faults:
+        for each in (*self._gaps, *faults):
             recording.note(each)
         states, frames = (self._read[self._name(each)] for each in (END_EFFECTOR_STATE, SENSOR_FRAME))
         seconds = recording.seconds(self._newest)
@@ -187,6 +191,10 @@ class _Import:
             found = topics.get(frames)
             why = f"is of the type {found}, or empty" if found else "is not in the bag"
             self._note(printable(f"There are no pressures: {frames} {why}."))
+        if self._restarts:
+            self._note(
+                f"HALMain was started again {self._restarts} times, the last before {self._restarted}."
+            )
         if self._time.jumps:
             self._note(
                 f"The monotonic clock jumped {self._time.jumps} times, as when the machine is restarted; how long "
@@ -284,11 +292,10 @@ class _Import:
         self._last = state
         at = f"{recording.seconds(state.at_us):.3f} s"
         if last is not None and state.since_us != last.since_us:
-            self._note(f"HALMain was started again before {at}.")
+            self._restarts, self._restarted = self._restarts + 1, at
         elif last is not None and state.count > last.count + 1:
-            recording.note(
-                f"Before {at} {state.count - last.count - 1} changes of the state are not in the bag."
-            )
+            missing = state.count - last.count - 1
+            self._gaps.append(f"Before {at} {missing} changes of the state are not in the bag.")
             self._note("The bag lacks changes of the state; `gaps` in run.json says when.")
 
 

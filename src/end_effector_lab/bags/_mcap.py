@@ -66,23 +66,22 @@ class McapBag:
     def _records(self, path: Path, file: BinaryIO) -> Iterator[object]:
         """All that can be read, in order; what cannot is told."""
         size = path.stat().st_size
+        lost, reason = 0, ""
         try:
             for record in StreamReader(file, emit_chunks=True, record_size_limit=size).records:
-                if isinstance(record, Chunk):
-                    yield from self._broken_up(path, file, record)
-                else:
+                if not isinstance(record, Chunk):
                     yield record
-        except Exception as error:  # noqa: BLE001 the library raises anything for bytes that are no records
+                    continue
+                try:
+                    within = breakup_chunk(record, validate_crc=True)
+                except Exception as error:  # noqa: BLE001 decompressors raise what they like
+                    lost, reason = lost + 1, reason_of(error)
+                else:
+                    yield from within
+        except Exception as error:  # noqa: BLE001 and the library for bytes that are no records
             self.faults.append(f"{path}: near byte {file.tell()} of {size} ({reason_of(error)}) {_CUT}.")
-
-    def _broken_up(self, path: Path, file: BinaryIO, chunk: Chunk) -> list[object]:
-        try:
-            return list(breakup_chunk(chunk, validate_crc=True))
-        except Exception as error:  # noqa: BLE001 and decompressors raise what they like
-            self.faults.append(
-                f"{path}: the messages before byte {file.tell()} are lost ({reason_of(error)})."
-            )
-            return []
+        if lost:
+            self.faults.append(f"{path}: {lost} chunks cannot be read ({reason}).")
 
 
 def _opened(path: Path) -> BinaryIO:

@@ -110,7 +110,7 @@ def test_the_machine_is_restarted_in_the_middle(write: Write, verdin: Descriptio
     assert [row[0] for row in rows(found)] == [0.0, 1.0, 61.0, 63.0]
     assert read_pressures(found.folder / "pressures.csv").times_s == (1.0, 61.0)
     assert any("jumped 1 times" in note for note in found.notes)
-    assert "HALMain was started again before 61.000 s." in found.notes
+    assert "HALMain was started again 1 times, the last before 61.000 s." in found.notes
 
 
 def test_the_wall_clock_is_set_in_the_middle(write: Write) -> None:
