@@ -37,7 +37,7 @@ site=$(echo "$work"/base/lib/python3*/site-packages)
 kilobytes=$(du -sk "$site" | cut -f 1)
 echo "base install: $((kilobytes / 1024)) MB"
 [ "$kilobytes" -le $((75 * 1024)) ] || { du -sk "$site"/* | sort -rn | head >&2; fail "More than 75 MB"; }
-for package in matplotlib numpy pymodbus; do
+for package in matplotlib numpy pymodbus rosbags; do
     [ ! -e "$site/$package" ] || fail "$package is in the base install"
 done
 ! grep -E '\]\((docs|[A-Z]+\.md|CITATION)' "$site"/end_effector_hal-*.dist-info/METADATA || fail "A relative link is in the metadata"
@@ -46,8 +46,10 @@ tail -n 1 verify.log
 play base-demo
 grep -q "pip install 'end-effector-hal\[lab\]'" base-demo.log || fail "The demo does not say how figures are installed"
 
-install extras "$sdist[lab,modbus]"
+install extras "$sdist[bags,lab,modbus]"
 play extras-demo
 [ -s extras-demo/nominal/timeline.png ] || fail "The demo drew no figure"
 "$eehal" replay extras-demo/nominal >/dev/null
+"$eehal" import extras-demo/nominal/grip.mcap 2>import.log || true
+grep -q 'no states of an end-effector' import.log || fail "No bag is read"
 echo "wheel and sdist: installed, checked, verified, played"

@@ -17,7 +17,7 @@ GROUP = "end_effector_hal.commands"
 _COMMANDS = {
     "check": "say everything that is wrong with a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
-    "export": "a tool for other programs: its links and joints as a xacro",
+    "export": "a tool for other programs: links and joints as a xacro, its policy of SROS 2",
     "init": "a folder with a description to start from, and its schema",
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",

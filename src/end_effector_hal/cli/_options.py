@@ -48,6 +48,15 @@ def the_folder(path: Path) -> Path:
     return path
 
 
+def write_or_print(output: Path | None, text: str) -> None:
+    """Write a text to a file, whole, and say where it is; without one print it."""
+    if output is None:
+        click.echo(text, nl=False)
+    else:
+        write_whole(output, text.encode())
+        click.echo(str(output))
+
+
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
     beside = path.with_name(f".{path.name}.{os.getpid()}")

@@ -100,10 +100,12 @@ class Recording:
 
     Args:
         folder: made if it is missing.
-        description: the tool.
+        tool: its description; or what is known of a tool without one: pressures are not recorded then.
         scenario: of the testbench; empty: that of a run.json that is in the folder already.
         ros: whether ROS carries the states.
         limits: of the folder.
+        started: when it begins, time of day; None: now.
+        now: the time on the monotonic clock, µs.
 
     Raises:
         UsageError: the folder cannot be written, or holds the recording of another tool.
@@ -112,41 +114,44 @@ class Recording:
     def __init__(
         self,
         folder: str | Path,
-        description: Description,
+        tool: Description | RunInfo,
         *,
         scenario: str = "",
         ros: bool = False,
         limits: RecordingLimits | None = None,
+        started: datetime | None = None,
+        now: Callable[[], int] = now_us,
     ) -> None:
-        self.folder = Path(folder)
+        self.folder, self._now = Path(folder), now
         limits = limits or RecordingLimits()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(folder)) from None
-        begun, now = _begun(self.folder), datetime.now(UTC)
-        self._begun = now_us() - round((now - (begun or now)).total_seconds() * 1_000_000)
+        begun, started = _begun(self.folder), started or datetime.now(UTC)
+        self._begun = now() - round((started - (begun or started)).total_seconds() * 1_000_000)
         self._start = self._begun if begun else None
         self._lock = threading.Lock()
         self._losses = Losses(self.folder)
         self._latest: tuple[int, int, Sequence[int]] | None = None
         self._standing: Sequence[str] = ()
         before = read_run(self.folder)
+        known = tool if isinstance(tool, RunInfo) else run_info(tool)
         with ExitStack() as undo:
-            self._states = StatesWriter(self.folder / "states.csv", description.sequence, limits)
+            self._states = StatesWriter(self.folder / "states.csv", tuple(known.actuators), limits)
             undo.callback(self._states.close)
-            info = run_info(
-                description,
+            self._info = replace(
+                known,
                 scenario=scenario or before.scenario,
                 ros=ros,
-                started=(begun or now).isoformat(),
+                started=(begun or started).isoformat(),
+                gaps=before.gaps if begun else (),
             )
-            self._info = replace(info, gaps=before.gaps if begun else ())
             try:
                 self._write_info()
             except OSError as error:
                 raise UsageError(f"Cannot be written: {error.strerror}.", where=str(folder)) from None
-            channels = pressure_channels(description)
+            channels = () if isinstance(tool, RunInfo) else pressure_channels(tool)
             self._alarms = AlarmsWriter(self.folder / "alarms.csv", limits)
             undo.callback(self._alarms.close)
             pressures = self.folder / "pressures.csv"
@@ -191,6 +196,12 @@ class Recording:
             self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
             self._settle(at)
 
+    def note(self, gap: str) -> None:
+        """Have ``run.json`` say what is missing, a sentence; it is written with the next row, or when this closes."""
+        with self._lock:
+            self._losses.gaps.append(gap)
+            self._losses.info_due = True
+
     def close(self) -> None:
         """Close the files; may be called again. What cannot be written any more is told in the log."""
         for each in (self._states, self._alarms, self._pressures):
@@ -200,7 +211,7 @@ class Recording:
             except ReportedError as error:
                 _log.warning("%s", error)
         with suppress(OSError):
-            if self._losses.over(self.seconds(now_us())):
+            if self._losses.over(self.seconds(self._now())) or self._losses.info_due:
                 self._write_info()
 
     def __enter__(self) -> Self:
@@ -252,9 +263,7 @@ class Recording:
         replace(self._info, start_us=self._start, gaps=gaps).write(self.folder)
 
 
-def run_info(
-    description: Description, *, scenario: str = "", ros: bool = False, started: str = ""
-) -> RunInfo:
+def run_info(description: Description, *, scenario: str = "", ros: bool = False) -> RunInfo:
     """What a recording says of the tool that made it."""
     return RunInfo(
         scenario=scenario,
@@ -262,7 +271,6 @@ def run_info(
         hash=content_hash(description),
         version=product_version(),
         ros=ros,
-        started=started,
         actuators={name: actuator.kind for name, actuator in description.ordered},
         limits={name: _limits(description, actuator) for name, actuator in description.ordered},
         simulated=description.lines.backend == "virtual",

@@ -22,7 +22,7 @@ NO_FIGURE = f"Note: There is no figure. Figures need matplotlib, {INSTALL_LAB}"
 
 
 def test_the_extras() -> None:
-    assert extras() == {"lab": ("matplotlib",), "modbus": ("pymodbus",)}
+    assert extras() == {"bags": ("rosbags",), "lab": ("matplotlib",), "modbus": ("pymodbus",)}
 
 
 def test_plot(tmp_path: Path) -> None:
@@ -33,6 +33,14 @@ def test_plot(tmp_path: Path) -> None:
     done = eehal_without(["matplotlib", "numpy"], "plot", tmp_path / "run", "--json")
     (fault,) = json.loads(done.stdout)["faults"]
     assert (done.returncode, fault["code"]) == (2, "EE-101")
+
+
+def test_import(tmp_path: Path) -> None:
+    done = eehal_without(["rosbags"], "import", tmp_path / "run.bag")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "This command needs rosbags, which is not installed. Install it: pip install 'end-effector-hal[bags]'.\n"
+    )
 
 
 def test_model_show(tmp_path: Path) -> None:
@@ -62,10 +70,10 @@ def test_simulate_writes_text_and_states(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", first_of(["--help", "check", "plot --help", "demo --help", "board --help"], 2)
+    "command", first_of(["--help", "check", "plot --help", "demo --help", "board --help", "import --help"], 2)
 )
 def test_what_needs_none(command: str) -> None:
-    done = eehal_without(["matplotlib", "numpy", "pymodbus"], *command.split())
+    done = eehal_without(["matplotlib", "numpy", "pymodbus", "rosbags"], *command.split())
     assert (done.returncode, done.stderr) == (0, "")
 
 

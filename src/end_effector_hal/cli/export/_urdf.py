@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
-from end_effector_hal.description import Description
-from end_effector_hal.nodes.interface import GRIP_UPPER, actuator_joints, grip_joint
+import click
+
+from end_effector_hal.cli._options import PathName, write_or_print
+from end_effector_hal.description import Description, profile_path
+from end_effector_hal.nodes.interface import GRIP_UPPER, actuator_joints, grip_joint, load_for_nodes
 
 _HEAD = """\
 <?xml version="1.0"?>
@@ -86,6 +90,18 @@ _HARDWARE = """
 _TOOL_STATES = ("state", "command", "held", "lift_allowed", "secure", "link_up")
 _CHANGER_STATES = ("tool_changer", "unlock_output")
 _ACTUATOR_STATES = ("state", "output", "evidence", "margin")
+
+
+@click.command(name="urdf", short_help="A xacro with its links, joints and ros2_control entries.")
+@click.argument("file", type=PathName(), required=False)
+@click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
+def export_urdf(file: Path | None, output: Path | None) -> None:
+    """Write a xacro of the tool that the description FILE says; default: the shipped one.
+
+    Its names are those of joint_states. A description has no dimensions but strokes: places, axes, shapes and masses
+    stand as EDIT, and until they are edited a planner does not see the tool.
+    """
+    write_or_print(output, urdf(load_for_nodes(file or profile_path())))
 
 
 def urdf(description: Description) -> str:

@@ -1,5 +1,7 @@
 """The node DataLogger: writes the run folder."""
 
+from ._commands_log import CommandsLog
 from ._data_logger import DataLogger
+from ._rows import write_frame, write_state
 
-__all__ = ["DataLogger"]
+__all__ = ["CommandsLog", "DataLogger", "write_frame", "write_state"]

@@ -22,6 +22,7 @@ from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires import now_us
 
 from ._commands_log import CommandsLog
+from ._rows import write_frame, write_state
 
 
 class DataLogger:
@@ -44,23 +45,12 @@ class DataLogger:
         node.log.info("recording into %s", folder.absolute())
 
     def _on_state(self, message: StateMessage) -> None:
-        if not self._state_stamps.accepts(message.at_us):
-            return
-
-        def write() -> None:
-            self._recording.state(message.at_us, message.state, message.command, message.actuators)
-            self._recording.alarms(message.at_us, message.alarms)
-
-        self._write(write)
+        if self._state_stamps.accepts(message.at_us):
+            self._write(lambda: write_state(self._recording, message))
 
     def _on_frame(self, message: FrameMessage) -> None:
-        if not self._frame_stamps.accepts(message.at_us):
-            return
-        values = {
-            channel: value if valid else None
-            for channel, value, valid in zip(message.channels, message.values, message.valid, strict=False)
-        }
-        self._write(lambda: self._recording.values(message.at_us, values))
+        if self._frame_stamps.accepts(message.at_us):
+            self._write(lambda: write_frame(self._recording, message))
 
     def _on_command(self, message: CommandMessage) -> None:
         try:

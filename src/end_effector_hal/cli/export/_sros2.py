@@ -1,0 +1,166 @@
+"""The table of the ROS interface as a policy of SROS 2: each process may do what its nodes do, and nothing else."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import click
+
+from end_effector_hal.cli._options import PathName, write_or_print
+from end_effector_hal.description import Description, profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.nodes.interface import (
+    ACTIONS,
+    ARM_TOOL_CHANGER,
+    COMMAND_ACTIONS,
+    DATA_LOGGER,
+    HAL_MAIN,
+    HAL_NODES,
+    RESET_FAULTS,
+    SUPERVISOR,
+    Service,
+    Topic,
+    load_for_nodes,
+    services,
+    topics,
+)
+from end_effector_hal.ros2 import PROGRAMS
+
+VERSION = "0.2.0"
+HAL, CLIENT = "hal", "client"
+OWN_TOPICS = ("/rosout", "/parameter_events")
+"""What every node of rclpy publishes."""
+OWN_SERVICES = tuple(
+    f"~/{each}"
+    for each in (
+        "describe_parameters",
+        "get_parameter_types",
+        "get_parameters",
+        "get_type_description",
+        "list_parameters",
+        "set_parameters",
+        "set_parameters_atomically",
+    )
+)
+"""What every node of rclpy serves."""
+CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, RESET_FAULTS)}
+"""Public services that a node of this package calls."""
+_NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/")
+
+
+@click.command(name="sros2", short_help="A policy of SROS 2: which process may publish, serve and call what.")
+@click.argument("file", type=PathName(), required=False)
+@click.option("--five", is_flag=True, help="The HAL is five processes; default: one.")
+@click.option("--namespace", metavar="NS", default="", help="Of the tool.")
+@click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
+def export_sros2(file: Path | None, five: bool, namespace: str, output: Path | None) -> None:
+    """Write policy.xml for the tool that the description FILE says; default: the shipped one.
+
+    It has an enclave for each process: /NAME/hal, or its five programs, /NAME/data_logger, /NAME/supervisor, and
+    /NAME/client for a program that commands the tool. NAME is the namespace, or else the name of the tool.
+    """
+    description = load_for_nodes(file or profile_path())
+    write_or_print(output, security_policy(description, five=five, namespace=namespace))
+
+
+def security_policy(description: Description, *, five: bool = False, namespace: str = "") -> str:
+    """The text of ``policy.xml``.
+
+    Args:
+        description: of the tool.
+        five: whether each node of the HAL is a process of its own.
+        namespace: of all nodes.
+
+    Raises:
+        UsageError: this is no namespace.
+    """
+    space = "/" + namespace.strip("/")
+    words = space.split("/")[1:]
+    if not _NAME.issuperset(space) or any(
+        word[:1].isdigit() or (not word and space != "/") for word in words
+    ):
+        raise UsageError(f"{namespace!r} is no namespace.", todo="Write one such as /cell_1/left.")
+    policy = ET.Element("policy", version=VERSION)
+    policy.append(ET.Comment(f" Of {description.name}, by `eehal export sros2`; not edited by hand. "))
+    enclaves = ET.SubElement(policy, "enclaves")
+    prefix = space if space != "/" else f"/{description.name}"
+    for program, nodes in _processes(five):
+        enclave = ET.SubElement(enclaves, "enclave", path=f"{prefix}/{program}")
+        profiles = ET.SubElement(enclave, "profiles")
+        for node in nodes:
+            profile = ET.SubElement(profiles, "profile", ns=space, node=node)
+            _fill(profile, node, frozenset(nodes), description)
+    ET.indent(policy)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(policy, encoding="unicode")}\n'
+
+
+def _processes(five: bool) -> Iterator[tuple[str, Sequence[str]]]:
+    alone = {nodes[0]: program for program, nodes in PROGRAMS.items() if len(nodes) == 1}
+    if five:
+        yield from ((alone[node], (node,)) for node in HAL_NODES)
+    else:
+        yield HAL, PROGRAMS[HAL]
+    yield from ((alone[node], (node,)) for node in (DATA_LOGGER, SUPERVISOR))
+    yield CLIENT, (CLIENT,)
+
+
+def _fill(profile: ET.Element, node: str, process: frozenset[str], description: Description) -> None:
+    public = [each for each in services(description) if not each.internal]
+    client = node == CLIENT
+    _allow(profile, "topics", "publish", (*OWN_TOPICS, *_published(node, description)))
+    _allow(
+        profile,
+        "topics",
+        "subscribe",
+        [
+            topic.name
+            for topic in topics(description)
+            if (node in topic.subscribers and not _carried(topic, process)) or (client and not topic.internal)
+        ],
+    )
+    _allow(profile, "services", "reply", (*OWN_SERVICES, *_served(node, process, description)))
+    called = [
+        service.name
+        for service in services(description)
+        if (node in service.callers and service.server not in process)
+        or service in CALLED.get(node, ())
+        or (client and service in public)
+    ]
+    _allow(profile, "services", "request", called)
+    if node == HAL_MAIN:
+        _allow(profile, "actions", "execute", [action.name for action in ACTIONS])
+    if node == SUPERVISOR:
+        _allow(profile, "actions", "call", [action.name for action in COMMAND_ACTIONS])
+    if client:
+        _allow(profile, "actions", "call", [action.name for action in ACTIONS])
+
+
+def _published(node: str, description: Description) -> list[str]:
+    return [topic.name for topic in topics(description) if node in topic.publishers]
+
+
+def _served(node: str, process: frozenset[str], description: Description) -> list[str]:
+    return [
+        service.name
+        for service in services(description)
+        if service.server == node and not _inside(service, process)
+    ]
+
+
+def _carried(topic: Topic, process: frozenset[str]) -> bool:
+    """Whether its messages stay within the process for those who are in it."""
+    return process.issuperset(topic.publishers)
+
+
+def _inside(service: Service, process: frozenset[str]) -> bool:
+    """Whether it is called within the process only, and does not pass the middleware."""
+    return service.internal and process.issuperset(service.callers)
+
+
+def _allow(profile: ET.Element, kind: str, right: str, names: Sequence[str]) -> None:
+    if names:
+        listed = ET.SubElement(profile, kind, {right: "ALLOW"})
+        for name in sorted(set(names)):
+            ET.SubElement(listed, kind.removesuffix("s")).text = name

@@ -1,0 +1,106 @@
+"""Messages of a bag, read as the bag defines them: it may be of another version."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Protocol
+
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+
+from end_effector_hal.plugins import named
+
+ROS1, MSG, IDL = "ros1msg", "ros2msg", "ros2idl"
+"""How a definition is written, in the words of MCAP."""
+_IDL_BEGIN = "=" * 80 + "\n"
+
+
+@dataclass(frozen=True, slots=True)
+class BagMessage:
+    """A message as it stands in a bag.
+
+    Attributes:
+        topic: where it was published.
+        type: such as ``std_msgs/msg/String``.
+        log_us: when it was written down, µs of the time of day.
+        data: its bytes.
+        definition: what its fields are; empty: the bag does not say.
+        syntax: of the definition.
+    """
+
+    topic: str
+    type: str
+    log_us: int
+    data: bytes
+    definition: str
+    syntax: str
+
+    def read(self) -> Any:
+        """An object with its fields; raises ValueError with a reason."""
+        return _reader(self.type, self.definition, self.syntax)(self.data)
+
+
+class Bag(Protocol):
+    """What the files of a bag hold.
+
+    Attributes:
+        faults: what cannot be read, a sentence each; more may come while messages are read.
+    """
+
+    faults: list[str]
+
+    def topics(self) -> dict[str, str]:
+        """Each topic and its type."""
+        ...
+
+    def messages(self, topics: frozenset[str]) -> Iterator[BagMessage]:
+        """The messages of these topics, in the order in which they were written."""
+        ...
+
+    def close(self) -> None:
+        """Close the files."""
+        ...
+
+
+def plain_type(name: str) -> str:
+    """``package/Name``, as the table of the interface has it."""
+    package, _, message = name.partition("/")
+    return f"{package}/{message.removeprefix('msg/')}"
+
+
+def reason_of(error: BaseException) -> str:
+    """What a library says, within a sentence."""
+    return named(error).rstrip(".")
+
+
+@lru_cache(maxsize=64)
+def _reader(kind: str, definition: str, syntax: str) -> Callable[[bytes], Any]:
+    if not definition:
+        reason = f"the bag does not say what the fields of {plain_type(kind)} are"
+        return lambda _: _raise(reason)
+    package, _, name = plain_type(kind).partition("/")
+    kind = f"{package}/msg/{name}"
+    try:
+        store = get_typestore(Stores.EMPTY)
+        if syntax in (ROS1, MSG):
+            store.register(get_types_from_msg(definition, kind))
+        else:
+            for part in definition.split(_IDL_BEGIN):
+                store.register(get_types_from_idl(part.partition("\n")[2] if part[:5] == "IDL: " else part))
+    except Exception as error:  # noqa: BLE001 the library raises anything for what is no definition
+        reason = f"its definition of {plain_type(kind)} cannot be read: {reason_of(error)}"
+        return lambda _: _raise(reason)
+    read = store.deserialize_ros1 if syntax == ROS1 else store.deserialize_cdr
+
+    def checked(data: bytes) -> Any:
+        try:
+            return read(data, kind)
+        except Exception as error:  # noqa: BLE001 and for bytes that are no message
+            raise ValueError(f"its bytes are no {plain_type(kind)}: {reason_of(error)}") from None
+
+    return checked
+
+
+def _raise(reason: str) -> None:
+    raise ValueError(reason)

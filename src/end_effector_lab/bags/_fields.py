@@ -1,0 +1,73 @@
+"""The messages of the nodes, from what a bag has: every field is distrusted, and an older version lacks some."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from end_effector_hal.nodes.transport import FrameMessage, StateMessage
+from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
+
+Value = TypeVar("Value")
+OPTIONAL = ("since_us", "count", "tool", "alarms")
+"""Fields of a state that are used, and that an older version may lack."""
+
+
+def state_of(content: Any) -> StateMessage:
+    """The state; what the bag has not is empty. Raises ValueError for what is none."""
+    used: dict[str, Any] = {
+        "at_us": _one(content, "at_us", int),
+        "state": EndEffectorState(_one(content, "state", int)),
+        "command": Command(_one(content, "command", int)),
+        "actuator_names": _list(content, "actuator_names", str),
+        "actuator_kinds": _list(content, "actuator_kinds", str),
+        "actuators": [ActuatorState(each) for each in _list(content, "actuators", int)],
+        "since_us": _one(content, "since_us", int, 0),
+        "count": _one(content, "count", int, 0),
+        "tool": _one(content, "tool", str, ""),
+        "alarms": _list(content, "alarms", str, []),
+    }
+    if len(used["actuator_names"]) != len(used["actuators"]):
+        raise ValueError("its lists are not of the same length")
+    unused: dict[str, Any] = {each.name: None for each in fields(StateMessage) if each.name not in used}
+    return StateMessage(**used, **unused)
+
+
+def frame_of(content: Any) -> FrameMessage:
+    """The frame; raises ValueError for what is none."""
+    return FrameMessage(
+        at_us=_one(content, "at_us", int),
+        channels=_list(content, "channels", str),
+        values=_list(content, "values", int),
+        valid=_list(content, "valid", bool),
+    )
+
+
+def command_of(content: Any) -> Command:
+    """The command; raises ValueError for what is none."""
+    return Command(_one(content, "command", int))
+
+
+def lacking(content: Any) -> tuple[str, ...]:
+    """Fields of a state that this version uses, and this one has not."""
+    return tuple(each for each in OPTIONAL if not hasattr(content, each))
+
+
+def _one(content: Any, name: str, kind: Callable[..., Value], default: Value | None = None) -> Value:
+    value: Value | None = getattr(content, name, default)
+    if value is None:
+        raise ValueError(f"it has no field {name}")
+    if type(value) is not kind:
+        raise ValueError(f"its field {name} is of another type")
+    return value
+
+
+def _list(content: Any, name: str, kind: type[Value], default: list[Value] | None = None) -> list[Value]:
+    values = getattr(content, name, default)
+    if values is None:
+        raise ValueError(f"it has no field {name}")
+    found = values.tolist() if hasattr(values, "tolist") else values  # an array of numpy
+    if not isinstance(found, list) or not all(type(each) is kind for each in found):
+        raise ValueError(f"its field {name} is of another type")
+    return found

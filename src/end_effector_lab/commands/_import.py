@@ -1,0 +1,61 @@
+"""``eehal import``: a bag of ROS becomes a recording."""
+
+from __future__ import annotations
+
+import json
+from contextlib import closing
+from pathlib import Path
+
+import click
+
+from end_effector_hal.cli import PathName
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.description import tool_path
+
+
+@click.command("import", short_help="make a recording of a bag of ROS")
+@click.argument("bag", metavar="BAG", type=PathName())
+@click.option("-o", "--output", metavar="FOLDER", type=PathName(), help="A new one; default: runs/NAME.")
+@click.option(
+    "--description", metavar="FILE", type=PathName(), help="Of the tool: its pressures and thresholds."
+)
+@click.option("--profile", metavar="NAME", default="", help="A shipped tool, instead of a description.")
+@click.option("--namespace", metavar="NS", help="Of the tool, where the bag has several.")
+@click.option("--json", "as_json", is_flag=True, help="Print what was imported as JSON.")
+def command(
+    bag: Path,
+    output: Path | None,
+    description: Path | None,
+    profile: str,
+    namespace: str | None,
+    as_json: bool,
+) -> None:
+    """Make a recording of the states and sensor frames in BAG, as DataLogger would have written it.
+
+    BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. What cannot be read is told,
+    and the rest is imported.
+
+    Exit code 0: all of it was imported; 1: a part; 2: nothing.
+    """
+    from end_effector_lab.bags import import_bag, open_bag
+
+    tool = None
+    if description or profile:
+        tool = load_tool(tool_path(description or "", profile, how="--description FILE or --profile NAME"))
+    if output is None:
+        output = Path("runs", bag.resolve().stem)
+    with closing(open_bag(bag)) as opened:
+        imported = import_bag(opened, output, description=tool, namespace=namespace)
+    if as_json:
+        click.echo(json.dumps(imported.as_json(), indent=2, ensure_ascii=False))
+    else:
+        click.echo(
+            f"{imported.folder}: {imported.tool}, {imported.seconds:.3f} s, {imported.states} states, "
+            f"{imported.frames} sensor frames"
+        )
+        for note in imported.notes:
+            click.echo(f"Note: {note}", err=True)
+        for fault in imported.faults:
+            click.echo(f"Not imported: {fault}", err=True)
+    if imported.faults:
+        raise click.exceptions.Exit(1)
