@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from end_effector_hal.errors import RosError
+from end_effector_hal.errors import RosError, UsageError
 from end_effector_hal.nodes import start_node
 from end_effector_hal.nodes.interface import (
     DATA_LOGGER,
@@ -38,6 +38,18 @@ PROGRAMS = {
     "supervisor": (SUPERVISOR,),
 }
 """The executables and their nodes. HALMain starts last and ends first: its clients hear from it that it ends."""
+CHECK_LAUNCH = "check_launch"
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run what the first argument names: an executable, or the check of the launch file; returns the exit code."""
+    if argv and argv[0] == CHECK_LAUNCH:
+        from end_effector_hal.nodes.launching import check_launch
+
+        return check_launch(argv[1:], "ros2 launch")
+    if argv and argv[0] in PROGRAMS:
+        return run(argv[0], argv)
+    return guarded("ros2", lambda: _unknown(argv))
 
 
 def run(program: str, argv: Sequence[str] = ()) -> int:
@@ -66,6 +78,11 @@ def _run_nodes(names: Sequence[str], argv: Sequence[str]) -> int:
         raise _missing(error) from None
     finally:
         process.close()
+
+
+def _unknown(argv: Sequence[str]) -> int:
+    what = f"{argv[0]!r} is no program." if argv else "No program is named."
+    raise UsageError(what, todo=f"There are {', '.join(PROGRAMS)}.")
 
 
 def _missing(error: ModuleNotFoundError) -> Exception:
