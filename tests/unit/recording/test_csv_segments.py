@@ -153,7 +153,9 @@ def test_samples_that_were_lost_are_a_gap_in_the_curve(tmp_path: Path, disk: Ful
 
 
 @pytest.mark.parametrize("left_out_s", [0.1, 0.3])
-def test_a_gap_and_a_sample_left_out_stand_in_their_order(tmp_path: Path, disk: FullDisk, left_out_s: float) -> None:
+def test_a_gap_and_a_sample_left_out_stand_in_their_order(
+    tmp_path: Path, disk: FullDisk, left_out_s: float
+) -> None:
     with PressuresWriter(tmp_path / "pressures.csv", ("a",)) as writer:
         writer.write(0, {"a": 1.0})
         for time_s in sorted((0.2, left_out_s)):

@@ -75,7 +75,9 @@ def test_a_channel_that_becomes_invalid_is_written_at_once(path):
 @pytest.mark.parametrize("value", [-50.0, None])
 def test_a_frame_that_comes_late_does_not_let_time_run_backwards(path, late_s, value):
     """Two senders for a moment, or a frame that waited: its stamp is before that of a sample left out."""
-    write(path, [(0.0, (0.0, 600.0)), (0.4, (0.0, 600.0)), (0.4 - late_s, (value, 600.0)), (0.5, (0.0, 600.0))])
+    write(
+        path, [(0.0, (0.0, 600.0)), (0.4, (0.0, 600.0)), (0.4 - late_s, (value, 600.0)), (0.5, (0.0, 600.0))]
+    )
     assert read_pressures(path).times_s == (0.0, 0.4, 0.4, 0.5)
 
 
