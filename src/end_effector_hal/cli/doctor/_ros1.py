@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import shutil
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 from end_effector_hal.errors import RosError
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
+from ._importable import is_importable
 
 PACKAGES = (
     "rospy",
@@ -28,16 +28,16 @@ _BUILD = "ros/build.sh, then . build/catkin/devel/setup.sh"
 _say = CheckedPart("ros")
 
 
-def look_at_ros() -> CheckResults:
+def look_at_ros1() -> CheckResults:
     """ROS is one face of several: what is absent is missing only where ROS_MASTER_URI says that it is wanted."""
     wanted = "ROS_MASTER_URI" in os.environ
-    absent = [name for name in PACKAGES if not _there(name)]
+    absent = [name for name in PACKAGES if not is_importable(name)]
     absent += [name for name in PROGRAMS if not shutil.which(name)]
     if absent:
         yield _absent(absent, wanted)
     else:
         yield _say.ok("ROS packages and programs are there")
-    if _there("end_effector_msgs.msg"):
+    if is_importable("end_effector_msgs.msg"):
         yield _messages(wanted)
     elif not absent:
         yield _check_result(wanted, "the messages end_effector_msgs are not built, or not sourced", _BUILD)
@@ -61,19 +61,13 @@ def _absent(names: list[str], wanted: bool) -> CheckResult:
     return _check_result(
         wanted,
         text,
-        "deploy/debian.sh installs ROS on Debian 12; without ROS: eehal arbiter, EndEffector.open",
+        "deploy/debian.sh installs ROS 1 on Debian 12; ROS 2 is sourced, such as . /opt/ros/jazzy/setup.bash; "
+        "without ROS: eehal arbiter, EndEffector.open",
     )
 
 
 def _check_result(wanted: bool, what: str, todo: str) -> CheckResult:
     return _say.missing(what, todo) if wanted else _say.warning(what, todo)
-
-
-def _there(name: str) -> bool:
-    try:
-        return importlib.util.find_spec(name) is not None
-    except (ImportError, ValueError):
-        return False
 
 
 def _messages(wanted: bool) -> CheckResult:
