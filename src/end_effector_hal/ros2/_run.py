@@ -42,24 +42,18 @@ CHECK_LAUNCH = "check_launch"
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run what the first argument names: an executable, or the check of the launch file; returns the exit code."""
+    """Run the nodes of an executable in one process, or the check of the launch file; returns the exit code.
+
+    Args:
+        argv: the name of the executable, then its arguments.
+    """
     if argv and argv[0] == CHECK_LAUNCH:
         from end_effector_hal.nodes.launching import check_launch
 
         return check_launch(argv[1:], "ros2 launch")
     if argv and argv[0] in PROGRAMS:
-        return run(argv[0], argv)
+        return guarded(argv[0], lambda: _run_nodes(PROGRAMS[argv[0]], argv))
     return guarded("ros2", lambda: _unknown(argv))
-
-
-def run(program: str, argv: Sequence[str] = ()) -> int:
-    """Run the nodes of an executable in one process; returns its exit code.
-
-    Args:
-        program: one of `PROGRAMS`.
-        argv: its arguments, with its name.
-    """
-    return guarded(program, lambda: _run_nodes(PROGRAMS[program], argv))
 
 
 def _run_nodes(names: Sequence[str], argv: Sequence[str]) -> int:
