@@ -103,9 +103,10 @@ kill-matrix: setup ## kill, stop and end every process in the states that tell m
 kill-matrix-full: setup ## the same in every state (15 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run --full
 
+kill-matrix-ros2: PROCESSES = 2-one 2-five
 kill-matrix-ros2: ros2 ## the same on ROS 2, with one process of the HAL and with five (9 minutes)
-	@$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python -m tests.acceptance.kill_matrix.run --ros 2-one
-	@$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python -m tests.acceptance.kill_matrix.run --ros 2-five
+	@for ros in $(PROCESSES); do \
+		$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python -m tests.acceptance.kill_matrix.run --ros $$ros || exit; done
 
 link-campaign: setup ## 10,000 faults of the sensor link in virtual time, a minute of them for real
 	@$(BIN)/python -m tests.acceptance.link_campaign.run

@@ -1,9 +1,10 @@
 #!/bin/sh
 # Puts the project into one folder that needs no source any more: a Python environment with the wheel, the locked
 # dependencies and the extra modbus (figures are drawn elsewhere), the messages and launch files as a ROS install space
-# in PREFIX/ros, and PREFIX/bin/eehal-hal.
+# in PREFIX/ros, and PREFIX/bin/eehal-hal; where ROS 2 is sourced: for ROS 2, with PREFIX/bin/eehal-hal-ros2.
 # Usage: deploy/build.sh [PREFIX]     default: /opt/eehal-<version>; what stands there is replaced.
-# Needs the packages of debian-packages.txt (deploy/debian.sh). ROS is left out where catkin is not installed.
+# Needs the packages of debian-packages.txt (deploy/debian.sh); ROS is left out where catkin is not installed. For ROS 2:
+# colcon, and python3-venv.
 # TARGETARCH=arm64 (Docker's variable): for that architecture, made on any.
 set -eu
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
@@ -35,7 +36,12 @@ VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
 mkdir -p "$prefix/share/doc"
 cp docs/deployment.md docs/wiring.md SAFETY.md "$prefix/share/doc/"
 
-if command -v catkin_make >/dev/null 2>&1; then
+if [ "${ROS_VERSION:-}" = 2 ]; then
+    colcon --log-base "$work/log" build --merge-install --install-base "$prefix/ros" --build-base "$work/build" \
+        --base-paths ros/end_effector_msgs ros/end_effector_hal >"$work/colcon.log" 2>&1 ||
+        { tail -n 20 "$work/colcon.log" >&2; exit 1; }
+    install -m 755 deploy/eehal-hal-ros2 "$prefix/bin/"
+elif command -v catkin_make >/dev/null 2>&1; then
     mkdir -p "$work/ws/src"
     ln -s "$root/ros/end_effector_msgs" "$root/ros/end_effector_hal" "$work/ws/src/"
     # only Python is generated
@@ -44,7 +50,7 @@ if command -v catkin_make >/dev/null 2>&1; then
         { tail -n 20 "$work/catkin.log" >&2; exit 1; }
     install -m 755 deploy/eehal-hal deploy/container/eehal-container deploy/container/eehal-healthy "$prefix/bin/"
 else
-    echo "catkin is not installed: without the ROS nodes" >&2
+    echo "Neither catkin is installed nor ROS 2 sourced: without the ROS nodes" >&2
 fi
 if [ -z "$platform" ]; then "$prefix/bin/eehal" --version; fi
 echo "$prefix: for $target"

@@ -2,6 +2,7 @@
 # Installs the services of a folder that deploy/build.sh made, and starts the line arbiter and the nodes with it.
 # Usage: deploy/systemd/install.sh [-t DESCRIPTION] [PREFIX]     as root; default: /opt/eehal-<version>.
 # The first time with -t: the description of the tool is copied to /etc/eehal. Run it again without -t to update.
+# The nodes are those of the ROS that the folder was built for: eehal-hal (ROS 1), or eehal-hal-ros2 and eehal-logger-ros2.
 # DESTDIR: install below this folder, and start nothing.
 set -eu
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
@@ -17,6 +18,11 @@ shift $((OPTIND - 1))
 prefix=${1:-/opt/eehal-$version}
 dest=${DESTDIR:-}
 installed=$dest/etc/eehal/end_effector.yaml
+if [ -x "$prefix/bin/eehal-hal-ros2" ]; then
+    nodes='eehal-hal-ros2 eehal-logger-ros2' others=eehal-hal
+else
+    nodes=eehal-hal others='eehal-hal-ros2 eehal-logger-ros2'
+fi
 [ -x "$prefix/bin/eehal" ] || { echo "There is no $prefix/bin/eehal: run deploy/build.sh first" >&2; exit 2; }
 if [ -n "$tool" ]; then
     [ ! -e "$installed" ] || { echo "There is a tool already: edit or remove $installed, and leave out -t" >&2; exit 2; }
@@ -28,7 +34,7 @@ fi
 
 put() { install -D -m 644 "$here/$1" "$dest$2"; }
 put eehal-arbiter.service /etc/systemd/system/eehal-arbiter.service
-put eehal-hal.service /etc/systemd/system/eehal-hal.service
+for unit in $nodes; do put "$unit.service" "/etc/systemd/system/$unit.service"; done
 put eehal.sysusers /etc/sysusers.d/eehal.conf
 put eehal.udev.rules /etc/udev/rules.d/60-eehal.rules
 mkdir -p "$dest/opt" "$dest/etc/eehal"
@@ -60,12 +66,20 @@ if [ -e /etc/systemd/system/eehal-owner.service ]; then
     systemctl disable --now eehal-owner
     rm /etc/systemd/system/eehal-owner.service
 fi
+# the nodes of the other ROS: one generation drives the tool
+for unit in $others; do
+    [ ! -e "/etc/systemd/system/$unit.service" ] || systemctl disable --now "$unit"
+    rm -f "/etc/systemd/system/$unit.service"
+done
 udevadm control --reload
 udevadm trigger --subsystem-match=gpio
 systemctl daemon-reload
-systemctl enable eehal-arbiter eehal-hal
+# shellcheck disable=SC2086
+systemctl enable eehal-arbiter $nodes
 # the nodes first: they end in order while the arbiter still runs
-systemctl stop eehal-hal
+# shellcheck disable=SC2086
+systemctl stop $nodes
 systemctl restart eehal-arbiter
-systemctl start eehal-hal
+# shellcheck disable=SC2086
+systemctl start $nodes
 EEHAL_RUN_DIR=/run/eehal "$prefix/bin/eehal" doctor /etc/eehal/end_effector.yaml --passive --only description,lines,arbiter,link

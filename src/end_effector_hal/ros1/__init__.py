@@ -1,5 +1,5 @@
 """The nodes in ROS 1: how they start, talk and end there."""
 
-from ._run import run, run_line_owner
+from ._run import main
 
-__all__ = ["run", "run_line_owner"]
+__all__ = ["main"]

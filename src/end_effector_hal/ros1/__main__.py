@@ -2,6 +2,6 @@
 
 import sys
 
-from ._run import check_launch
+from end_effector_hal.nodes.launching import check_launch
 
-sys.exit(check_launch(sys.argv[1:]))
+sys.exit(check_launch(sys.argv[1:], "roslaunch"))

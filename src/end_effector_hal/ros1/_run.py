@@ -5,28 +5,54 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from end_effector_hal.errors import RosError
+from end_effector_hal.errors import RosError, UsageError
 from end_effector_hal.nodes import start_node
+from end_effector_hal.nodes.interface import (
+    DATA_LOGGER,
+    GRIP,
+    HAL_MAIN,
+    POSITION,
+    PRESSURE,
+    SUPERVISOR,
+    TOOL_CHANGE,
+)
 from end_effector_hal.nodes.process import guarded
 
 _ROS_PACKAGES = ("genpy", "rospy", "actionlib", "diagnostic_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 
 
-def run(name: str) -> None:
-    """Run a node of the table, and exit with its code."""
-    sys.exit(guarded(Path(sys.argv[0]).name, lambda: _run_node(name)))
+_NODES = {
+    "pressure": PRESSURE,
+    "position": POSITION,
+    "grip": GRIP,
+    "tool_change": TOOL_CHANGE,
+    "hal_main": HAL_MAIN,
+    "data_logger": DATA_LOGGER,
+    "supervisor": SUPERVISOR,
+}
+LINE_OWNER = "line_owner"
 
 
-def _run_node(name: str) -> int:
+def main(argv: Sequence[str]) -> int:
+    """Run what the first argument names, a node or the line arbiter; returns the exit code."""
+    program = argv[0]
+    if program == LINE_OWNER:
+        return guarded(program, lambda: _run_arbiter(argv))
+    return guarded(program, lambda: _run_node(program, argv))
+
+
+def _run_node(program: str, argv: Sequence[str]) -> int:
+    if program not in _NODES:
+        raise UsageError("There is no such program in ROS 1.", todo=f"There are {', '.join(_NODES)}.")
+    name = _NODES[program]
     try:
         _import_ros()
         from ._ros_node import RosNode
 
-        with RosNode(name, sys.argv) as node:
+        with RosNode(name, argv) as node:
             code = start_node(name, node)
             if code is None:
                 return node.spin()
@@ -36,21 +62,14 @@ def _run_node(name: str) -> int:
         raise _missing(error) from None
 
 
-def run_line_owner() -> None:
-    """Run the line arbiter as ``eehal arbiter`` does, with the arguments of a node; it needs no master."""
+def _run_arbiter(argv: Sequence[str]) -> None:
+    """As ``eehal arbiter`` does, with the arguments of a node; it needs no master."""
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.runtime import run_arbiter
 
     from ._tool_named import tool_named
 
-    sys.exit(guarded("line_owner", lambda: run_arbiter(load_tool(tool_named(sys.argv, lambda _: "")))))
-
-
-def check_launch(argv: Sequence[str]) -> int:
-    """The check of the launch file before it starts anything; see `_launch_check`. Returns the exit code."""
-    from ._launch_check import launch_check
-
-    return guarded("end_effector.launch", lambda: launch_check(argv))
+    run_arbiter(load_tool(tool_named(argv, lambda _: "")))
 
 
 def _import_ros() -> None:

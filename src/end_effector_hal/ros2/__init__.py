@@ -1,5 +1,5 @@
 """The nodes in ROS 2: how they start, talk and end there."""
 
-from ._run import PROGRAMS, run
+from ._run import PROGRAMS, main
 
-__all__ = ["PROGRAMS", "run"]
+__all__ = ["PROGRAMS", "main"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import closing
 
-from end_effector_hal.errors import RosError
+from end_effector_hal.errors import RosError, UsageError
 from end_effector_hal.nodes import start_node
 from end_effector_hal.nodes.interface import (
     DATA_LOGGER,
@@ -46,16 +46,22 @@ PROGRAMS = {
 
 Those of `MANAGED` work while its lifecycle node is active.
 """
+CHECK_LAUNCH = "check_launch"
 
 
-def run(program: str, argv: Sequence[str] = ()) -> int:
-    """Run the nodes of an executable in one process; returns its exit code.
+def main(argv: Sequence[str]) -> int:
+    """Run the nodes of an executable in one process, or the check of the launch file; returns the exit code.
 
     Args:
-        program: one of `PROGRAMS`.
-        argv: its arguments, with its name.
+        argv: the name of the executable, then its arguments.
     """
-    return guarded(program, lambda: _run(program, argv))
+    if argv and argv[0] == CHECK_LAUNCH:
+        from end_effector_hal.nodes.launching import check_launch
+
+        return check_launch(argv[1:], "ros2 launch")
+    if argv and argv[0] in PROGRAMS:
+        return guarded(argv[0], lambda: _run(argv[0], argv))
+    return guarded("ros2", lambda: _unknown(argv))
 
 
 def _run(program: str, argv: Sequence[str]) -> int:
@@ -86,6 +92,11 @@ def _run_managed(argv: Sequence[str]) -> int:
         closing(ToolLifecycle(process, PROGRAMS[MANAGED], argv)),
     ):
         return process.wait()
+
+
+def _unknown(argv: Sequence[str]) -> int:
+    what = f"{argv[0]!r} is no program." if argv else "No program is named."
+    raise UsageError(what, todo=f"There are {', '.join(PROGRAMS)}.")
 
 
 def _missing(error: ModuleNotFoundError) -> Exception:

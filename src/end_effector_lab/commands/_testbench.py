@@ -45,6 +45,12 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
     help="Where frames are sent: a serial device, or pty:PATH for a new pty with a link at PATH.  "
     "[default: a pty at the description's port; rpi3: /dev/serial0]",
 )
+@click.option(
+    "--prepare",
+    metavar="FOLDER",
+    type=PathName(file_okay=False),
+    help="Only write the same tool on virtual lines and a pty into FOLDER, and print the path of this copy.",
+)
 @click.option("--power-cycle", is_flag=True, help="Make the virtual chip anew: all lines inputs.")
 @click.option("--events", metavar="FILE", type=PathName(), help="Write edges and frames, JSON lines.")
 @click.option("--record", metavar="FILE", type=PathName(), help="Write the true sensor values, CSV.")
@@ -56,6 +62,7 @@ def command(
     seed: int,
     lines: str | None,
     port: str | None,
+    prepare: Path | None,
     power_cycle: bool,
     events: Path | None,
     record: Path | None,
@@ -69,9 +76,12 @@ def command(
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
-    from end_effector_lab.testbench import open_inputs, open_port, run_testbench
+    from end_effector_lab.testbench import open_inputs, open_port, run_testbench, write_virtual_copy
 
     loaded = load_tool(description or profile_path())
+    if prepare is not None:
+        click.echo(write_virtual_copy(loaded, prepare))
+        return
     run_testbench(
         loaded,
         open_inputs(lines, loaded, power_cycle=power_cycle),

@@ -8,11 +8,10 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Self
 
-from ruamel.yaml import YAML
-
 from end_effector_hal.description import Description, load
-from end_effector_hal.errors import ArbiterError, LinkError, UsageError
+from end_effector_hal.errors import ArbiterError, LinkError
 from end_effector_lab.processes import EEHAL, Children
+from end_effector_lab.testbench import write_description
 
 DESCRIPTION = "end_effector.yaml"
 LINES = "lines.log"
@@ -106,17 +105,8 @@ class World:
 
     def _written(self) -> Description:
         """The description as every process of this run reads it."""
-        content = self.description.model_dump(mode="json", by_alias=True, exclude_unset=True)
-        content["automata"] = {**content.get("automata", {}), "file": str(self.description.automata_path)}
-        try:
-            with self.description_path.open("w", encoding="utf-8") as file:
-                wires = "its own wires" if self._own_wires else "virtual lines and a pty"
-                file.write(f"# Written by eehal demo: the same tool on {wires}.\n")
-                YAML(typ="safe", pure=True).dump(content, file)
-        except OSError as error:
-            raise UsageError(
-                f"Cannot be written: {error.strerror}.", where=str(self.description_path)
-            ) from None
+        wires = "its own wires" if self._own_wires else "virtual lines and a pty"
+        write_description(self.description, self.description_path, f"the same tool on {wires}")
         return load(self.description_path)
 
     def _end(self) -> None:

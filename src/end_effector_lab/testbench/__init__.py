@@ -8,6 +8,7 @@ from ._run import run_testbench
 from ._scenario import FAULTS, Effect, Fault, Scenario, parse_scenario
 from ._sensor_board import SensorBoard, Sent, carried
 from ._testbench import Testbench, Watcher
+from ._virtual_copy import write_description, write_virtual_copy
 
 __all__ = [
     "FAULTS",
@@ -31,4 +32,6 @@ __all__ = [
     "open_port",
     "parse_scenario",
     "run_testbench",
+    "write_description",
+    "write_virtual_copy",
 ]

@@ -69,6 +69,20 @@ def test_the_tool_and_its_automata_are_copied_once(prefix: Path, tmp_path: Path)
     assert install(prefix).returncode == 0
 
 
+@pytest.mark.parametrize(
+    ("program", "units"),
+    [("eehal-hal", {"eehal-hal"}), ("eehal-hal-ros2", {"eehal-hal-ros2", "eehal-logger-ros2"})],
+)
+def test_the_nodes_are_those_of_the_ros_that_the_folder_was_built_for(
+    prefix: Path, program: str, units: set[str]
+) -> None:
+    (prefix / "bin" / program).write_text("#!/bin/sh\n")
+    (prefix / "bin" / program).chmod(0o755)
+    assert install(prefix, "-t", profile_path()).returncode == 0
+    installed = {path.stem for path in (prefix.parent / "root/etc/systemd/system").iterdir()}
+    assert installed == {"eehal-arbiter", *units}
+
+
 def test_the_journal_of_earlier_releases_is_moved_and_none_is_overwritten(prefix: Path) -> None:
     state = prefix.parent / "root/var/lib"
     (state / "eehal-owner").mkdir(parents=True)

@@ -87,11 +87,71 @@ def test_a_stop_leaves_the_time_that_a_will_takes() -> None:
         assert seconds(service["stop_grace_period"]) > 2 * longest
 
 
-def test_the_nodes_outlive_a_restart_of_the_arbiter() -> None:
-    hal = unit("eehal-hal.service")["Unit"]
+@pytest.mark.parametrize("name", ["eehal-hal.service", "eehal-hal-ros2.service"])
+def test_the_nodes_outlive_a_restart_of_the_arbiter(name: str) -> None:
+    hal = unit(name)["Unit"]
     assert "eehal-arbiter.service" in hal["Wants"].split()
     assert "eehal-arbiter.service" in hal["After"].split()
     assert not {"Requires", "BindsTo", "PartOf"} & set(hal)
+
+
+def test_one_generation_drives_the_tool_and_hears_this_machine_only() -> None:
+    one, two, logger = (unit(f"eehal-{name}.service") for name in ("hal", "hal-ros2", "logger-ros2"))
+    for each in (two, logger):
+        assert each["Unit"]["Conflicts"] == "eehal-hal.service"
+        assert each["Service"]["Environment"] == "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"
+    for each in (one, two, logger):
+        assert (each["Service"]["IPAddressDeny"], each["Service"]["IPAddressAllow"]) == ("any", "localhost")
+        assert each["Service"]["User"] == "eehal"
+    assert two["Service"]["SupplementaryGroups"] == one["Service"]["SupplementaryGroups"]
+    assert "SupplementaryGroups" not in logger["Service"], "it has no business with lines or ports"
+
+
+def test_what_the_units_start_is_installed_by_the_build() -> None:
+    build = (DEPLOY / "build.sh").read_text()
+    started = re.findall(
+        r"^ExecStart=/opt/eehal/bin/(\S+)", "".join(each.read_text() for each in UNITS), re.MULTILINE
+    )
+    assert len(started) == len(UNITS)
+    for program in set(started) - {"eehal"}:
+        assert f"deploy/{program} " in build
+        assert (DEPLOY / program).is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "variables", "given"),
+    [
+        (
+            (),
+            {"EEHAL_DESCRIPTION": "/etc/my tool.yaml"},
+            ["hal", "--ros-args", "-p", "description:=/etc/my tool.yaml"],
+        ),
+        (
+            ("data_logger", "-r", "__ns:=/left"),
+            {"EEHAL_DESCRIPTION": "/t.yaml", "EEHAL_LOG_DIRECTORY": "/var/log/eehal/a run"},
+            [
+                *("data_logger", "--ros-args", "-p", "description:=/t.yaml"),
+                *("-p", "directory:=/var/log/eehal/a run", "-r", "__ns:=/left"),
+            ],
+        ),
+    ],
+)
+def test_the_start_of_the_nodes_in_ros_2(
+    tmp_path: Path, arguments: tuple[str, ...], variables: dict[str, str], given: list[str]
+) -> None:
+    for folder in ("bin", "ros"):
+        (tmp_path / folder).mkdir()
+    program = shutil.copy(DEPLOY / "eehal-hal-ros2", tmp_path / "bin")
+    (tmp_path / "bin/python").write_text('#!/bin/sh\nprintf "%s\\n" "$SOURCED" "$@"\n')
+    (tmp_path / "bin/python").chmod(0o755)
+    missing = subprocess.run([program], capture_output=True, text=True, timeout=10, check=False)
+    assert missing.returncode == 3
+    (tmp_path / "ros/setup.bash").write_text("export SOURCED=yes\n")
+    env = {"PATH": "/usr/bin:/bin", "EEHAL_DESCRIPTION": "", "EEHAL_LOG_DIRECTORY": "", **variables}
+    said = subprocess.run(
+        [program, *arguments], env=env, capture_output=True, text=True, timeout=10, check=True
+    )
+    assert said.stdout.splitlines() == ["yes", "-m", "end_effector_hal.ros2", *given]
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.name)
@@ -133,7 +193,7 @@ def test_a_container_is_well_when_the_doctor_says_so() -> None:
 
 
 def test_the_image_has_a_package_for_every_module_of_ros() -> None:
-    from end_effector_hal.cli.doctor._ros import PACKAGES
+    from end_effector_hal.cli.doctor._ros1 import PACKAGES
 
     packages = (DEPLOY / "container" / "packages.txt").read_text().split()
     assert packages == sorted(packages)

@@ -1,140 +1,45 @@
-"""ROS 1: its packages, our messages, the master, our nodes."""
+"""Which generation of ROS is sourced, and that it is one only; then what this generation needs."""
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import os
-import shutil
 from pathlib import Path
 
-from end_effector_hal.errors import RosError
+from ._check_result import CheckedPart, CheckResults
+from ._importable import is_importable
+from ._ros1 import look_at_ros1
+from ._ros2 import look_at_ros2
 
-from ._check_result import CheckedPart, CheckResult, CheckResults
-
-PACKAGES = (
-    "rospy",
-    "actionlib",
-    "actionlib_msgs",
-    "diagnostic_msgs",
-    "sensor_msgs",
-    "std_msgs",
-    "std_srvs",
-    "rospkg",
-)
-PROGRAMS = ("roscore", "roslaunch")
-OURS = "end_effector_hal"
-_BUILD = "ros/build.sh, then . build/catkin/devel/setup.sh"
+_CLIENT_LIBRARY = {"ROS 1": "rospy", "ROS 2": "rclpy"}
+_MESSAGES = {"ROS 1": "_EndEffectorState.py", "ROS 2": "_end_effector_state.py"}
+"""How the generators of each call the module of one of our messages."""
 _say = CheckedPart("ros")
 
 
 def look_at_ros() -> CheckResults:
-    """ROS is one face of several: what is absent is missing only where ROS_MASTER_URI says that it is wanted."""
-    wanted = "ROS_MASTER_URI" in os.environ
-    absent = [name for name in PACKAGES if not _there(name)]
-    absent += [name for name in PROGRAMS if not shutil.which(name)]
-    if absent:
-        yield _absent(absent, wanted)
-    else:
-        yield _say.ok("ROS packages and programs are there")
-    if _there("end_effector_msgs.msg"):
-        yield _messages(wanted)
-    elif not absent:
-        yield _check_result(wanted, "the messages end_effector_msgs are not built, or not sourced", _BUILD)
-    if wanted:
-        yield from _look_at_master()
-    else:
-        yield _say.warning(
-            "ROS_MASTER_URI is not set: no master is looked for",
-            "Only the ROS nodes need one; source the workspace to use them.",
+    """ROS 2 where it is sourced or the only one; else ROS 1."""
+    folders = {name: _folder_of(name) for name in _CLIENT_LIBRARY}
+    if all(folders.values()):
+        named = " and ".join(f"{name} ({folder})" for name, folder in folders.items())
+        yield _say.missing(
+            f"PYTHONPATH names {named}: their packages have the same names",
+            "Source one of them only, in a new terminal; each needs an environment of its own.",
         )
+    yield from look_at_ros2() if _ros2_is_meant() else look_at_ros1()
 
 
-def _absent(names: list[str], wanted: bool) -> CheckResult:
-    text = f"not there: {', '.join(names)}"
-    if Path("/usr/lib/python3/dist-packages/rospy").is_dir() and "rospy" in names:
-        return _check_result(
-            wanted,
-            f"{text}; Debian's ROS is installed, and this environment does not see it",
-            "Make it with /usr/bin/python3 -m venv --system-site-packages.",
-        )
-    return _check_result(
-        wanted,
-        text,
-        "deploy/debian.sh installs ROS on Debian 12; without ROS: eehal arbiter, EndEffector.open",
-    )
-
-
-def _check_result(wanted: bool, what: str, todo: str) -> CheckResult:
-    return _say.missing(what, todo) if wanted else _say.warning(what, todo)
-
-
-def _there(name: str) -> bool:
-    try:
-        return importlib.util.find_spec(name) is not None
-    except (ImportError, ValueError):
+def _ros2_is_meant() -> bool:
+    if version := os.environ.get("ROS_VERSION"):
+        return version == "2"
+    if "ROS_MASTER_URI" in os.environ:
         return False
+    return "AMENT_PREFIX_PATH" in os.environ or (is_importable("rclpy") and not is_importable("rospy"))
 
 
-def _messages(wanted: bool) -> CheckResult:
-    """A workspace that is not sourced as a whole gives Python its messages, and roslaunch no package."""
-    built = "end_effector_msgs are built"
-    try:
-        rospkg = importlib.import_module("rospkg")
-    except ImportError:
-        return _say.ok(built)
-    try:
-        return _say.ok(f"{built}; roslaunch finds {rospkg.RosPack().get_path(OURS)}")
-    except rospkg.ResourceNotFound:
-        return _check_result(
-            wanted,
-            f"{built}; roslaunch does not find {OURS}",
-            "Source the whole workspace; Debian's package ros-environment sets ROS_PACKAGE_PATH.",
-        )
-
-
-def _look_at_master() -> CheckResults:
-    from end_effector_hal.ros1.master import ask_pid, master_uri
-
-    try:
-        uri, pid = master_uri(), ask_pid()
-    except RosError as error:
-        yield _say.missing(error.what, error.todo)
-        return
-    yield _say.ok(f"master at {uri} (pid {pid})")
-    yield _nodes()
-
-
-def _nodes() -> CheckResult:
-    from end_effector_hal.nodes.interface import HAL_NODES
-
-    try:
-        answering = [name for name in _registered() if _answers(name)]
-    except RosError as error:
-        return _say.missing(error.what, error.todo)
-    called = {name.rsplit("/", 1)[-1] for name in answering}
-    absent = [name for name in HAL_NODES if name not in called]
-    if not absent:
-        return _say.ok(f"nodes {', '.join(HAL_NODES)} answer")
-    todo = "roslaunch end_effector_hal end_effector.launch description:=FILE; its output says why a node does not stay."
-    if len(absent) == len(HAL_NODES):
-        return _say.missing("none of the HAL's nodes runs", todo)
-    return _say.missing(f"nodes that do not answer: {', '.join(absent)}", todo)
-
-
-def _registered() -> list[str]:
-    """Every node that publishes something."""
-    from end_effector_hal.ros1.master import ask_master
-
-    publishers, *_ = ask_master("getSystemState")
-    return sorted({node for _, nodes in publishers for node in nodes})
-
-
-def _answers(name: str) -> bool:
-    """Whether a node answers, as ``rosnode ping`` asks it: one that was killed stays registered."""
-    from end_effector_hal.ros1.master import NoSuchMethod, ask_master, ask_node
-
-    try:
-        return isinstance(ask_node(str(ask_master("lookupNode", name)), "getPid"), int)
-    except (RosError, OSError, NoSuchMethod):
-        return False
+def _folder_of(generation: str) -> str:
+    """The first folder of PYTHONPATH that belongs to a generation; empty: none does."""
+    for folder in filter(None, os.environ.get("PYTHONPATH", "").split(":")):
+        messages = Path(folder, "end_effector_msgs", "msg", _MESSAGES[generation])
+        if Path(folder, _CLIENT_LIBRARY[generation]).is_dir() or messages.is_file():
+            return folder
+    return ""

@@ -13,7 +13,8 @@ from tests.unit.cli.doctor.parts import Machine, serving
 
 @pytest.fixture
 def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Machine:
-    monkeypatch.delenv("ROS_MASTER_URI", raising=False)
+    for name in ("ROS_MASTER_URI", "ROS_VERSION", "AMENT_PREFIX_PATH"):
+        monkeypatch.delenv(name, raising=False)
     return Machine(tmp_path)
 
 

@@ -1,6 +1,6 @@
 """The check of the launch file before it starts anything: which tool it is, and whether the nodes can work with it.
 
-roslaunch runs it as the command of a parameter while it reads the file; when it fails, nothing is started.
+A launch file runs it while it is read; when it fails, nothing is started.
 """
 
 from __future__ import annotations
@@ -13,30 +13,36 @@ from pathlib import Path
 from end_effector_hal.description import Description, tool_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.nodes.interface import load_for_nodes
+from end_effector_hal.nodes.process import guarded
 from end_effector_hal.runtime import load_automata
 
-HOW = "description:=FILE or profile:=NAME (roslaunch ignores an argument that it does not know)"
+NAME = "end_effector.launch"
 
 
-def launch_check(argv: Sequence[str]) -> None:
-    """Print the name, the fingerprint and the path of the tool.
+def check_launch(argv: Sequence[str], launcher: str) -> int:
+    """Print the name, the fingerprint and the path of the tool, or one sentence that says why it cannot be launched.
 
     Args:
         argv: ``--description`` as it was given, ``--file``: the path that the nodes will read, ``--profile``.
+        launcher: the program that reads the launch file.
 
-    Raises:
-        UsageError: no tool is named, or its nodes would read another file than the one that was meant.
-        ReportedError: the description, its codec or its automata are not valid.
+    Returns:
+        The exit code.
     """
-    parser = argparse.ArgumentParser(prog="end_effector.launch")
+    return guarded(NAME, lambda: _check(argv, launcher))
+
+
+def _check(argv: Sequence[str], launcher: str) -> None:
+    parser = argparse.ArgumentParser(prog=NAME)
     for option in ("--description", "--file", "--profile"):
         parser.add_argument(option, default="")
     given = parser.parse_args(argv)
-    path = tool_path(given.file, given.profile, how=HOW)
+    how = f"description:=FILE or profile:=NAME ({launcher} ignores an argument that it does not know)"
+    path = tool_path(given.file, given.profile, how=how)
     _is_the_one_meant(given.description, path)
     description = load_for_nodes(path)
     load_automata(description)
-    print(_identity(description, path))  # noqa: T201 it becomes the value of the parameter
+    print(_identity(description, path))  # noqa: T201 the launch file reads it
 
 
 def _is_the_one_meant(given: str, path: Path) -> None:

@@ -1,0 +1,5 @@
+"""What a launch file of either ROS asks before it starts anything."""
+
+from ._launch_check import check_launch
+
+__all__ = ["check_launch"]

@@ -1,0 +1,52 @@
+"""The same tool without hardware: a copy of its description on virtual lines and a pty, for the testbench."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ruamel.yaml import YAML
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.runtime import output_lines
+from end_effector_hal.wires.lines import VirtualChip
+
+NAME = "end_effector.yaml"
+
+
+def write_virtual_copy(description: Description, folder: Path) -> Path:
+    """Write the copy and make its virtual chip, both in ``folder``; there stand the port and the socket as well.
+
+    Returns:
+        The path of the copy.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    folder = folder.absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"Cannot be made: {error.strerror}.", where=str(folder)) from None
+    virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
+    write_description(virtual, folder / NAME, "the same tool on virtual lines and a pty")
+    VirtualChip.create(folder / "chip", output_lines(virtual), exist_ok=True)
+    return folder / NAME
+
+
+def write_description(description: Description, path: Path, what: str) -> None:
+    """Write a description that was made in this program; its automata stay where they are. Raises UsageError.
+
+    Args:
+        description: that is written.
+        path: of the file.
+        what: stands in its first line.
+    """
+    content = description.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    content["automata"] = {**content.get("automata", {}), "file": str(description.automata_path)}
+    try:
+        with path.open("w", encoding="utf-8") as file:
+            file.write(f"# Written by eehal: {what}.\n")
+            YAML(typ="safe", pure=True).dump(content, file)
+    except OSError as error:
+        raise UsageError(f"Cannot be written: {error.strerror}.", where=str(path)) from None
