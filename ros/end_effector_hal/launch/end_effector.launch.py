@@ -14,8 +14,12 @@ from launch_ros.actions import Node
 from launch_ros.substitutions import ExecutableInPackage
 
 PACKAGE = "end_effector_hal"
-PROGRAMS = {"one": ("hal",), "five": ("pressure", "position", "grip", "tool_change", "hal_main")}
-RECORDERS = ("hal", "grip", "tool_change", "data_logger")
+PROGRAMS = {
+    "one": ("hal",),
+    "five": ("pressure", "position", "grip", "tool_change", "hal_main"),
+    "managed": ("lifecycle_hal",),
+}
+RECORDERS = ("hal", "lifecycle_hal", "grip", "tool_change", "data_logger")
 SWITCH = ("true", "false")
 # an unfinished grip is unwound, and a last will is executed to its end
 END_S = "30"
@@ -36,7 +40,12 @@ ARGUMENTS = (
         "the tool: name of a shipped one, such as verdin_gripper; this or a description is required",
     ),
     ("namespace", "", None, "namespace of all nodes and names; empty: none"),
-    ("processes", "one", tuple(PROGRAMS), "one for all nodes, or five as the paper draws them"),
+    (
+        "processes",
+        "one",
+        tuple(PROGRAMS),
+        "one for all nodes, five as the paper draws them, or one below a managed node, to be configured and activated",
+    ),
     ("arbiter", "true", SWITCH, "start the line arbiter too; false: it runs already (a system service)"),
     (
         "simulated",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections import defaultdict
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,11 @@ from end_effector_hal.nodes.interface import ACTIONS, DATA_LOGGER, HAL_NODES, SU
 from end_effector_hal.ros2 import PROGRAMS
 from tests.support.sros2 import Allowed, read_policy
 
-NOT_SERVED = tuple(f"/{action.name}/" for action in ACTIONS if action.optional)
-"""These nodes run without `control_msgs`."""
+NOT_SERVED = tuple(
+    f"/{action.name}/"
+    for action in ACTIONS
+    if action.optional and importlib.util.find_spec(action.type.partition("/")[0]) is None
+)
 
 
 def test_the_graph_is_the_policy(system: Any, tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ CALLED = [
     "demo",
     "demo-ros2",
     "test-ros2",
+    "kill-matrix-ros2",
     "link-campaign",
     "build-kernel.sh",
     "test-gpiochip",
