@@ -9,7 +9,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -42,6 +42,12 @@ test-ros2: ros2 ## the contract of the ROS interface, on real ROS 2
 
 test-thinned: setup ## those of which `make test` runs representatives
 	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m nightly
+
+# The peer knows the messages and nothing else of this product
+test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library and middleware, against the HAL on Jazzy
+	@UV_PROJECT_ENVIRONMENT=$(ROS2)-peer $(UV) sync -q --frozen --inexact -p /usr/bin/python3 --no-install-project --no-default-groups --group ros2-peer
+	@$(APART) $(ROS2)-peer/bin/python ros/wheels/build_messages.py ros/end_effector_msgs
+	@$(APART) EEHAL_ROS2_PEER=$(CURDIR)/$(ROS2)-peer/bin/python $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2/test_peer.py
 
 nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line arbiter fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py
