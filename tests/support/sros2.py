@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import importlib.util
 import xml.etree.ElementTree as ET
 from collections import defaultdict
+from collections.abc import Iterable
+from typing import Any
+
+from end_effector_hal.nodes.interface import ACTIONS
 
 RIGHTS = {
     "topics": ("topic", {"publish", "subscribe"}),
@@ -13,8 +18,41 @@ RIGHTS = {
 SERVICES_OF_ACTION = ("cancel_goal", "get_result", "send_goal")
 TOPICS_OF_ACTION = ("feedback", "status")
 
-Allowed = dict[str, set[str]]
-"""Of one process: right, and the full names of topics and services."""
+NOT_SERVED = tuple(
+    f"/{action.name}/"
+    for action in ACTIONS
+    if action.optional and importlib.util.find_spec(action.type.partition("/")[0]) is None
+)
+
+
+class Allowed(defaultdict[str, set[str]]):
+    """Of one process: right, and the full names of topics and services."""
+
+    def __init__(self) -> None:
+        super().__init__(set)
+
+    def served(self) -> Allowed:
+        """Without what is not offered in this environment."""
+        found = Allowed()
+        for right, names in self.items():
+            found[right] = {name for name in names if not name.startswith(NOT_SERVED)}
+        return found
+
+
+def on_graph(node: Any, names: Iterable[str]) -> Allowed:
+    """What some nodes of one process do, as a node of rclpy sees it."""
+    questions = {
+        "publish": node.get_publisher_names_and_types_by_node,
+        "subscribe": node.get_subscriber_names_and_types_by_node,
+        "reply": node.get_service_names_and_types_by_node,
+        "request": node.get_client_names_and_types_by_node,
+    }
+    found = Allowed()
+    for name in names:
+        for right, ask in questions.items():
+            if entities := {entity for entity, _ in ask(name, "/")}:
+                found[right] |= entities
+    return found
 
 
 def read_policy(text: str) -> dict[str, Allowed]:
@@ -29,7 +67,7 @@ def read_policy(text: str) -> dict[str, Allowed]:
         (profiles,) = enclave
         assert (profiles.tag, profiles.attrib) == ("profiles", {})
         assert enclave.attrib["path"] not in found
-        allowed: Allowed = defaultdict(set)
+        allowed = Allowed()
         for profile in profiles:
             assert (profile.tag, set(profile.attrib)) == ("profile", {"ns", "node"})
             _read_profile(profile, allowed)

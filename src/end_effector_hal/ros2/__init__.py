@@ -1,5 +1,5 @@
 """The nodes in ROS 2: how they start, talk and end there."""
 
-from ._run import PROGRAMS, main
+from ._run import MANAGED, PROGRAMS, main
 
-__all__ = ["PROGRAMS", "main"]
+__all__ = ["MANAGED", "PROGRAMS", "main"]

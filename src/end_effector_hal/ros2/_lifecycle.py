@@ -18,6 +18,7 @@ from end_effector_hal.nodes.interface import (
     DIRECTORY,
     END_EFFECTOR_STATE,
     KEEP_MB,
+    MANAGER,
     PROFILE,
     SEGMENT_MB,
     Parameter,
@@ -34,9 +35,8 @@ from ._process import Process
 from ._ros_node import HOW, RclpyNode
 from ._rosout import writer_of
 
-NAME = "EndEffector"
-PROVE = Parameter("prove", (NAME,), "`true`: prove the tool when it is configured and no verdict is kept")
-READY_S = Parameter("ready_s", (NAME,), "seconds; how long activate waits for the sensors; default: 10")
+PROVE = Parameter("prove", (MANAGER,), "`true`: prove the tool when it is configured and no verdict is kept")
+READY_S = Parameter("ready_s", (MANAGER,), "seconds; how long activate waits for the sensors; default: 10")
 PARAMETERS = (DESCRIPTION, PROFILE, DIRECTORY, SEGMENT_MB, KEEP_MB, PROVE, READY_S)
 _OWN_NAME = re.compile(r"__(node|name):=")
 _LONGEST_END_S = 5.0
@@ -55,10 +55,10 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """
 
     def __init__(self, process: Process, names: Sequence[str], argv: Sequence[str]) -> None:
-        super().__init__(NAME, context=process.context)
+        super().__init__(MANAGER, context=process.context)
         self._process, self._names = process, names
         self._arguments = _without_own_name(argv)
-        self._log, self._log_handler = node_log(NAME, writer_of(self))
+        self._log, self._log_handler = node_log(MANAGER, writer_of(self))
         self._parameters = {each.name: declared(self, each) for each in PARAMETERS}
         self._hash = ""
         self._group: NodeGroup | None = None

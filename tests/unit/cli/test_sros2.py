@@ -24,12 +24,12 @@ def holders(text: str, right: str, name: str) -> set[str]:
 def test_an_enclave_for_each_process(verdin: Description) -> None:
     others = ("data_logger", "supervisor", "client")
     assert [*read_policy(security_policy(verdin))] == [f"/verdin_gripper/{each}" for each in ("hal", *others)]
-    five = read_policy(security_policy(verdin, five=True, namespace="cell/left/"))
+    five = read_policy(security_policy(verdin, "five", "cell/left/"))
     assert [*five] == [f"/cell/left/{each}" for each in (*FIVE, *others)]
 
 
 def test_nobody_else_can_speak_for_a_node_or_to_it_inside(verdin: Description) -> None:
-    text = security_policy(verdin, five=True)
+    text = security_policy(verdin, "five")
     assert holders(text, "publish", "/sensor_frame") == {"pressure"}
     assert holders(text, "publish", "/grip/state") == {"grip"}
     assert holders(text, "publish", "/EndEffectorState") == {"hal_main"}
@@ -49,7 +49,7 @@ def test_in_one_process_what_stays_inside_is_allowed_to_nobody(verdin: Descripti
 
 @pytest.mark.parametrize("five", [False, True])
 def test_who_commands_the_tool(verdin: Description, five: bool) -> None:
-    text = security_policy(verdin, five=five, namespace="/left")
+    text = security_policy(verdin, "five" if five else "one", "/left")
     server = {"hal_main" if five else "hal"}
     assert holders(text, "request", "/left/Drop/_action/send_goal") == {"client", "supervisor"}
     assert holders(text, "reply", "/left/Drop/_action/send_goal") == server
@@ -64,7 +64,7 @@ def test_who_commands_the_tool(verdin: Description, five: bool) -> None:
 
 
 def test_parameters_are_set_by_nobody(verdin: Description) -> None:
-    for allowed in read_policy(security_policy(verdin, five=True)).values():
+    for allowed in read_policy(security_policy(verdin, "five")).values():
         assert not [each for each in allowed["request"] if "parameters" in each]
 
 
@@ -82,6 +82,6 @@ def test_what_is_no_namespace(verdin: Description, namespace: str) -> None:
 
 def test_the_command_writes_a_file(tmp_path: Path) -> None:
     target = tmp_path / "policy.xml"
-    done = CliRunner().invoke(command, ["sros2", "--five", "-o", str(target)])
+    done = CliRunner().invoke(command, ["sros2", "--processes", "five", "-o", str(target)])
     assert (done.exit_code, done.output) == (0, f"{target}\n")
     assert "/verdin_gripper/pressure" in read_policy(target.read_text())

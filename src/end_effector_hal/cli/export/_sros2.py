@@ -18,6 +18,7 @@ from end_effector_hal.nodes.interface import (
     DATA_LOGGER,
     HAL_MAIN,
     HAL_NODES,
+    MANAGER,
     RESET_FAULTS,
     SUPERVISOR,
     Service,
@@ -26,10 +27,11 @@ from end_effector_hal.nodes.interface import (
     services,
     topics,
 )
-from end_effector_hal.ros2 import PROGRAMS
+from end_effector_hal.ros2 import MANAGED, PROGRAMS
 
 VERSION = "0.2.0"
-HAL, CLIENT = "hal", "client"
+CLIENT = "client"
+PROCESSES = ("one", "five", "managed")
 OWN_TOPICS = ("/rosout", "/parameter_events")
 """What every node of rclpy publishes."""
 OWN_SERVICES = tuple(
@@ -45,6 +47,17 @@ OWN_SERVICES = tuple(
     )
 )
 """What every node of rclpy serves."""
+OF_LIFECYCLE = tuple(
+    f"~/{each}"
+    for each in (
+        "change_state",
+        "get_available_states",
+        "get_available_transitions",
+        "get_state",
+        "get_transition_graph",
+    )
+)
+"""What a managed node serves besides."""
 CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, RESET_FAULTS)}
 """Public services that a node of this package calls."""
 _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/")
@@ -52,25 +65,32 @@ _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ012345678
 
 @click.command(name="sros2", short_help="A policy of SROS 2: which process may publish, serve and call what.")
 @click.argument("file", type=PathName(), required=False)
-@click.option("--five", is_flag=True, help="The HAL is five processes; default: one.")
+@click.option(
+    "--processes",
+    type=click.Choice(PROCESSES),
+    default="one",
+    show_default=True,
+    help="Of the HAL, as the launch file has them.",
+)
 @click.option("--namespace", metavar="NS", default="", help="Of the tool.")
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
-def export_sros2(file: Path | None, five: bool, namespace: str, output: Path | None) -> None:
+def export_sros2(file: Path | None, processes: str, namespace: str, output: Path | None) -> None:
     """Write policy.xml for the tool that the description FILE says; default: the shipped one.
 
-    It has an enclave for each process: /NAME/hal, or its five programs, /NAME/data_logger, /NAME/supervisor, and
-    /NAME/client for a program that commands the tool. NAME is the namespace, or else the name of the tool.
+    It has an enclave for each process: /NAME/hal, its five programs or /NAME/lifecycle_hal, /NAME/data_logger,
+    /NAME/supervisor, and /NAME/client for a program that commands the tool. NAME is the namespace, or else the
+    name of the tool.
     """
     description = load_for_nodes(file or profile_path())
-    write_or_print(output, security_policy(description, five=five, namespace=namespace))
+    write_or_print(output, security_policy(description, processes, namespace))
 
 
-def security_policy(description: Description, *, five: bool = False, namespace: str = "") -> str:
+def security_policy(description: Description, processes: str = "one", namespace: str = "") -> str:
     """The text of ``policy.xml``.
 
     Args:
         description: of the tool.
-        five: whether each node of the HAL is a process of its own.
+        processes: of the HAL, one of `PROCESSES`.
         namespace: of all nodes.
 
     Raises:
@@ -86,7 +106,7 @@ def security_policy(description: Description, *, five: bool = False, namespace: 
     policy.append(ET.Comment(f" Of {description.name}, by `eehal export sros2`; not edited by hand. "))
     enclaves = ET.SubElement(policy, "enclaves")
     prefix = space if space != "/" else f"/{description.name}"
-    for program, nodes in _processes(five):
+    for program, nodes in _processes(processes):
         enclave = ET.SubElement(enclaves, "enclave", path=f"{prefix}/{program}")
         profiles = ET.SubElement(enclave, "profiles")
         for node in nodes:
@@ -96,12 +116,14 @@ def security_policy(description: Description, *, five: bool = False, namespace: 
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(policy, encoding="unicode")}\n'
 
 
-def _processes(five: bool) -> Iterator[tuple[str, Sequence[str]]]:
+def _processes(processes: str) -> Iterator[tuple[str, Sequence[str]]]:
     alone = {nodes[0]: program for program, nodes in PROGRAMS.items() if len(nodes) == 1}
-    if five:
+    if processes == "five":
         yield from ((alone[node], (node,)) for node in HAL_NODES)
+    elif processes == "managed":
+        yield MANAGED, (MANAGER, *PROGRAMS[MANAGED])
     else:
-        yield HAL, PROGRAMS[HAL]
+        yield "hal", PROGRAMS["hal"]
     yield from ((alone[node], (node,)) for node in (DATA_LOGGER, SUPERVISOR))
     yield CLIENT, (CLIENT,)
 
@@ -109,7 +131,9 @@ def _processes(five: bool) -> Iterator[tuple[str, Sequence[str]]]:
 def _fill(profile: ET.Element, node: str, process: frozenset[str], description: Description) -> None:
     public = [each for each in services(description) if not each.internal]
     client = node == CLIENT
-    _allow(profile, "topics", "publish", (*OWN_TOPICS, *_published(node, description)))
+    lifecycle = node == MANAGER
+    own = (*OWN_TOPICS, *(("~/transition_event",) if lifecycle else ()))
+    _allow(profile, "topics", "publish", (*own, *_published(node, description)))
     _allow(
         profile,
         "topics",
@@ -120,7 +144,8 @@ def _fill(profile: ET.Element, node: str, process: frozenset[str], description: 
             if (node in topic.subscribers and not _carried(topic, process)) or (client and not topic.internal)
         ],
     )
-    _allow(profile, "services", "reply", (*OWN_SERVICES, *_served(node, process, description)))
+    served = (*OWN_SERVICES, *(OF_LIFECYCLE if lifecycle else ()))
+    _allow(profile, "services", "reply", (*served, *_served(node, process, description)))
     called = [
         service.name
         for service in services(description)

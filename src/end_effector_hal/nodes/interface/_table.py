@@ -12,6 +12,8 @@ from ._entries import Action, CommandAction, Parameter, Service, Topic
 HAL_MAIN, GRIP, TOOL_CHANGE = "HALMain", "Grip", "ToolChange"
 PRESSURE, POSITION = "Pressure", "Position"
 SUPERVISOR, DATA_LOGGER = "Supervisor", "DataLogger"
+MANAGER = "EndEffector"
+"""The managed node of ROS 2, which has the nodes of the HAL work while it is active."""
 HAL_NODES = (HAL_MAIN, GRIP, TOOL_CHANGE, PRESSURE, POSITION)
 NODES = (*HAL_NODES, SUPERVISOR, DATA_LOGGER, "LineOwner")
 OF_ROS = ("rosout", "rosout_agg", "clock")
