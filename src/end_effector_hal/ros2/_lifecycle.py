@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import threading
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -27,7 +28,7 @@ from end_effector_hal.nodes.interface import (
 from end_effector_hal.nodes.process import node_log
 from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import content_hash
-from end_effector_hal.wires import be_steady
+from end_effector_hal.wires import be_steady, now_us
 
 from ._node_group import NodeGroup
 from ._parameters import declared
@@ -40,6 +41,7 @@ READY_S = Parameter("ready_s", (MANAGER,), "seconds; how long activate waits for
 PARAMETERS = (DESCRIPTION, PROFILE, DIRECTORY, SEGMENT_MB, KEEP_MB, PROVE, READY_S)
 _OWN_NAME = re.compile(r"__(node|name):=")
 _LONGEST_END_S = 5.0
+_LOOK_S = 0.05
 
 
 class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
@@ -147,22 +149,20 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         be_steady()
 
     def _wait_until_ready(self, group: NodeGroup, description: Description, ready_s: float) -> None:
-        changed = threading.Condition()
         last: list[StateMessage | None] = [None]
 
         def on_state(message: StateMessage) -> None:
-            with changed:
-                last[0] = message
-                changed.notify_all()
+            last[0] = message
 
         group.bus.subscribe(END_EFFECTOR_STATE, on_state)
-        with changed:
-            changed.wait_for(lambda: not missing(description, last[0]) or group.ending, ready_s)
-            if why := missing(description, last[0]):
-                raise UsageError(
-                    f"{description.name} is not ready after {ready_s:g} s: {'; '.join(why)}.",
-                    todo="`eehal doctor` says what this machine lacks.",
-                )
+        until = now_us() + round(ready_s * 1e6)
+        while (why := missing(description, last[0])) and now_us() < until and not group.ending:
+            time.sleep(_LOOK_S)
+        if why:
+            raise UsageError(
+                f"{description.name} is not ready after {ready_s:g} s: {'; '.join(why)}.",
+                todo="`eehal doctor` says what this machine lacks.",
+            )
 
     def _end_group(self) -> None:
         group, self._group = self._group, None

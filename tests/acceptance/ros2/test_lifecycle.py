@@ -6,8 +6,9 @@ import json
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -33,9 +34,11 @@ LINES = (*GRIP_LINES, "SODIMM_206")
 class Managed(System):
     """The managed node of a tool, and its world."""
 
+    ready_s = 2
+
     def start_nodes(self) -> None:
         for program in self.programs:
-            self.nodes[program] = self.start(program, "-p", "ready_s:=2", "-r", "__node:=tool")
+            self.nodes[program] = self.start(program, "-p", f"ready_s:={self.ready_s}", "-r", "__node:=tool")
 
     def join(self) -> None:
         """Become a node whose calls are answered: the first answer of a service may find no way back yet."""
@@ -52,10 +55,14 @@ class Managed(System):
         assert made is not None, "not answered"
         return made
 
-    def _asked(self, transition: int, *, timeout_s: float) -> bool | None:
+    def ask(self, transition: int) -> Any:
+        """Ask for a transition; the answer to come."""
         request = self._transitions.srv_type.Request()
         request.transition.id = transition
-        future, answered = self._transitions.call_async(request), threading.Event()
+        return self._transitions.call_async(request)
+
+    def _asked(self, transition: int, *, timeout_s: float) -> bool | None:
+        future, answered = self.ask(transition), threading.Event()
         future.add_done_callback(lambda _: answered.set())
         return bool(future.result().success) if answered.wait(timeout_s) else None
 
@@ -81,16 +88,28 @@ def proof() -> Proof:
 
 
 @pytest.fixture
-def managed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, proof: Proof) -> Iterator[Managed]:
-    """Unconfigured; the verdict of its tool is kept."""
+def made(tmp_path: Path) -> Iterator[Callable[[Proof], Managed]]:
+    """Makes one that is unconfigured; the verdict of its tool is kept."""
     with World(load(profile_path()), "nominal", tmp_path) as world:
-        keep_verdict(verdict_of(load(world.description_path), proof))
-        system = Managed(world, tmp_path, ("lifecycle_hal",))
-        system.env["XDG_STATE_HOME"] = os.environ["XDG_STATE_HOME"]
-        system.start_nodes()
-        system.join()
-        yield system
-        system.close()
+        systems: list[Managed] = []
+
+        def make(proof: Proof) -> Managed:
+            keep_verdict(verdict_of(load(world.description_path), proof))
+            system = Managed(world, tmp_path, ("lifecycle_hal",))
+            system.env["XDG_STATE_HOME"] = os.environ["XDG_STATE_HOME"]
+            system.start_nodes()
+            system.join()
+            systems.append(system)
+            return system
+
+        yield make
+        for system in systems:
+            system.close()
+
+
+@pytest.fixture
+def managed(made: Callable[[Proof], Managed], proof: Proof) -> Managed:
+    return made(proof)
 
 
 def test_a_grip_is_held_through_deactivation_and_adopted_by_the_next_activation(managed: Managed) -> None:
@@ -179,6 +198,20 @@ def test_a_description_that_has_changed_is_not_activated(managed: Managed) -> No
     assert managed.edges() == []
     path.write_text(text)
     assert managed.change(ACTIVATE)
+
+
+def test_sigterm_while_it_waits_for_its_sensors_ends_in_good_order(
+    made: Callable[[Proof], Managed], proof: Proof, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Managed, "ready_s", 300)
+    managed = made(proof)
+    managed.world.choose("silent-after:0")
+    assert managed.change(CONFIGURE)
+    managed.ask(ACTIVATE)
+    managed.until("its last node", lambda: "HALMain" in managed.node.get_node_names())
+    managed.kill_nodes(signal.SIGTERM)
+    assert [child.code for child in managed.nodes.values()] == [0]
+    assert managed.edges() == []
 
 
 def test_without_the_line_arbiter_it_is_not_activated(managed: Managed) -> None:
