@@ -41,9 +41,11 @@ def command(description: Path | None, model: Path | None, as_json: bool, output:
     exit code is 4 when a requirement does not hold. The verdict about a DESCRIPTION is kept in
     ${XDG_STATE_HOME:-~/.local/state}/end-effector-hal/verdicts, by its content.
     """
+    from end_effector_hal.recording import content_hash
     from end_effector_hal.verification.proof import prove
 
     source = open_source(description, model)
+    content = content_hash(source.description) if source.description is not None else ""
     with _Progress() as progress:
         proof = prove(source.network, progress)
     drawing = Drawing()
@@ -57,17 +59,20 @@ def command(description: Path | None, model: Path | None, as_json: bool, output:
     if drawing.note:
         click.echo(f"Note: {drawing.note}", err=True)
     if source.description is not None:
-        _keep(source.description, proof)
+        _keep(source.description, content, proof)
     if not proof.holds:
         sys.exit(_FAILED)
 
 
-def _keep(description: Description, proof: Proof) -> None:
-    """A lifecycle node of ROS 2 asks for it before it moves a line."""
+def _keep(description: Description, content: str, proof: Proof) -> None:
+    """A managed node of ROS 2 asks for it before it moves a line."""
+    from end_effector_hal.recording import content_hash
     from end_effector_hal.verification.proof import keep_verdict, verdict_of
 
     try:
-        keep_verdict(verdict_of(description, proof))
+        if content_hash(description) != content:
+            raise UsageError("The tool has changed while it was proven: the verdict is not kept.")
+        keep_verdict(verdict_of(content, proof))
     except UsageError as error:
         click.echo(f"Note: {error}", err=True)
 

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime import changer_is_sensed
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
 
 from .transport import StateMessage
 
+if TYPE_CHECKING:
+    from end_effector_hal.verification.proof import Verdict
 
-def require_proof(description: Description, *, prove_now: bool) -> str:
-    """The verdict about exactly this tool, as a sentence; raises UsageError where there is none, or it is bad.
+
+def require_proof(description: Description, *, prove_now: bool) -> Verdict:
+    """The verdict about exactly this tool; raises UsageError where there is none, or it is bad.
 
     Args:
         description: the tool.
@@ -22,17 +29,22 @@ def require_proof(description: Description, *, prove_now: bool) -> str:
 
     verdict = kept_verdict(description)
     if verdict is None and prove_now:
-        verdict = verdict_of(description, prove(network_of(description)))
-        keep_verdict(verdict)
+        content = content_hash(description)
+        verdict = verdict_of(content, prove(network_of(description)))
+        if content_hash(description) != content:
+            what = "The description or its automata have changed while they were proven."
+            raise UsageError(what, where=str(description.source), todo="Configure again.")
+        with suppress(UsageError):  # the next one proves it again, then
+            keep_verdict(verdict)
     if verdict is None:
         raise UsageError(
             f"Nothing is known of a proof of {description.name} as it is now.",
             where=str(description.source),
-            todo="Run `eehal verify` on it as this user, or set the parameter prove to true.",
+            todo="Run `eehal verify` on it as this user, or set the parameter prove to true; `hal` asks for no proof.",
         )
     if not verdict.holds:
         raise UsageError(str(verdict), where=str(description.source), todo="`eehal verify` shows why.")
-    return str(verdict)
+    return verdict
 
 
 def missing(description: Description, state: StateMessage | None) -> tuple[str, ...]:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import re
-import threading
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from end_effector_hal.description import Description, tool_path
@@ -16,13 +14,12 @@ from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.nodes import missing, require_proof, start_node
 from end_effector_hal.nodes.interface import (
     DESCRIPTION,
-    DIRECTORY,
     END_EFFECTOR_STATE,
-    KEEP_MB,
     MANAGER,
+    PARAMETERS,
     PROFILE,
-    SEGMENT_MB,
-    Parameter,
+    PROVE,
+    READY_S,
     load_for_nodes,
 )
 from end_effector_hal.nodes.process import node_log
@@ -36,18 +33,15 @@ from ._process import Process
 from ._ros_node import HOW, RclpyNode
 from ._rosout import writer_of
 
-PROVE = Parameter("prove", (MANAGER,), "`true`: prove the tool when it is configured and no verdict is kept")
-READY_S = Parameter("ready_s", (MANAGER,), "seconds; how long activate waits for the sensors; default: 10")
-PARAMETERS = (DESCRIPTION, PROFILE, DIRECTORY, SEGMENT_MB, KEEP_MB, PROVE, READY_S)
 _OWN_NAME = re.compile(r"__(node|name):=")
-_LONGEST_END_S = 5.0
 _LOOK_S = 0.05
 
 
 class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """Configure loads the tool and asks for its proof; activate starts its nodes and waits for the sensors.
 
-    Deactivate ends the nodes as SIGTERM does: the lines go where `endings: sigterm` says, what is held stays held.
+    Deactivate ends the nodes as SIGTERM does: the lines go where `endings: sigterm` says, by default what is
+    held stays held.
     Cleanup moves no line. A transition that fails says why in the log.
 
     Args:
@@ -57,18 +51,19 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """
 
     def __init__(self, process: Process, names: Sequence[str], argv: Sequence[str]) -> None:
-        super().__init__(MANAGER, context=process.context)
+        try:
+            super().__init__(MANAGER, context=process.context)
+        except Exception as error:  # noqa: BLE001 rclpy has a class for each part of it
+            raise UsageError(f"The node {MANAGER} cannot be made: {error}") from None
         self._process, self._names = process, names
         self._arguments = _without_own_name(argv)
         self._log, self._log_handler = node_log(MANAGER, writer_of(self))
-        self._parameters = {each.name: declared(self, each) for each in PARAMETERS}
+        self._given = {each.name: declared(self, each) for each in PARAMETERS if MANAGER in each.nodes}
         self._hash = ""
         self._group: NodeGroup | None = None
         self._guard_transitions()
-        self._executor = SingleThreadedExecutor(context=process.context)
-        self._executor.add_node(self)
-        self._thread = threading.Thread(target=self._executor.spin, name="lifecycle", daemon=True)
-        self._thread.start()
+        self._own = NodeGroup(process, (MANAGER,))
+        self._own.add(self, MANAGER)
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Load the description, and look for its verdict."""
@@ -79,7 +74,7 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return self._tried("activated", self._activate)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """End the nodes; what is held stays held."""
+        """End the nodes; by default what is held stays held."""
         self._end_group()
         return super().on_deactivate(state)
 
@@ -89,8 +84,9 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return TransitionCallbackReturn.SUCCESS
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From any state."""
+        """From any state: end the nodes, and the process; its launcher begins anew."""
         self._end_group()
+        self._process.end()
         return TransitionCallbackReturn.SUCCESS
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -100,11 +96,9 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     def close(self) -> None:
         """At the end of the process, in any state."""
-        self._executor.shutdown(_LONGEST_END_S)
-        self._thread.join(_LONGEST_END_S)
+        self._own.close()
         self._end_group()
         self._log_handler.end()
-        self.destroy_node()
 
     def _guard_transitions(self) -> None:
         """A transition that is not possible now raises in rclpy, which would end the executor: it is refused."""
@@ -124,12 +118,12 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     def _configure(self) -> None:
         description = self._load()
-        verdict = require_proof(description, prove_now=self._parameters[PROVE.name].lower() == "true")
-        self._hash = content_hash(description)
+        verdict = require_proof(description, prove_now=self._given[PROVE.name].lower() == "true")
+        self._hash = verdict.hash
         self._log.info("%s: %s", description.name, verdict)
 
     def _activate(self) -> None:
-        ready_s = _seconds(self._parameters[READY_S.name])
+        ready_s = _seconds(self._given[READY_S.name])
         description = self._load()
         if content_hash(description) != self._hash:
             raise UsageError(
@@ -137,8 +131,7 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                 where=str(description.source),
                 todo="Clean up and configure again.",
             )
-        parameters = {each.name: self._parameters[each.name] for each in PARAMETERS}
-        self._group = group = NodeGroup(self._process, self._names, self._arguments, parameters)
+        self._group = group = NodeGroup(self._process, self._names, self._arguments, self._given, description)
         try:
             for name in self._names:
                 start_node(name, RclpyNode(name, group))
@@ -158,7 +151,12 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         until = now_us() + round(ready_s * 1e6)
         while (why := missing(description, last[0])) and now_us() < until and not group.ending:
             time.sleep(_LOOK_S)
-        if why:
+        if group.ending:
+            raise UsageError(f"{description.name} was ended while it waited for its sensors.")
+        if why and last[0] is not None and any(last[0].outputs):
+            # nodes that ended would leave nobody to drop what is held
+            self._log.warning("active, for outputs are; but %s", "; ".join(why))
+        elif why:
             raise UsageError(
                 f"{description.name} is not ready after {ready_s:g} s: {'; '.join(why)}.",
                 todo="`eehal doctor` says what this machine lacks.",
@@ -170,7 +168,7 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             group.close()
 
     def _load(self) -> Description:
-        given = [self._parameters[each.name] for each in (DESCRIPTION, PROFILE)]
+        given = [self._given[each.name] for each in (DESCRIPTION, PROFILE)]
         return load_for_nodes(tool_path(*given, how=HOW))
 
     def _tried(self, what: str, work: Callable[[], None]) -> TransitionCallbackReturn:

@@ -8,9 +8,11 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
+from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
+from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.process import Ticker
 
@@ -33,6 +35,7 @@ class NodeGroup:
         names: of the nodes that will run here.
         arguments: of ROS, in place of those of the process.
         parameters: values for what the arguments do not give.
+        description: the tool, whatever their parameters name; None: they say it.
     """
 
     def __init__(
@@ -41,9 +44,10 @@ class NodeGroup:
         names: Sequence[str],
         arguments: Sequence[str] | None = None,
         parameters: Mapping[str, str] | None = None,
+        description: Description | None = None,
     ) -> None:
         self._process, self._arguments = process, arguments
-        self.parameters = dict(parameters or {})
+        self.parameters, self.description = dict(parameters or {}), description
         self.executor = SingleThreadedExecutor(context=process.context)
         self.workers = ThreadPoolExecutor(WORKERS, thread_name_prefix="service")
         self.bus = LocalBus(frozenset(names), _log)
@@ -59,12 +63,18 @@ class NodeGroup:
         own = (
             {} if self._arguments is None else {"cli_args": [*self._arguments], "use_global_arguments": False}
         )
-        node = Node(name, context=self._process.context, **own)
+        try:
+            node = Node(name, context=self._process.context, **own)
+        except Exception as error:  # noqa: BLE001 rclpy has a class for each part of it
+            raise UsageError(f"The node {name} cannot be made: {error}") from None
         self.add(node, name)
         return node
 
     def add(self, node: Node, name: str) -> None:
-        """Run a node in this group; raises UsageError where another one of it has its name."""
+        """Run a node in this group; raises UsageError where another one of it has its name, or it has ended."""
+        if self._closing:
+            node.destroy_node()
+            raise UsageError(f"{name} is not started: the process ends.")
         taken = any(each.get_name() == node.get_name() for each in self._nodes)
         self._nodes.append(node)
         if taken:
@@ -110,8 +120,11 @@ class NodeGroup:
         if self._thread.is_alive():
             self._thread.join(LONGEST_END_S)
         self.workers.shutdown(wait=False, cancel_futures=True)
-        for node in self._nodes:
-            node.destroy_node()
+        if self._thread.is_alive():
+            _log.error("a callback does not return; its nodes are left behind")
+        else:
+            for node in self._nodes:
+                _destroy(node)
         for callback in self._enders:
             _guarded(callback)
 
@@ -124,6 +137,14 @@ class NodeGroup:
             if not self.ending:
                 _log.exception("the executor of ROS 2 has ended")
                 self.fail(RosError(f"The executor of ROS 2 has ended: {error}."))
+
+
+def _destroy(node: Node) -> None:
+    """rclpy forgets the actions of a node: their servers would be there until the garbage is collected."""
+    for each in list(node.waitables):
+        if isinstance(each, ActionServer | ActionClient):
+            each.destroy()
+    node.destroy_node()
 
 
 def _guarded(callback: Callable[[], None]) -> None:

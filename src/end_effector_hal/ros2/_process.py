@@ -16,7 +16,8 @@ from rclpy.signals import SignalHandlerOptions
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.wires import be_steady
 
-LONGEST_END_S = 5.0
+LONGEST_END_S = 20.0
+"""Longer than all that ends in good order may take together."""
 
 
 class Process:

@@ -82,6 +82,8 @@ class RclpyNode:
 
     def description(self) -> Description:
         """The tool that the parameter ``description`` or ``profile`` names; raises DescriptionError."""
+        if self._group.description is not None:
+            return self._group.description
         given = [self._parameters.get(each.name, "") for each in (DESCRIPTION, PROFILE)]
         return load_for_nodes(tool_path(*given, how=HOW))
 

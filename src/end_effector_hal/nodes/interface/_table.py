@@ -115,14 +115,14 @@ ACTIONS: tuple[Action, ...] = (*COMMAND_ACTIONS, GRIPPER_COMMAND, PARALLEL_GRIPP
 
 DESCRIPTION = Parameter(
     "description",
-    (*HAL_NODES, DATA_LOGGER),
+    (*HAL_NODES, DATA_LOGGER, MANAGER),
     "path of the YAML file, never its content; required, or a profile",
 )
 PROFILE = Parameter("profile", DESCRIPTION.nodes, "name of a shipped tool, instead of a description")
-SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; grip; wait 2; release; quit`")
+SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; grip; wait 2; drop; quit`")
 DIRECTORY = Parameter(
     "directory",
-    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
     "run folder that it writes; Grip, ToolChange: empty, no trace",
 )
 PATIENCE = Parameter(
@@ -130,12 +130,14 @@ PATIENCE = Parameter(
 )
 SEGMENT_MB = Parameter(
     "segment_mb",
-    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
     "files of a recording are cut into such segments, MB; default: 64",
 )
 KEEP_MB = Parameter(
     "keep_mb",
-    (DATA_LOGGER, GRIP, TOOL_CHANGE),
+    (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
     "the folder keeps so much, MB, the oldest segments are removed; default: 1000",
 )
-PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE, SEGMENT_MB, KEEP_MB)
+PROVE = Parameter("prove", (MANAGER,), "`true`: prove the tool when it is configured and no verdict is kept")
+READY_S = Parameter("ready_s", (MANAGER,), "seconds; how long activate waits for the sensors; default: 10")
+PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE, SEGMENT_MB, KEEP_MB, PROVE, READY_S)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import tempfile
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -58,10 +58,10 @@ class Verdict:
 _VERDICT = TypeAdapter(Verdict)
 
 
-def verdict_of(description: Description, proof: Proof) -> Verdict:
-    """The verdict of a proof of a tool's network."""
+def verdict_of(content: str, proof: Proof) -> Verdict:
+    """The verdict of a proof; ``content``: `content_hash` of the tool before its network was read for it."""
     return Verdict(
-        hash=content_hash(description),
+        hash=content,
         version=product_version(),
         at=datetime.now().astimezone().isoformat(timespec="seconds"),
         requirements=len(proof.findings),
@@ -73,12 +73,14 @@ def verdict_of(description: Description, proof: Proof) -> Verdict:
 def keep_verdict(verdict: Verdict) -> Path:
     """Write a verdict where `kept_verdict` finds it; raises UsageError where that cannot be written."""
     path = _folder() / f"{verdict.hash}.json"
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
-            file.write(_VERDICT.dump_json(verdict, indent=2))
-        os.replace(file.name, path)
+        beside.write_bytes(_VERDICT.dump_json(verdict, indent=2))
+        beside.replace(path)
     except OSError as error:
+        with suppress(OSError):
+            beside.unlink()
         todo = "Set XDG_STATE_HOME to a folder that can be written."
         raise UsageError(
             f"The verdict cannot be kept: {error.strerror}.", where=str(path), todo=todo
