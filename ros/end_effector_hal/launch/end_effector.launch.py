@@ -54,7 +54,7 @@ ARGUMENTS = (
         "no hardware: a copy of the tool on virtual lines, the testbench at their other end",
     ),
     ("scenario", "nominal", None, "what goes wrong at the testbench; eehal testbench --list"),
-    ("script", "", None, "commands for a Supervisor, such as: lock; grip; wait 2; release; quit"),
+    ("script", "", None, "commands for a Supervisor, such as: lock; grip; wait 2; drop; quit"),
     ("log_directory", "", None, "folder for the recording of a run; empty: no recording"),
     ("segment_mb", "64", None, "files of a recording are cut into segments of so many MB"),
     ("keep_mb", "1000", None, "a recording keeps so many MB; its oldest segments are removed"),

@@ -30,7 +30,7 @@ def _tools(context):
     except ValueError as error:
         raise RuntimeError(f"several.launch: tools:={text}: {error}.") from None
     pairs = [each.partition("=")[::2] for each in given]
-    namespaces = [namespace for namespace, _ in pairs]
+    namespaces = [namespace.strip("/") for namespace, _ in pairs]
     if not pairs or not all(namespace and tool for namespace, tool in pairs):
         raise RuntimeError(f"several.launch: {given} are no tools. Expected: tools:='left=FILE right=FILE'.")
     if len(set(namespaces)) < len(namespaces):

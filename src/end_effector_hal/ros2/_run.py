@@ -18,7 +18,7 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.nodes.process import guarded
 
-_ROS_PACKAGES = (
+ROS_PACKAGES = (
     "rclpy",
     "action_msgs",
     "builtin_interfaces",
@@ -26,7 +26,10 @@ _ROS_PACKAGES = (
     "lifecycle_msgs",
     "rcl_interfaces",
     "sensor_msgs",
+    "std_msgs",
+    "std_srvs",
 )
+"""What the nodes import of ROS 2."""
 
 
 _HAL = (PRESSURE, POSITION, GRIP, TOOL_CHANGE, HAL_MAIN)
@@ -106,7 +109,7 @@ def _missing(error: ModuleNotFoundError) -> Exception:
             "The messages of ROS 2 are not built, or those of ROS 1 stand before them in PYTHONPATH.",
             todo="Source one ROS only; in the checkout: make ros2.",
         )
-    if package in _ROS_PACKAGES:
+    if package in ROS_PACKAGES:
         return RosError(
             f"The Python package {package} of ROS 2 is missing.",
             todo="Source ROS 2, such as: . /opt/ros/jazzy/setup.bash",

@@ -68,6 +68,14 @@ def test_parameters_are_set_by_nobody(verdin: Description) -> None:
         assert not [each for each in allowed["request"] if "parameters" in each]
 
 
+def test_who_manages_the_managed_node(verdin: Description) -> None:
+    text = security_policy(verdin, "managed", "/left")
+    for name in ("change_state", "get_state"):
+        assert holders(text, "reply", f"/left/EndEffector/{name}") == {"lifecycle_hal"}
+        assert holders(text, "request", f"/left/EndEffector/{name}") == {"operator"}
+    assert not holders(security_policy(verdin), "request", "/EndEffector/change_state")
+
+
 def test_a_tool_without_a_changer(verdin: Description) -> None:
     text = security_policy(verdin.model_copy(update={"tool_changer": None}))
     assert "ArmToolChanger" not in text

@@ -9,20 +9,12 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from end_effector_hal.ros2 import ROS_PACKAGES
+
 from ._check_result import CheckedPart, CheckResult, CheckResults
 from ._importable import is_importable
 from ._shared_memory import look_at_shared_memory
 
-PACKAGES = (
-    "rclpy",
-    "action_msgs",
-    "builtin_interfaces",
-    "diagnostic_msgs",
-    "rcl_interfaces",
-    "sensor_msgs",
-    "std_msgs",
-    "std_srvs",
-)
 OURS = "end_effector_hal"
 TRIED = "jazzy"
 TRIED_MIDDLEWARE = "rmw_fastrtps_cpp"
@@ -38,7 +30,7 @@ _say = CheckedPart("ros")
 def look_at_ros2() -> CheckResults:
     """What is absent is missing only where ROS 2 is sourced."""
     wanted = os.environ.get("ROS_VERSION") == "2" or "AMENT_PREFIX_PATH" in os.environ
-    if absent := [name for name in PACKAGES if not is_importable(name)]:
+    if absent := [name for name in ROS_PACKAGES if not is_importable(name)]:
         yield _absent(absent, wanted)
     else:
         yield _distribution(os.environ.get("ROS_DISTRO", ""))

@@ -30,7 +30,7 @@ from end_effector_hal.nodes.interface import (
 from end_effector_hal.ros2 import MANAGED, PROGRAMS
 
 VERSION = "0.2.0"
-CLIENT = "client"
+CLIENT, OPERATOR = "client", "operator"
 PROCESSES = ("one", "five", "managed")
 OWN_TOPICS = ("/rosout", "/parameter_events")
 """What every node of rclpy publishes."""
@@ -78,7 +78,8 @@ def export_sros2(file: Path | None, processes: str, namespace: str, output: Path
     """Write policy.xml for the tool that the description FILE says; default: the shipped one.
 
     It has an enclave for each process: /NAME/hal, its five programs or /NAME/lifecycle_hal, /NAME/data_logger,
-    /NAME/supervisor, and /NAME/client for a program that commands the tool. NAME is the namespace, or else the
+    /NAME/supervisor, and /NAME/client for a program that commands the tool (managed: /NAME/operator for whoever
+    configures and activates it). NAME is the namespace, or else the
     name of the tool.
     """
     description = load_for_nodes(file or profile_path())
@@ -122,6 +123,7 @@ def _processes(processes: str) -> Iterator[tuple[str, Sequence[str]]]:
         yield from ((alone[node], (node,)) for node in HAL_NODES)
     elif processes == "managed":
         yield MANAGED, (MANAGER, *PROGRAMS[MANAGED])
+        yield OPERATOR, (OPERATOR,)
     else:
         yield "hal", PROGRAMS["hal"]
     yield from ((alone[node], (node,)) for node in (DATA_LOGGER, SUPERVISOR))
@@ -153,6 +155,8 @@ def _fill(profile: ET.Element, node: str, process: frozenset[str], description: 
         or service in CALLED.get(node, ())
         or (client and service in public)
     ]
+    if node == OPERATOR:
+        called += [f"{MANAGER}/{each}" for each in ("change_state", "get_state")]
     _allow(profile, "services", "request", called)
     if node == HAL_MAIN:
         _allow(profile, "actions", "execute", [action.name for action in ACTIONS])

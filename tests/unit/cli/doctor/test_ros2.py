@@ -34,7 +34,7 @@ def sourced(machine: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(prefix))
     monkeypatch.setenv("ROS_VERSION", "2")
-    monkeypatch.setattr(_ros2, "PACKAGES", ("no_such_rclpy",))
+    monkeypatch.setattr(_ros2, "ROS_PACKAGES", ("no_such_rclpy",))
     return machine
 
 
