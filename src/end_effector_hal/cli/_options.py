@@ -58,11 +58,17 @@ def write_or_print(output: Path | None, text: str) -> None:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    """Write a file whole or not at all; into what is no file, such as /dev/stdout or a pipe, as it comes."""
+    beside: Path | None = None
     try:
+        if path.exists() and not path.is_file():
+            path.write_bytes(data)  # never in its place: a device would be gone
+            return
+        path = path.resolve()  # a link stays one
+        beside = path.with_name(f".{path.name}.{os.getpid()}")
         beside.write_bytes(data)
         beside.replace(path)
     except OSError as error:
-        beside.unlink(missing_ok=True)
+        if beside is not None:
+            beside.unlink(missing_ok=True)
         raise UsageError(f"The file cannot be written: {error.strerror}.", where=str(path)) from None
