@@ -67,12 +67,12 @@ def command(description: Path | None, model: Path | None, as_json: bool, output:
 def _keep(description: Description, content: str, proof: Proof) -> None:
     """A managed node of ROS 2 asks for it before it moves a line."""
     from end_effector_hal.recording import content_hash
-    from end_effector_hal.verification.proof import keep_verdict, verdict_of
+    from end_effector_hal.verification.proof import keep_verdict, proof_verdict
 
     try:
         if content_hash(description) != content:
             raise UsageError("The tool has changed while it was proven: the verdict is not kept.")
-        keep_verdict(verdict_of(content, proof))
+        keep_verdict(proof_verdict(content, proof))
     except UsageError as error:
         click.echo(f"Note: {error}", err=True)
 

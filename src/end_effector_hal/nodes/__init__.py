@@ -3,7 +3,7 @@
 A transport (``ros1``) starts them and moves their messages; ``transport`` says what it has to offer.
 """
 
-from ._lifecycle import missing, require_proof
+from ._lifecycle import require_proof, what_is_missing
 from ._start import start_node
 
-__all__ = ["missing", "require_proof", "start_node"]
+__all__ = ["require_proof", "start_node", "what_is_missing"]

@@ -25,12 +25,12 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
         description: the tool.
         prove_now: prove it where no verdict is kept, which takes seconds.
     """
-    from end_effector_hal.verification.proof import keep_verdict, kept_verdict, prove, verdict_of
+    from end_effector_hal.verification.proof import keep_verdict, kept_verdict, proof_verdict, prove
 
     verdict = kept_verdict(description)
     if verdict is None and prove_now:
         content = content_hash(description)
-        verdict = verdict_of(content, prove(network_of(description)))
+        verdict = proof_verdict(content, prove(network_of(description)))
         if content_hash(description) != content:
             what = "The description or its automata have changed while they were proven."
             raise UsageError(what, where=str(description.source), todo="Configure again.")
@@ -47,7 +47,7 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
     return verdict
 
 
-def missing(description: Description, state: StateMessage | None) -> tuple[str, ...]:
+def what_is_missing(description: Description, state: StateMessage | None) -> tuple[str, ...]:
     """What a tool that is not ready lacks, each a clause, and what it complains of; nothing: it is ready."""
     if state is None:
         return ("its nodes say nothing",)

@@ -1,4 +1,4 @@
-"""A managed node (REP-2002's states): it has the nodes of a tool work while it is active, in its own process."""
+"""A managed node, as ROS 2's lifecycle has it: the nodes of a tool work in its process while it is active."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 
 from end_effector_hal.description import Description, tool_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.nodes import missing, require_proof, start_node
+from end_effector_hal.nodes import require_proof, start_node, what_is_missing
 from end_effector_hal.nodes.interface import (
     DESCRIPTION,
     END_EFFECTOR_STATE,
@@ -149,7 +149,7 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
         group.bus.subscribe(END_EFFECTOR_STATE, on_state)
         until = now_us() + round(ready_s * 1e6)
-        while (why := missing(description, last[0])) and now_us() < until and not group.ending:
+        while (why := what_is_missing(description, last[0])) and now_us() < until and not group.ending:
             time.sleep(_LOOK_S)
         if group.ending:
             raise UsageError(f"{description.name} was ended while it waited for its sensors.")

@@ -18,7 +18,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.nodes.interface import MANAGER
 from end_effector_hal.recording import content_hash
 from end_effector_hal.ros2 import PROGRAMS
-from end_effector_hal.verification.proof import Proof, keep_verdict, prove, verdict_of
+from end_effector_hal.verification.proof import Proof, keep_verdict, proof_verdict, prove
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.demo._world import World
 from tests.support.patience import PATIENCE_S
@@ -103,7 +103,7 @@ def made(tmp_path: Path) -> Iterator[Callable[[Proof], Managed]]:
         systems: list[Managed] = []
 
         def make(proof: Proof) -> Managed:
-            keep_verdict(verdict_of(content_hash(load(world.description_path)), proof))
+            keep_verdict(proof_verdict(content_hash(load(world.description_path)), proof))
             system = Managed(world, tmp_path, ("lifecycle_hal",))
             system.env["XDG_STATE_HOME"] = os.environ["XDG_STATE_HOME"]
             system.start_nodes()
@@ -221,7 +221,7 @@ def test_without_a_good_verdict_it_is_not_configured(
         each if each.id != requirement else type(each)(each.id, each.sentence, each.query, False, 1, 0.1)
         for each in proof.findings
     )
-    path = keep_verdict(verdict_of(content_hash(description), Proof(findings, 1, 0.1)))
+    path = keep_verdict(proof_verdict(content_hash(description), Proof(findings, 1, 0.1)))
     if requirement is None:
         path.unlink()
     assert not managed.change(CONFIGURE)

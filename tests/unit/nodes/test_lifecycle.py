@@ -9,7 +9,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.nodes import missing, require_proof
+from end_effector_hal.nodes import require_proof, what_is_missing
 from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
 
@@ -47,9 +47,9 @@ def state(**values: Any) -> Any:
     ],
 )
 def test_what_a_tool_lacks(verdin: Description, values: dict[str, Any], lacks: tuple[str, ...]) -> None:
-    said = missing(verdin, state(**values))
+    said = what_is_missing(verdin, state(**values))
     assert tuple(each.replace(verdin.link.port, "PORT") for each in said) == lacks
-    assert missing(verdin, None) == ("its nodes say nothing",)
+    assert what_is_missing(verdin, None) == ("its nodes say nothing",)
 
 
 def test_a_proof_is_asked_for_then_and_there_and_kept(verdin: Description) -> None:

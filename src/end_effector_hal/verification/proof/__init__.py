@@ -3,7 +3,7 @@
 from ._counterexample import write_counterexample
 from ._finding import Finding, Proof, Requirement, WorstCase, requirements_of
 from ._prove import Progress, prove
-from ._verdict import Verdict, keep_verdict, kept_verdict, verdict_of
+from ._verdict import Verdict, keep_verdict, kept_verdict, proof_verdict
 
 __all__ = [
     "Finding",
@@ -14,8 +14,8 @@ __all__ = [
     "WorstCase",
     "keep_verdict",
     "kept_verdict",
+    "proof_verdict",
     "prove",
     "requirements_of",
-    "verdict_of",
     "write_counterexample",
 ]

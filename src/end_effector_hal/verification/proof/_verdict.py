@@ -58,7 +58,7 @@ class Verdict:
 _VERDICT = TypeAdapter(Verdict)
 
 
-def verdict_of(content: str, proof: Proof) -> Verdict:
+def proof_verdict(content: str, proof: Proof) -> Verdict:
     """The verdict of a proof; ``content``: `content_hash` of the tool before its network was read for it."""
     return Verdict(
         hash=content,

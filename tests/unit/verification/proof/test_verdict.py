@@ -17,7 +17,7 @@ from end_effector_hal.verification.proof import (
     Verdict,
     keep_verdict,
     kept_verdict,
-    verdict_of,
+    proof_verdict,
 )
 
 
@@ -32,7 +32,7 @@ def proof(*holds: bool | None) -> Proof:
 
 def test_it_is_found_again_for_the_same_tool_only(verdin: Description) -> None:
     assert kept_verdict(verdin) is None
-    verdict = verdict_of(content_hash(verdin), proof(True, True))
+    verdict = proof_verdict(content_hash(verdin), proof(True, True))
     path = keep_verdict(verdict)
     assert kept_verdict(verdin) == verdict
     assert [each.name for each in path.parent.iterdir()] == [f"{content_hash(verdin)}.json"]
@@ -49,24 +49,24 @@ def test_it_is_found_again_for_the_same_tool_only(verdin: Description) -> None:
 
 
 def test_what_it_says(verdin: Description) -> None:
-    good = replace(verdict_of(content_hash(verdin), proof(True, True)), at="2026-11-22T10:00:00+01:00")
+    good = replace(proof_verdict(content_hash(verdin), proof(True, True)), at="2026-11-22T10:00:00+01:00")
     assert (good.holds, str(good)) == (True, "All 2 requirements hold (2026-11-22T10:00:00+01:00).")
-    bad = replace(verdict_of(content_hash(verdin), proof(True, False, None)), at="NOW")
+    bad = replace(proof_verdict(content_hash(verdin), proof(True, False, None)), at="NOW")
     assert (bad.holds, str(bad)) == (False, "Of 3 requirements 1 fail (r1) and 1 are not decided (r2) (NOW).")
-    assert not verdict_of(content_hash(verdin), proof()).holds, "nothing was proven"
+    assert not proof_verdict(content_hash(verdin), proof()).holds, "nothing was proven"
 
 
 @pytest.mark.parametrize(
     "change", [{"hash": "0"}, {"version": "0.0.1"}, {"requirements": "many"}, {"failed": None}]
 )
 def test_one_that_does_not_fit_is_none(verdin: Description, change: dict[str, object]) -> None:
-    path = keep_verdict(verdict_of(content_hash(verdin), proof(True)))
+    path = keep_verdict(proof_verdict(content_hash(verdin), proof(True)))
     path.write_text(json.dumps(json.loads(path.read_text()) | change))
     assert kept_verdict(verdin) is None
 
 
 def test_garbage_and_a_folder_are_none(verdin: Description) -> None:
-    path = keep_verdict(verdict_of(content_hash(verdin), proof(True)))
+    path = keep_verdict(proof_verdict(content_hash(verdin), proof(True)))
     for content in (b"", b"\xff" * 200_000, b"[1"):
         path.write_bytes(content)
         assert kept_verdict(verdin) is None
@@ -81,7 +81,7 @@ def test_where_nothing_can_be_written_it_is_said(
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
     with pytest.raises(UsageError, match="The verdict cannot be kept: Not a directory"):
-        keep_verdict(verdict_of(content_hash(verdin), proof(True)))
+        keep_verdict(proof_verdict(content_hash(verdin), proof(True)))
 
 
 def test_the_command_keeps_it(verdin: Description) -> None:
