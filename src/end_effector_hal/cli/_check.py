@@ -117,7 +117,7 @@ def _actuators(description: Description) -> Table:
 
 def _rest(description: Description) -> Iterator[str]:
     """Tool changer and wires, a line each."""
-    from end_effector_hal.codecs import get_codec
+    from end_effector_hal.codecs import board_inputs, codec_of
 
     link, lines = description.link, description.lines
     if changer := description.tool_changer:
@@ -126,5 +126,9 @@ def _rest(description: Description) -> Iterator[str]:
         at_most = "latching" if changer.latching else f"unlock at most {changer.unlock_max_s:g} s"
         yield f"changer   {changer.line}{pin}; {proof}; {at_most}"
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
-    yield f"link      {link.port}, {link.codec}, {link.baudrate or get_codec(link.codec).baudrate} baud"
+    if link is not None:
+        codec = codec_of(description)
+        yield f"link      {link.port}, {codec.name}, {link.baudrate or codec.baudrate} baud"
+    if inputs := board_inputs(description):
+        yield f"inputs    {', '.join(inputs.channels)}, each {inputs.period_us / 1000:g} ms"
     yield f"automata  {description.automata_path}"

@@ -6,6 +6,7 @@ the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformanc
 """
 
 from ._answers import Counters, counters_of, frame_fault, weight
+from ._carrier import Carrier, board_inputs, carrier_of, codec_of, period_of, sources_of
 from ._codec import (
     Codec,
     Decoder,
@@ -23,9 +24,10 @@ from ._ees1_ascii import Ees1Ascii
 from ._ees1_cobs import Ees1Cobs
 from ._legacy_nibble import LegacyNibble
 from ._match import load_tool, match_codec
-from ._registry import codec_names, codec_of, declared, get_codec
+from ._registry import codec_names, declared, get_codec
 
 __all__ = [
+    "Carrier",
     "Codec",
     "Counters",
     "Decoder",
@@ -37,6 +39,8 @@ __all__ = [
     "PolledCodec",
     "PolledDecoder",
     "asks",
+    "board_inputs",
+    "carrier_of",
     "codec_names",
     "codec_of",
     "counters_of",
@@ -47,7 +51,9 @@ __all__ = [
     "load_tool",
     "match_codec",
     "parity_of",
+    "period_of",
     "sequence_of",
     "shows_noise",
+    "sources_of",
     "weight",
 ]

@@ -92,7 +92,7 @@ def parity_of(codec: Codec) -> str:
     return str(getattr(codec, "parity", "N"))
 
 
-def resolution_of(codec: Codec) -> float:
+def resolution_of(codec: object) -> float:
     """Pa of the smallest step of a pressure: what the codec has as ``resolution_pa``, else 1."""
     return float(getattr(codec, "resolution_pa", 1))
 
@@ -101,7 +101,7 @@ FINE_PA = 50
 """A codec that counts in larger steps does not show the noise of a sensor: no value is called frozen."""
 
 
-def shows_noise(codec: Codec) -> bool:
+def shows_noise(codec: object) -> bool:
     """Whether it counts finely enough to tell a frozen sensor from a living one."""
     return resolution_of(codec) <= FINE_PA
 
@@ -199,6 +199,6 @@ class Sequence:
         return True
 
 
-def sequence_of(codec: Codec) -> Sequence:
+def sequence_of(codec: object) -> Sequence:
     """For frames of a codec; 16 and 32 bits, unless it has other ``seq_bits`` and ``clock_bits``."""
     return Sequence(seq_bits=getattr(codec, "seq_bits", 16), clock_bits=getattr(codec, "clock_bits", 32))

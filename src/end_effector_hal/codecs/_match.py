@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from end_effector_hal.codecs._carrier import carrier_of
 from end_effector_hal.codecs._codec import shows_noise
-from end_effector_hal.codecs._registry import codec_names, get_codec
+from end_effector_hal.codecs._registry import codec_names
 from end_effector_hal.description import (
     CodecChannels,
     Description,
@@ -51,9 +52,9 @@ def load_tool(path: str | Path) -> Description:
 
 def match_codec(description: Description) -> CodecMatch:
     """Hold a description against its codec."""
-    wanted, known = description.link.codec, codec_names()
+    wanted, known = description.link.codec if description.link else "", codec_names()
     try:
-        codec = get_codec(wanted)
+        codec = carrier_of(description)
     except MissingExtraError as error:
         place = description.place("link", "codec")
         return CodecMatch(

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from end_effector_hal.codecs._codec import Codec, Decoder, Device, PolledCodec, PolledDecoder, is_polled
 from end_effector_hal.errors import UsageError
 from end_effector_hal.plugins import Plugins
 from end_effector_hal.signals import Frame, Kind
-
-if TYPE_CHECKING:
-    from end_effector_hal.description import Description
-
 
 MOST_CHANNELS = 64
 LONGEST_PERIOD_US = 600_000_000
@@ -120,14 +116,6 @@ def get_codec(name: str) -> Codec:
         UsageError: there is none of that name (did you mean …), or it cannot be loaded.
     """
     return _CODECS.get(name)
-
-
-def codec_of(description: Description) -> Codec:
-    """The codec that a description names; raises UsageError with its place there."""
-    try:
-        return get_codec(description.link.codec)
-    except UsageError as error:
-        raise UsageError(error.what, where=description.where("link", "codec"), todo=error.todo) from error
 
 
 def _checked(codec: Any) -> Codec:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from end_effector_hal.codecs import Codec, codec_of
+from end_effector_hal.codecs import Carrier, carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import LEASE_US
 
 Constants = dict[str, "int | bool | list[int]"]
 
 
-def model_constants(description: Description, codec: Codec | None = None) -> Constants:
+def model_constants(description: Description, carrier: Carrier | None = None) -> Constants:
     """Constants by the name that they have in the UPPAAL file; times in ms.
 
     Interlocks whose sensors the codec does not carry are off (section 4 of the contract: not fitted).
     """
-    carried = (codec or codec_of(description)).channels
+    carried = (carrier or carrier_of(description)).channels
     actuators = [actuator for _, actuator in description.ordered]
     changer, locks, bounds = description.tool_changer, description.interlocks, description.bounds
     fitted = changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried

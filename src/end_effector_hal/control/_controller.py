@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import ClassVar
 
-from end_effector_hal.codecs import codec_of
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import LOCKED, FrameJudge, HoldMonitor, SensorSet, predicates_fitted
 from end_effector_hal.signals import PART, Frame, memory_of, recall
@@ -57,10 +57,10 @@ class Controller:
     ) -> None:
         self._description = description
         self._program = program
-        codec = codec_of(description)
-        self._senses = SensorSet(description, codec, judge)
-        self._lock_fitted = LOCKED in predicates_fitted(description, codec)
-        self._hold = HoldMonitor(description, self._senses, codec.period_us)
+        carrier = carrier_of(description)
+        self._senses = SensorSet(description, carrier, judge)
+        self._lock_fitted = LOCKED in predicates_fitted(description, carrier)
+        self._hold = HoldMonitor(description, self._senses, carrier)
         processes = getattr(description.automata, program)
         interface = description.automata.interface
         self._execution = Execution(network, processes, interface, observe=observe)

@@ -6,17 +6,40 @@
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
-from .model import Description, EStop, Link, ToolChanger, camel_case, socket_path
+from .model import (
+    Channel,
+    Description,
+    EStop,
+    Freshness,
+    Link,
+    ModbusFrame,
+    RecordFrame,
+    RecordValue,
+    RegisterValue,
+    TextFrame,
+    TextValue,
+    ToolChanger,
+    camel_case,
+    socket_path,
+)
 from .reading import examine, examine_text, load
 from .rules import CodecChannels, not_fitted, slow, unproven, used_channels
 
 __all__ = [
     "CODES",
+    "Channel",
     "CodecChannels",
     "Description",
     "EStop",
     "Fault",
+    "Freshness",
     "Link",
+    "ModbusFrame",
+    "RecordFrame",
+    "RecordValue",
+    "RegisterValue",
+    "TextFrame",
+    "TextValue",
     "ToolChanger",
     "camel_case",
     "did_you_mean",

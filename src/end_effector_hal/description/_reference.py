@@ -106,7 +106,7 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
         case "integer" | "number":
             start, _, inside = path.partition("<")
             kind, _, rest = inside.partition(">")
-            keys = ("actuators", "any", *rest.split("."), key) if inside else (*start.split("."), key)
+            keys = (start.rstrip("."), "any", *rest.split("."), key) if inside else (*start.split("."), key)
             noun = "whole number" if each["type"] == "integer" else "number"
             return f"{noun}, {limits_of(tuple(each for each in keys if each), kind)}"
         case "string":
@@ -115,6 +115,8 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
                 return "text"
             return "ROS name" if "A-Z" in pattern else "name"
         case "array":
+            if "prefixItems" in each:
+                return f"list of {len(each['prefixItems'])} numbers"
             return f"list of {_value(key, path, each['items'])}s"
         case _:
             return "keys, see below"

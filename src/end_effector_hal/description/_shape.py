@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
-from end_effector_hal.description.model import Description
+from end_effector_hal.description.model import Channel, Description
 from end_effector_hal.kinds import get_kind, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Part
 
@@ -33,6 +33,8 @@ def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
     model: type[Part] | None = Description
     if len(path) >= 2 and path[0] == "actuators":
         model, path = get_kind(kind).stanza, path[2:]
+    elif len(path) >= 2 and path[0] == "channels":
+        model, path = Channel, path[2:]
     for key in path:
         field = fields_of(model).get(str(key)) if model else None
         model = part_in(field.annotation) if field else None
@@ -79,6 +81,8 @@ def stanzas() -> dict[str, type[Part]]:
             elif below == "actuators":
                 for kind, actuator in actuator_stanzas().items():
                     walk(f"actuators.<{kind}>", actuator)
+            elif below == "channels":
+                walk("channels.<name>", Channel)
 
     walk("", Description)
     return found

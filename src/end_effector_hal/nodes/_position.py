@@ -9,7 +9,7 @@ from enum import IntEnum
 from math import isnan, nan
 from typing import Any
 
-from end_effector_hal.codecs import get_codec
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import ToolChanger
 from end_effector_hal.sensing import SensorSet, ToolPlace, tool_place
 from end_effector_hal.vocabulary import Evidence
@@ -60,7 +60,7 @@ class PositionNode:
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
-        codec = get_codec(description.link.codec)
+        codec = carrier_of(description)
         self._log, self._kinds = node.log, codec.channels
         self._senses = SensorSet(description, codec)
         self._lock = threading.Lock()

@@ -6,12 +6,13 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from end_effector_hal.codecs import get_codec
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import FrameJudge, SensorSet
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.link import LinkHealth, LinkReader, LinkState
+from end_effector_hal.wires.link import LinkHealth, LinkState
+from end_effector_hal.wires.sensors import SensorReader
 
 from .interface import SENSOR_FRAME, STATE_HZ, pressure_topics
 from .report import ERROR, OK, WARN, Health, publish_health
@@ -39,18 +40,15 @@ class PressureNode:
         self._pressures: list[tuple[str, Callable[[Any], None]]] = [
             (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
         ]
-        link = description.link
         judge = FrameJudge()
-        self._senses = SensorSet(description, get_codec(link.codec), judge)
+        self._senses = SensorSet(description, carrier_of(description), judge)
         self._lock = threading.Lock()
         self._silent = False
         self._predicates = PredicatePublisher(description, judge=judge)
         node.on_close(self._predicates.close)
         self._predicates.start()
-        self._reader = LinkReader(
-            link.port, link.codec, link.baudrate, on_frame=self._on_frame, on_change=self._on_change
-        )
-        publish_health(node, link.port, self._health)
+        self._reader = SensorReader(description, on_frame=self._on_frame, on_change=self._on_change)
+        publish_health(node, self._reader.where, self._health)
         node.on_close(self._reader.close)
         self._reader.start()
         node.every(STATE_HZ, self._tick)

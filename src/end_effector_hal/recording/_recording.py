@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from end_effector_hal.codecs import get_codec
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.kinds import kind_of
@@ -286,7 +286,7 @@ def content_hash(description: Description) -> str:
 
 def pressure_channels(description: Description) -> tuple[str, ...]:
     """Channels of pressures that the link carries: the actuators' in sequence order, then the supply."""
-    carried = get_codec(description.link.codec).channels
+    carried = carrier_of(description).channels
     wanted = [*(actuator.channel for _, actuator in description.ordered), description.supply.channel]
     return tuple(name for name in dict.fromkeys(wanted) if carried.get(name) is Kind.PRESSURE)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from end_effector_hal.codecs import codec_of, load_tool
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
@@ -19,7 +19,8 @@ from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState, Command
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.link import LinkHealth, LinkReader
+from end_effector_hal.wires.link import LinkHealth
+from end_effector_hal.wires.sensors import SensorReader
 
 from ._changer_program import ChangerProgram
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
@@ -75,14 +76,8 @@ class EndEffector:
             )
             undo.callback(self._change.close)
             self._goals = GoalRunner({"grip": self._grip, "tool_change": self._change}, lambda: self.status)
-            codec = codec_of(description)
-            self._predicates = PredicatePublisher(description, codec, judge=judge)
-            self._reader = LinkReader(
-                description.link.port,
-                codec,
-                baudrate=description.link.baudrate,
-                on_frame=self._frame_came,
-            )
+            self._predicates = PredicatePublisher(description, judge=judge)
+            self._reader = SensorReader(description, on_frame=self._frame_came)
             undo.pop_all()
 
     @classmethod

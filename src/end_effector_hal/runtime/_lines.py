@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.arbiter import Exclusion, Need, Policy
-from end_effector_hal.codecs import get_codec
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, predicates_fitted
@@ -55,7 +55,7 @@ def _exclusions(description: Description) -> list[Exclusion]:
 
 def _needs(description: Description, line: str) -> list[Need]:
     """What the sensors must prove before a line is activated; a sensor that is not fitted is not asked for."""
-    fitted = predicates_fitted(description, get_codec(description.link.codec))
+    fitted = predicates_fitted(description, carrier_of(description))
     locks = description.interlocks
     unlocks = line in program_lines(description, "tool_change")
     grips = line in program_lines(description, "grip")

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping
 
 from end_effector_hal.arbiter import PredicateSender
-from end_effector_hal.codecs import Codec, get_codec
+from end_effector_hal.codecs import Carrier, carrier_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.sensing import FrameJudge, Predicates
 from end_effector_hal.signals import Frame
@@ -27,7 +27,7 @@ class PredicatePublisher:
 
     Args:
         description: the tool; its owner need not run yet.
-        codec: of its link; default: the one that it names.
+        carrier: of its channels; default: what the description says.
         clock: µs.
         judge: shared with those in this process who get the same frames.
     """
@@ -35,16 +35,16 @@ class PredicatePublisher:
     def __init__(
         self,
         description: Description,
-        codec: Codec | None = None,
+        carrier: Carrier | None = None,
         clock: Callable[[], int] = now_us,
         judge: FrameJudge | None = None,
     ) -> None:
-        codec = codec or get_codec(description.link.codec)
+        carrier = carrier or carrier_of(description)
         self._sender = PredicateSender(socket_path(description))
-        self._predicates = Predicates(description, codec, judge)
+        self._predicates = Predicates(description, carrier, judge)
         needs = arbiter_policy(description).needs.values()
         self._needed = {need.predicate for needed in needs for need in needed}
-        self._repeats = bool(self._needed) and codec.period_us > REPEAT_US // 2
+        self._repeats = bool(self._needed) and carrier.period_us > REPEAT_US // 2
         self._clock = clock
         self._lock = threading.Lock()
         self._ended = threading.Event()

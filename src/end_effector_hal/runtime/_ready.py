@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from end_effector_hal.codecs import get_codec
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
@@ -24,7 +24,7 @@ def changer_ready(description: Description, status: Status) -> bool:
 
 def changer_is_sensed(description: Description) -> bool:
     """Whether there is a tool changer, and its two sensors are carried by the link."""
-    changer, carried = description.tool_changer, get_codec(description.link.codec).channels
+    changer, carried = description.tool_changer, carrier_of(description).channels
     return changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
 
 
@@ -33,7 +33,7 @@ def missing(description: Description, grip: Status, change: Status, link: LinkHe
     if grip.ee == EndEffectorState.OFF:
         yield "its lines are not adopted"
     if not grip.link_up:
-        yield _silence(description.link.port, link)
+        yield _silence(description.sensors, link)
     elif Evidence.UNKNOWN in grip.evidence:
         pairs = zip(description.sequence, grip.evidence, strict=True)
         unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
@@ -44,9 +44,9 @@ def missing(description: Description, grip: Status, change: Status, link: LinkHe
     yield from (alarm.rstrip(".") for alarm in dict.fromkeys(said))
 
 
-def _silence(port: str, link: LinkHealth) -> str:
+def _silence(sensors: str, link: LinkHealth) -> str:
     if link.error:
         return f"the sensor link is down: {link.error.rstrip('.')}"
     if link.state is LinkState.UP:
-        return f"the sensor link {port} has fallen silent"
-    return f"no frame has come over the sensor link {port}, {link.bytes} bytes"
+        return f"the {sensors} has fallen silent"
+    return f"no frame has come over the {sensors}, {link.bytes} bytes"

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from operator import attrgetter
 from typing import ClassVar
 
+from end_effector_hal.codecs import Carrier, period_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import AlarmKind, HoldFinding, kind_of
 from end_effector_hal.signals import PART
@@ -26,16 +27,19 @@ class HoldMonitor:
     Args:
         description: the tool.
         senses: its detectors, which have taken each sample before it is shown here.
-        period_us: of the frames.
+        carrier: of its channels.
     """
 
     MEMORY: ClassVar = {"_log": PART, "_vacuums": PART, "_since": int | None}
 
-    def __init__(self, description: Description, senses: SensorSet, period_us: int) -> None:
+    def __init__(self, description: Description, senses: SensorSet, carrier: Carrier) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold
         self._names = description.sequence
         self._log = AlarmLog()
-        watches = (kind_of(part).hold_watch(part, self._hold, period_us) for _, part in description.ordered)
+        watches = (
+            kind_of(part).hold_watch(part, self._hold, period_of(carrier, part.channel))
+            for _, part in description.ordered
+        )
         # a recorded state calls it "_vacuums"
         self._vacuums = {index: watch for index, watch in enumerate(watches) if watch is not None}
         self._since: int | None = None

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from end_effector_hal.codecs import Codec, sequence_of, shows_noise
+from end_effector_hal.codecs import Carrier, sequence_of, shows_noise
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import COMPRESSED_AIR, kind_of
 from end_effector_hal.signals import PART, Frame, Kind, Value
@@ -38,7 +38,7 @@ class LinkRules:
 
     Args:
         description: the tool; it says what its channels can show.
-        codec: of the link.
+        carrier: of its channels.
         gap_us: after such a silence a sensor is looked at anew.
     """
 
@@ -49,9 +49,9 @@ class LinkRules:
         "_rebooted_at": int | None,
     }
 
-    def __init__(self, description: Description, codec: Codec, gap_us: int) -> None:
-        self._sequence = sequence_of(codec)
-        kinds = codec.channels
+    def __init__(self, description: Description, carrier: Carrier, gap_us: int) -> None:
+        self._sequence = sequence_of(carrier)
+        kinds = carrier.channels
         ranges = {description.supply.channel: COMPRESSED_AIR}
         ranges |= {part.channel: kind_of(part).plausible(part) for _, part in description.ordered}
         self._ranges = {
@@ -59,7 +59,7 @@ class LinkRules:
         }
         self._frozen = {
             channel: FrozenDetector(to_us(after_s), gap_us)
-            for channel, after_s in frozen_after(description, codec).items()
+            for channel, after_s in frozen_after(description, carrier).items()
         }
         self._doubts: dict[str, str] = {}
         self._rebooted_at: int | None = None
@@ -122,13 +122,13 @@ class LinkRules:
         return before if before and same_kind else why
 
 
-def frozen_after(description: Description, codec: Codec) -> dict[str, float]:
+def frozen_after(description: Description, carrier: Carrier) -> dict[str, float]:
     """Seconds by channel, of those that are watched: a pressure, carried finely, with ``frozen_s``."""
-    if not shows_noise(codec):
+    if not shows_noise(carrier):
         return {}
     declared = {part.channel: part.frozen_s for _, part in description.ordered}
     declared[description.supply.channel] = description.supply.frozen_s
-    kinds = codec.channels
+    kinds = carrier.channels
     return {
         channel: after_s
         for channel, after_s in declared.items()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.codecs import Codec
+from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame
@@ -21,9 +21,9 @@ E_STOP_CLOSED = "e_stop_closed"
 """The e-stop input is read and closed (IL-13)."""
 
 
-def predicates_fitted(description: Description, codec: Codec) -> frozenset[str]:
-    """Those whose channels the codec carries; the others are off, as are the interlocks that need them."""
-    carried, changer, e_stop = codec.channels, description.tool_changer, description.e_stop
+def predicates_fitted(description: Description, carrier: Carrier) -> frozenset[str]:
+    """Those whose channels the carrier carries; the others are off, as are the interlocks that need them."""
+    carried, changer, e_stop = carrier.channels, description.tool_changer, description.e_stop
     fitted = set()
     if changer and changer.locked_bit in carried and changer.unlocked_bit in carried:
         fitted.add(LOCKED)
@@ -44,13 +44,13 @@ class Predicates:
 
     Args:
         description: the tool.
-        codec: of its link.
+        carrier: of its channels.
         judge: shared with those in this process who get the same frames.
     """
 
-    def __init__(self, description: Description, codec: Codec, judge: FrameJudge | None = None) -> None:
-        self._senses = SensorSet(description, codec, judge)
-        self._fitted = predicates_fitted(description, codec)
+    def __init__(self, description: Description, carrier: Carrier, judge: FrameJudge | None = None) -> None:
+        self._senses = SensorSet(description, carrier, judge)
+        self._fitted = predicates_fitted(description, carrier)
         self._e_stop = description.e_stop.channel if description.e_stop else None
 
     def frame(self, frame: Frame, now: int | None = None) -> dict[str, bool]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.codecs import Codec
-from end_effector_hal.description import Link
+from end_effector_hal.codecs import Carrier, sources_of
+from end_effector_hal.description import Freshness
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import to_us
 
@@ -13,7 +13,7 @@ from end_effector_hal.vocabulary import to_us
 class Readings:
     """Values by channel; a value that is stale or invalid is absent, never the last one.
 
-    Stale after 150 ms or three periods of the link, down after 1 s or seven, whichever is longer.
+    Stale after 150 ms or three periods of what brings it, down after 1 s or seven, whichever is longer.
     """
 
     MEMORY: ClassVar = {
@@ -23,10 +23,21 @@ class Readings:
         "_arrived": frozenset[str],
     }
 
-    def __init__(self, link: Link, codec: Codec) -> None:
-        self.carried = codec.channels
-        self.stale_us = max(to_us(link.stale_s), link.stale_periods * codec.period_us)
-        self.down_us = max(to_us(link.down_s), link.down_periods * codec.period_us)
+    def __init__(self, freshness: Freshness, carrier: Carrier) -> None:
+        self.carried = carrier.channels
+        self._sources = sources_of(carrier)
+        spans = [
+            max(to_us(freshness.stale_s), freshness.stale_periods * source.period_us)
+            for source in self._sources
+        ]
+        self._stale_us = {
+            channel: span
+            for source, span in zip(self._sources, spans, strict=True)
+            for channel in source.channels
+        }
+        self.stale_us = max(spans)
+        """Of the slowest source."""
+        self.down_us = max(to_us(freshness.down_s), freshness.down_periods * carrier.period_us)
         self._values: dict[str, int | bool] = {}
         self._at: dict[str, int] = {}
         self._last_frame: int | None = None
@@ -59,26 +70,49 @@ class Readings:
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """The value of a channel at a time in µs, or None: not carried, never read, or stale."""
-        if channel is None or channel not in self._values or at - self._at[channel] >= self.stale_us:
+        if channel is None or channel not in self._values:
+            return None
+        if at - self._at[channel] >= self._stale_us.get(channel, self.stale_us):
             return None
         return self._values[channel]
 
     def stale(self, at: int) -> tuple[str, ...]:
-        """Channels that the codec carries and that have no valid reading now."""
-        oldest, read_at = at - self.stale_us, self._at
-        return tuple([channel for channel in self.carried if read_at.get(channel, oldest) <= oldest])
+        """Channels that are carried and that have no valid reading now."""
+        read_at, spans = self._at, self._stale_us
+        return tuple(
+            [
+                channel
+                for channel in self.carried
+                if channel not in read_at or at - read_at[channel] >= spans[channel]
+            ]
+        )
 
     def fresh(self, at: int) -> bool:
         """Whether a frame has come so lately that what it carries is not stale."""
         return self._last_frame is not None and at - self._last_frame < self.stale_us
 
     def link_up(self, at: int) -> bool:
-        """Whether a frame has come within the time after which the link is down."""
-        return self._last_frame is not None and at - self._last_frame < self.down_us
+        """Whether each source has sent a frame within the time after which the link is down.
+
+        Of several sources, one that sends nothing valid is down as well.
+        """
+        if self._last_frame is None or at - self._last_frame >= self.down_us:
+            return False
+        return len(self._sources) == 1 or all(at - last < self.down_us for last in self._last_of_sources())
 
     def deadline(self, at: int) -> int | None:
-        """µs when the next reading turns stale or the link goes down, if nothing comes."""
-        ends = {then + self.stale_us for then in self._at.values()}
+        """µs when the next reading turns stale or a source goes down, if nothing comes."""
+        spans = self._stale_us
+        ends = {then + spans.get(channel, self.stale_us) for channel, then in self._at.items()}
         if self._last_frame is not None:
             ends.add(self._last_frame + self.down_us)
+        if len(self._sources) > 1:
+            ends |= {last + self.down_us for last in self._last_of_sources()}
         return min([end for end in ends if end > at], default=None)
+
+    def _last_of_sources(self) -> list[int]:
+        """µs of the last valid value of each source; one that has brought none is long gone."""
+        return [
+            max([self._at[name] for name in source.channels if name in self._at], default=-self.down_us)
+            for source in self._sources
+        ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.codecs import Codec
+from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import INLINE, PART, Frame, StampGate
@@ -31,18 +31,18 @@ class SensorSet:
 
     Args:
         description: the tool.
-        codec: of its link.
+        carrier: of its channels.
         judge: shared with all others in this process who get the same frames; None: there are no others.
     """
 
     MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[str, ...], "looked": int}
 
-    def __init__(self, description: Description, codec: Codec, judge: FrameJudge | None = None) -> None:
-        self.now = SensorState(description, codec)
+    def __init__(self, description: Description, carrier: Carrier, judge: FrameJudge | None = None) -> None:
+        self.now = SensorState(description, carrier)
         """What the sensors prove."""
         self._judge = judge
         self._stamps = StampGate("Sensor frames", old_us=self.now.readings.stale_us, in_order=True)
-        self._wanted = tuple(name for name in used_channels(description) if name in codec.channels)
+        self._wanted = tuple(name for name in used_channels(description) if name in carrier.channels)
         self._channels = {
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar, Self
 
-from end_effector_hal.codecs import Codec
+from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import PART, Frame, clone
@@ -46,9 +46,9 @@ class SensorState:
         "parked": bool,
     }
 
-    def __init__(self, description: Description, codec: Codec) -> None:
-        self.readings = Readings(description.link, codec)
-        self._rules = LinkRules(description, codec, self.readings.stale_us)
+    def __init__(self, description: Description, carrier: Carrier) -> None:
+        self.readings = Readings(description.freshness, carrier)
+        self._rules = LinkRules(description, carrier, self.readings.stale_us)
         self._detectors = tuple(
             kind_of(part).detector(part, description.supply) for _, part in description.ordered
         )
@@ -56,9 +56,9 @@ class SensorState:
         self._tool = ToolDetector(changer) if changer else None
         self._stand = (changer.stand_bit, changer.present_bit) if changer else None
         bits = (changer.locked_bit, changer.unlocked_bit) if changer and description.interlocks.il_05 else ()
-        self._lock_bits = bits if all(bit in codec.channels for bit in bits) else ()
+        self._lock_bits = bits if all(bit in carrier.channels for bit in bits) else ()
         self._was_clear = False
-        self._vented = VentedDetector(description, codec)
+        self._vented = VentedDetector(description, carrier)
         self.supply = SupplyDetector(description.supply)
         self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
         self.tool = ToolEvidence.UNCLEAR

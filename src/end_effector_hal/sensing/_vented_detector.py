@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-from end_effector_hal.codecs import Codec
+from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import below_ambient_kpa, kind_of
 from end_effector_hal.signals import PART, Streak
@@ -19,15 +19,15 @@ class VentedDetector:
 
     MEMORY: ClassVar = {"_low": PART}
 
-    def __init__(self, description: Description, codec: Codec) -> None:
+    def __init__(self, description: Description, carrier: Carrier) -> None:
         self._changer = description.tool_changer
         self._vacuums: list[str] = []
         self._others: list[int] = []
         for index, (_, part) in enumerate(description.ordered):
             kind = kind_of(part)
-            if kind.below_ambient and part.channel in codec.channels:
+            if kind.below_ambient and part.channel in carrier.channels:
                 self._vacuums.append(part.channel)
-            elif any(channel in codec.channels for channel in kind.channel_names(part)):
+            elif any(channel in carrier.channels for channel in kind.channel_names(part)):
                 self._others.append(index)
         self._low = [Streak() for _ in self._vacuums]
 

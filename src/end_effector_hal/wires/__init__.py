@@ -1,4 +1,4 @@
-"""The wires of an end-effector: lines (binary outputs) and links (sensor frames)."""
+"""The wires of an end-effector: lines (binary outputs), links (sensor frames), and all that brings readings."""
 
 from ._claim import Claim
 from ._clock import be_steady, now_us

@@ -27,9 +27,9 @@ def need_its_wires(description: Description) -> None:
             todo="The board has backend: gpiod.",
         )
     open_inputs("qemu:its pins", description)
-    if description.link.port not in PORTS:
+    if description.link is None or description.link.port not in PORTS:
         raise UsageError(
-            f"the board has no port {description.link.port}.",
+            f"the board has no port {description.sensors}.",
             where=str(description.source),
             todo=f"Its sensor link is {PORTS[0]}.",
         )

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from end_effector_hal.codecs import codec_of
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.kinds import kind_of
@@ -114,11 +114,12 @@ def scenarios(description: Description, *, everything: bool = False) -> tuple[De
 
 def unplayable(description: Description) -> dict[str, str]:
     """Scenarios that the tool would have, but for its codec: name, and why in a sentence."""
-    changer, carried = description.tool_changer, codec_of(description).channels
+    changer, carrier = description.tool_changer, carrier_of(description)
     bits = {"locked_bit": changer.locked_bit, "unlocked_bit": changer.unlocked_bit} if changer else {}
-    if missing := [key for key, bit in bits.items() if bit not in carried]:
-        codec = description.link.codec
-        return {UNLOCK_LOCK: f"{codec} carries no {' and no '.join(missing)}, so that no unlock is accepted."}
+    if missing := [key for key, bit in bits.items() if bit not in carrier.channels]:
+        return {
+            UNLOCK_LOCK: f"{carrier.name} carries no {' and no '.join(missing)}, so that no unlock is accepted."
+        }
     return {}
 
 
@@ -230,7 +231,7 @@ def _unlock_and_lock(description: Description, changer: ToolChanger) -> DemoScen
 
 def _unlocked_s(description: Description, changer: ToolChanger) -> float:
     """How long it stays unlocked: less than IL-03 leaves once a slow link has proven it."""
-    shown_s = TRAVEL_S + changer.proven_s + 2 * codec_of(description).period_us / 1e6
+    shown_s = TRAVEL_S + changer.proven_s + 2 * carrier_of(description).period_us / 1e6
     left_s = 2 * UNLOCKED_S if changer.latching else changer.unlock_max_s - shown_s
     return min(UNLOCKED_S, max(0.0, left_s / 2))
 

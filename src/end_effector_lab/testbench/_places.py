@@ -72,15 +72,15 @@ def open_port(text: str | None, description: Description, lines: str | None) -> 
     Raises:
         UsageError: none is given and none is known.
     """
-    codec = codec_of(description)
-    baudrate, parity = description.link.baudrate or codec.baudrate, parity_of(codec)
+    codec, link = codec_of(description), description.link
+    baudrate, parity = (link and link.baudrate) or codec.baudrate, parity_of(codec)
     if text is not None:
         kind, _, rest = text.partition(":")
         return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate, parity)
     if lines == "rpi3":
         return SerialPort(RPI3_PORT, baudrate, parity)
-    if lines is None or lines.startswith("virtual"):
-        return PtyPort(description.link.port)
+    if link is not None and (lines is None or lines.startswith("virtual")):
+        return PtyPort(link.port)
     raise UsageError("the port to answer on is not known.", todo="Give --port PATH.")
 
 

@@ -60,7 +60,7 @@ def test_the_schema_is_of_draft_2020_12_and_refuses_unknown_keys_everywhere() ->
     assert found["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     objects = [found, *found["$defs"].values()]
     assert all(each["additionalProperties"] is False for each in objects)
-    assert found["required"] == ["name", "link", "sequence", "actuators"]
+    assert found["required"] == ["name", "sequence", "actuators"]
 
 
 def _references(node: Any) -> list[str]:

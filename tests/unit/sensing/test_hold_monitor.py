@@ -196,7 +196,7 @@ def test_a_fall_to_another_level_is_no_leak(
     """Faster than the window and noisier than the bench."""
     random = Random(f"{fall_kpa} {tau_s} {noise_kpa}")
     senses = SensorSet(description, get_codec("ees1-ascii"))
-    monitor = HoldMonitor(description, senses, 20_000)
+    monitor = HoldMonitor(description, senses, get_codec("ees1-ascii"))
     for at in range(20_000, 12_000_000, 20_000):
         past_s = max(0.0, at / 1e6 - 4.0)
         kpa = 85 - fall_kpa * (1 - exp(-past_s / tau_s)) + random.gauss(0.0, noise_kpa)

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from end_effector_hal.description import Description, used_channels
+from end_effector_hal.description import Description, Link, used_channels
 from end_effector_hal.errors import LinkError, ReportedError
 from end_effector_hal.wires import Holder, holders_of
 
@@ -26,6 +26,9 @@ _say = CheckedPart("link")
 def look_at_link(description: Description, *, listen: bool = True) -> CheckResults:
     """Args: ``listen``: open the port for up to 2 s if nobody has it."""
     link = description.link
+    if link is None:
+        yield _say.ok("none: the channels are inputs of the board")
+        return
     port = Path(link.port)
     if not port.exists():
         yield _no_port(link.port)
@@ -41,7 +44,7 @@ def look_at_link(description: Description, *, listen: bool = True) -> CheckResul
     elif not listen:
         yield _say.ok(f"{link.port} is there and nobody reads it; not listened to")
     else:
-        yield _listen(description)
+        yield _listen(description, link)
 
 
 def _no_port(port: str) -> CheckResult:
@@ -86,13 +89,12 @@ class Heard(NamedTuple):
     seconds: float = 0.0
 
 
-def _listen(description: Description) -> CheckResult:
-    from end_effector_hal.codecs import get_codec, parity_of
+def _listen(description: Description, link: Link) -> CheckResult:
+    from end_effector_hal.codecs import codec_of, parity_of
     from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
 
-    link = description.link
     try:
-        codec = get_codec(link.codec)
+        codec = codec_of(description)
         baudrate = link.baudrate or codec.baudrate
         with open_port(link.port, baudrate, parity=parity_of(codec)) as port:
             calls = CodecCalls(link.port)

@@ -1,6 +1,32 @@
 """What an end-effector is made of: frozen, typed stanzas."""
 
+from ._channels import (
+    Channel,
+    LinkFrame,
+    ModbusFrame,
+    RecordFrame,
+    RecordValue,
+    RegisterValue,
+    TextFrame,
+    TextValue,
+)
 from ._description import Description, camel_case, socket_path
-from ._stanzas import EStop, Link, ToolChanger
+from ._stanzas import EStop, Freshness, Link, ToolChanger
 
-__all__ = ["Description", "EStop", "Link", "ToolChanger", "camel_case", "socket_path"]
+__all__ = [
+    "Channel",
+    "Description",
+    "EStop",
+    "Freshness",
+    "Link",
+    "LinkFrame",
+    "ModbusFrame",
+    "RecordFrame",
+    "RecordValue",
+    "RegisterValue",
+    "TextFrame",
+    "TextValue",
+    "ToolChanger",
+    "camel_case",
+    "socket_path",
+]

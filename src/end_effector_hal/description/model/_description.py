@@ -7,7 +7,7 @@ import json
 from functools import reduce
 from operator import or_
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, PrivateAttr, TypeAdapter
 from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, core_schema
@@ -18,7 +18,18 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Part, Supply, Word
 
-from ._stanzas import Automata, Bounds, EStop, Interlocks, Lines, Link, MaintenanceSettings, ToolChanger
+from ._channels import Channels, Inputs
+from ._stanzas import (
+    Automata,
+    Bounds,
+    EStop,
+    Freshness,
+    Interlocks,
+    Lines,
+    Link,
+    MaintenanceSettings,
+    ToolChanger,
+)
 
 
 class _ByKind:
@@ -52,10 +63,20 @@ AnyActuator = Annotated[Actuator, _ByKind()]
 class Description(Part):
     """A whole end-effector."""
 
+    LATER = ("channels", "inputs")
+
+    schema_version: Literal[1, 2] = Field(
+        default=2, alias="schema", exclude=True, description="of these keys; 1: without channels of one's own"
+    )
     name: Name = Field(description="of the tool; names its socket and its recordings")
     summary: Word = Field(default="", description="one sentence, for people")
     lines: Lines = Field(default=Lines(), description="how the output lines are reached")
-    link: Link = Field(description="the sensor link")
+    link: Link | None = Field(default=None, description="the sensor link; absent: `channels` are inputs")
+    channels: Channels = Field(
+        default={},
+        description="signals by name, where the codec has none: fields of the link, inputs of the board",
+    )
+    inputs: Inputs | None = Field(default=None, description="how the inputs of the board are read")
     sequence: Names = Field(min_length=1, description="actuators in the order of a grip")
     release_order: Names | None = Field(default=None, description="default: the sequence reversed")
     actuators: dict[Name, AnyActuator] = Field(description="by name")
@@ -85,6 +106,16 @@ class Description(Part):
     def place(self, *keys: str | int) -> Place:
         """The same with the offending text, for a :class:`Fault`."""
         return self._places.value(*keys)
+
+    @property
+    def freshness(self) -> Freshness:
+        """How long a reading counts: as the link says, or by default."""
+        return self.link or Freshness()
+
+    @property
+    def sensors(self) -> str:
+        """What brings the readings, for a sentence: ``sensor link /dev/ttyUSB0``, or ``inputs of the board``."""
+        return f"sensor link {self.link.port}" if self.link else "inputs of the board"
 
     @property
     def ordered(self) -> tuple[tuple[str, Actuator], ...]:
@@ -131,7 +162,8 @@ class Description(Part):
     ) -> Description:
         """The same tool on virtual lines and another serial port."""
         lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
-        return self.model_copy(update={"lines": lines, "link": self.link.model_copy(update={"port": port})})
+        link = self.link and self.link.model_copy(update={"port": port})
+        return self.model_copy(update={"lines": lines, "link": link})
 
     def with_socket(self, socket: str | Path) -> Description:
         """The same tool with its line arbiter at another socket."""

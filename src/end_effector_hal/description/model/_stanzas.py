@@ -19,6 +19,8 @@ from end_effector_hal.kinds.stanza import (
     Word,
 )
 
+from ._channels import LinkFrame
+
 
 class ToolChanger(Part):
     """The tool changer; an inactive line is locked (ISO 11593)."""
@@ -80,26 +82,42 @@ class Lines(Part):
     )
 
 
-class Link(Part):
+class Freshness(Part):
+    """How long a reading counts."""
+
+    stale_s: Seconds = Field(
+        default=0.15, description="a reading is stale after this or stale_periods, the longer"
+    )
+    stale_periods: Samples = Field(
+        default=3, description="periods of its source after which a reading is stale"
+    )
+    down_s: Seconds = Field(
+        default=1.0, description="the link is down after this or down_periods, the longer"
+    )
+    down_periods: Samples = Field(default=7, description="periods of its source after which the link is down")
+
+
+class Link(Freshness):
     """The sensor link."""
+
+    LATER = ("parity", "period_ms", "frame")
 
     port: Word = Field(min_length=1, description="serial device")
     baudrate: int | None = Field(
         default=None, ge=300, le=4_000_000, description="bits per second; default: that of the codec"
     )
+    parity: Literal["N", "E", "O"] | None = Field(
+        default=None, description="of each byte: none, even, odd; default: that of the codec"
+    )
     codec: str = Field(
         default="ees1-ascii", min_length=1, description="format of the frames; docs/codecs.md lists them"
     )
-    stale_s: Seconds = Field(
-        default=0.15, description="a reading is stale after this or stale_periods, the longer"
+    frame: LinkFrame | None = Field(
+        default=None, description="format of the frames, declared here instead of `codec`, with `channels`"
     )
-    stale_periods: Samples = Field(
-        default=3, description="periods of the codec after which a reading is stale"
+    period_ms: Annotated[int | None, Field(ge=1, le=10_000)] = Field(
+        default=None, description="nominal time between two frames, where `frame` declares them; default: 20"
     )
-    down_s: Seconds = Field(
-        default=1.0, description="the link is down after this or down_periods, the longer"
-    )
-    down_periods: Samples = Field(default=7, description="periods of the codec after which the link is down")
 
 
 Milliseconds = Annotated[int, Field(ge=1, le=10_000)]

@@ -110,8 +110,8 @@ def slow(description: Description, codec: CodecChannels) -> list[str]:
 
 
 def _ends_too_early(description: Description, codec: CodecChannels) -> Iterator[str]:
-    link, period_s = description.link, codec.period_us / 1e6
-    stale_s = max(link.stale_s, link.stale_periods * period_s)
+    fresh, period_s = description.freshness, codec.period_us / 1e6
+    stale_s = max(fresh.stale_s, fresh.stale_periods * period_s)
     for where, key, limit_s in _awaited(description, codec):
         if limit_s <= stale_s:
             yield (

@@ -20,9 +20,23 @@ def rule_faults(facts: Facts) -> Iterator[Fault]:
         yield from _unused(facts)
         yield from _names(facts, "release_order")
         yield from _unreleased(facts)
+    yield from _unread(facts)
     yield from _reserved(facts)
     yield from _endings(facts)
     yield from _files(facts)
+
+
+def _unread(facts: Facts) -> Iterator[Fault]:
+    """Nothing brings a reading."""
+    if facts.written("link"):
+        if facts.get("link") is None and ("link",) not in facts.broken:
+            place = facts.places.value("link")
+            yield Fault.at(place, "EE-207", "'link' has no value", found="", expected="keys with values")
+        return
+    if facts.written("channels"):
+        return
+    expected = "link: the sensor link, or channels: inputs of the board"
+    yield Fault.at(facts.places.key(), "EE-206", "key 'link' is missing", found="", expected=expected)
 
 
 def _names(facts: Facts, key: str) -> Iterator[Fault]:

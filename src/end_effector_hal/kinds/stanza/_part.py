@@ -6,9 +6,9 @@ the key says otherwise.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
 
 Seconds = Annotated[float, Field(gt=0, le=600)]
 MaybeSeconds = Annotated[float | None, Field(gt=0, le=600)]
@@ -34,3 +34,14 @@ class Part(BaseModel):
     """One stanza of a description."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    LATER: ClassVar[tuple[str, ...]] = ()
+    """Keys that were added later: one that says nothing is left out, so that descriptions keep their hash."""
+
+    @model_serializer(mode="wrap")
+    def _written(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = dump(self)
+        for key in self.LATER:
+            if not content.get(key):
+                content.pop(key, None)
+        return content

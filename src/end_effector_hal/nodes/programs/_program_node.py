@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from end_effector_hal.codecs import get_codec
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
 from end_effector_hal.description import Description
@@ -56,7 +56,7 @@ class ProgramNode(Generic[P]):
     ) -> None:
         self._program, self._node, self._log = program.NAME, node, node.log
         self._service = command
-        self._kinds = get_codec(description.link.codec).channels
+        self._kinds = carrier_of(description).channels
         self._publish = node.publisher(state)
         self._lines = StatusLines(description, self._program)
         self._since_us, self._count = now_us(), 0

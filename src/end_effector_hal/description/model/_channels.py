@@ -1,0 +1,239 @@
+"""Channels of the user's own names: what each signal is, and where it comes from.
+
+The keys are those that users of ESPHome, Home Assistant and Telegraf know: ``address``, ``register_type``,
+``value_type``, ``byte_order``, ``bitmask``, ``scale``, ``offset``.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from end_effector_hal.kinds.stanza import LineName, Name, Part, Word
+from end_effector_hal.signals import Kind, Value
+
+Unit = Literal["Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi", "inHg"]
+PASCAL: dict[str, float] = {
+    "Pa": 1.0,
+    "hPa": 100.0,
+    "kPa": 1_000.0,
+    "MPa": 1_000_000.0,
+    "mbar": 100.0,
+    "bar": 100_000.0,
+    "psi": 6_894.757,
+    "inHg": 3_386.389,
+}
+"""Pa of each unit of a pressure."""
+
+HIGHEST_PA = 2**31 - 1
+
+ValueType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32", "float32"]
+ByteOrder = Literal["big", "little"]
+Factor = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False)]
+Raw = Annotated[int, Field(ge=-(2**31), lt=2**32)]
+Raws = Annotated[tuple[Raw, ...], Field(strict=False, max_length=64)]
+Span = Annotated[tuple[Factor, Factor], Field(strict=False)]
+Bitmask = Annotated[int | None, Field(ge=1, lt=2**32)]
+Bytes = Annotated[int, Field(ge=0, le=255)]
+Hexadecimal = Annotated[str, Field(pattern=r"^([0-9A-Fa-f]{2}){1,8}$")]
+
+
+class TextValue(Part):
+    """A value in a line of text: by its place among the fields, or by its key."""
+
+    field: Annotated[int | None, Field(ge=1, le=64)] = Field(
+        default=None, description="which of the separated fields, from 1 on"
+    )
+    key: Annotated[str | None, Field(min_length=1, max_length=40)] = Field(
+        default=None, description="key in front of the value, such as P1 in P1=-52.3"
+    )
+
+
+class RecordValue(Part):
+    """A value in a binary record."""
+
+    byte: Bytes = Field(description="its first byte, counted from 0 at the first byte after the start bytes")
+    value_type: ValueType = Field(default="uint8", description="how its bytes are read")
+    byte_order: ByteOrder = Field(default="big", description="which byte comes first")
+    bitmask: Bitmask = Field(default=None, description="these bits of it, moved down to bit 0; default: all")
+
+
+class RegisterValue(Part):
+    """A value in a register, or a coil, of a Modbus device."""
+
+    unit: Annotated[int, Field(ge=1, le=247)] = Field(
+        default=1, description="address of the device on the bus"
+    )
+    address: Annotated[int, Field(ge=0, le=0xFFFF)] = Field(
+        description="as it stands on the wire, from 0 on (40001 in a manual is 0)"
+    )
+    register_type: Literal["holding", "input", "coil", "discrete_input"] = Field(
+        default="holding", description="which table of the device; function 3, 4, 1 or 2"
+    )
+    value_type: Literal["uint16", "int16", "uint32", "int32", "float32"] = Field(
+        default="uint16", description="how its registers are read; 32 bits take two"
+    )
+    word_order: ByteOrder = Field(default="big", description="of 32 bits: which register comes first")
+    bitmask: Bitmask = Field(default=None, description="these bits of it, moved down to bit 0; default: all")
+
+
+class DigitalInput(Part):
+    """An input line of the board."""
+
+    line: LineName = Field(description="name of the GPIO line, as gpioinfo shows it")
+    bias: Literal["as_is", "pull_up", "pull_down", "disabled"] = Field(
+        default="as_is", description="resistor of the chip; NPN sensors pull low and take pull_up"
+    )
+    debounce_ms: Annotated[int, Field(ge=0, le=1000)] = Field(
+        default=0, description="the kernel reports a level that stands so long; 0: each edge"
+    )
+
+
+class AnalogInput(Part):
+    """An analog input through Linux IIO, read from sysfs: ``in_<channel>_raw`` of a device."""
+
+    device: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.,:@-]{1,64}$")] = Field(
+        description="what its file `name` says, such as ads1015; or iio:device0"
+    )
+    channel: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{0,39}$")] = Field(
+        description="of the device, such as voltage0 or pressure"
+    )
+
+
+class Channel(Part):
+    """One signal: where it comes from (one of text, record, modbus, digital, analog), and what it means."""
+
+    text: TextValue | None = Field(default=None, description="in a line of text that comes over the link")
+    record: RecordValue | None = Field(
+        default=None, description="in a binary record that comes over the link"
+    )
+    modbus: RegisterValue | None = Field(default=None, description="in a Modbus device on the link")
+    digital: DigitalInput | None = Field(default=None, description="an input line of the board")
+    analog: AnalogInput | None = Field(default=None, description="an analog input of the board (Linux IIO)")
+    unit: Unit | None = Field(
+        default=None, description="of raw * scale + offset, a gauge pressure (vacuum negative); absent: a bit"
+    )
+    scale: Factor = Field(
+        default=1.0, description="units per count; of an analog input, per its own unit (mV)"
+    )
+    offset: Factor = Field(default=0.0, description="unit: added to raw * scale")
+    range: Span | None = Field(
+        default=None, description="unit: [lowest, highest] that the sensor can mean; beyond: invalid"
+    )
+    invalid: Raws = Field(default=(), description="raw values with which the device says that it has none")
+    on: Raws | None = Field(default=None, description="of a bit: raw values that are on; default: all but 0")
+    invert: bool = Field(default=False, description="of a bit: on is off (active low, normally closed)")
+
+    SOURCES: ClassVar = ("text", "record", "modbus", "digital", "analog")
+
+    @property
+    def source(self) -> str:
+        """Which of `SOURCES` it comes from: the first that is written, empty if none is."""
+        return next((name for name in self.SOURCES if getattr(self, name) is not None), "")
+
+    @property
+    def on_board(self) -> bool:
+        """Whether it is an input of the board; else it comes over the link."""
+        return self.source in ("digital", "analog")
+
+    @property
+    def kind(self) -> Kind:
+        """What it carries."""
+        return Kind.BIT if self.unit is None else Kind.PRESSURE
+
+    @property
+    def step_pa(self) -> float:
+        """Pa of one count of a pressure."""
+        return abs(self.scale) * PASCAL[self.unit or "Pa"]
+
+    def value(self, raw: float) -> Value:
+        """What a raw value means: gauge Pa, a bit, or None: nothing that the sensor can mean."""
+        if raw != raw or raw in self.invalid:
+            return None
+        if self.unit is None:
+            return (raw != 0 if self.on is None else raw in self.on) is not self.invert
+        scaled = raw * self.scale + self.offset
+        if self.range is not None and not self.range[0] <= scaled <= self.range[1]:
+            return None
+        pascal = scaled * PASCAL[self.unit]
+        return round(pascal) if abs(pascal) <= HIGHEST_PA else None
+
+    def raw(self, value: int | bool) -> float:
+        """A raw value that means this (Pa, bit): what a simulated sensor sends."""
+        if self.unit is None:
+            on = bool(value) is not self.invert
+            if self.on is None:
+                return float(on)
+            return float(self.on[0] if on else next(n for n in range(len(self.on) + 1) if n not in self.on))
+        return (value / PASCAL[self.unit] - self.offset) / self.scale
+
+
+class TextFrame(Part):
+    """Lines of text, each a frame; they end with a line feed, with or without a carriage return."""
+
+    start: Annotated[str, Field(max_length=16)] = Field(default="", description="each line begins with it")
+    separator: Annotated[str, Field(max_length=1)] = Field(
+        default=",", description="between two fields; a blank: any number of blanks"
+    )
+    equals: Annotated[str, Field(min_length=1, max_length=1)] = Field(
+        default="=", description="between key and value, where values have keys"
+    )
+    checksum: Literal["none", "xor8", "sum8", "crc8", "crc16-modbus", "crc16-ccitt"] = Field(
+        default="none", description="hexadecimal, after checksum_mark, over all between start and the mark"
+    )
+    checksum_mark: Annotated[str, Field(min_length=1, max_length=1)] = Field(
+        default="*", description="in front of the checksum"
+    )
+
+
+class RecordFrame(Part):
+    """Binary records of a fixed length."""
+
+    framing: Literal["start", "cobs", "slip"] = Field(
+        default="start",
+        description="start: bytes that begin each record; cobs, slip: a delimiter between them",
+    )
+    start: Hexadecimal | None = Field(default=None, description="framing: start: those bytes, such as AA55")
+    length: Annotated[int, Field(ge=1, le=256)] = Field(
+        description="bytes of a record, without the start bytes and the checksum"
+    )
+    checksum: Literal["none", "xor8", "sum8", "crc8", "crc16-modbus", "crc16-ccitt", "crc32"] = Field(
+        default="none", description="after the record, over all its bytes (not over the start bytes)"
+    )
+    checksum_order: ByteOrder = Field(default="little", description="which byte of the checksum comes first")
+
+
+class ModbusFrame(Part):
+    """Modbus RTU: the HAL asks, the devices on the bus answer."""
+
+    timeout_ms: Annotated[int, Field(ge=1, le=5000)] = Field(
+        default=30, description="longest wait for an answer"
+    )
+
+
+class LinkFrame(Part):
+    """What comes over a link, declared instead of named: one of text, record, modbus."""
+
+    text: TextFrame | None = Field(default=None, description="lines of text")
+    record: RecordFrame | None = Field(default=None, description="binary records")
+    modbus: ModbusFrame | None = Field(default=None, description="registers and coils that are asked for")
+
+    FORMATS: ClassVar = ("text", "record", "modbus")
+
+    @property
+    def format(self) -> str:
+        """Which of `FORMATS`: the first that is written, empty if none is."""
+        return next((name for name in self.FORMATS if getattr(self, name) is not None), "")
+
+
+class Inputs(Part):
+    """How the inputs of the board are read, where a channel comes from one."""
+
+    period_ms: Annotated[int, Field(ge=1, le=1000)] = Field(
+        default=20, description="each is read so often, and digital ones at each edge as well"
+    )
+    iio: Word = Field(default="/sys/bus/iio/devices", description="folder of the analog devices")
+
+
+Channels = dict[Name, Channel]
