@@ -1,7 +1,7 @@
 """The line arbiter: the one process that owns the output lines, its interlocks, its journal and the last wills."""
 
 from .client import ArbiterClient, PredicateSender
-from .rules import Exclusion, LineArbiter, Need, Policy
+from .rules import Exclusion, LineArbiter, Need, Policy, SecondCoil
 from .server import ArbiterServer, serve
 
 __all__ = [
@@ -12,5 +12,6 @@ __all__ = [
     "Need",
     "Policy",
     "PredicateSender",
+    "SecondCoil",
     "serve",
 ]

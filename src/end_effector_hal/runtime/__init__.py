@@ -7,7 +7,7 @@ from ._end_effector import EndEffector
 from ._error_text import error_text, sendable
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._grip_program import GripProgram
-from ._lines import arbiter_policy, output_lines, program_lines
+from ._lines import arbiter_policy, output_lines, program_lines, wired_lines
 from ._open_program import open_program
 from ._outputs import LineWriter
 from ._predicate_publisher import PredicatePublisher
@@ -41,4 +41,5 @@ __all__ = [
     "reset",
     "run_arbiter",
     "sendable",
+    "wired_lines",
 ]

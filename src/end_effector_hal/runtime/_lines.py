@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.arbiter import Exclusion, Need, Policy
+from end_effector_hal.arbiter import Exclusion, Need, Policy, SecondCoil
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
@@ -37,6 +37,10 @@ def arbiter_policy(description: Description) -> Policy:
             LONGEST_LAST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)
         ),
         faults=(SENSOR_FAULT,) if changer else (),
+        opposites={
+            line: SecondCoil(each.line, to_us(each.pulse_s or 0))
+            for line, each in description.opposites.items()
+        },
         needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
     )
 
@@ -72,6 +76,11 @@ def output_lines(description: Description) -> tuple[str, ...]:
     """Every output line of a tool: actuators in sequence order, the tool changer, blow-off valves."""
     changer, gripping = description.tool_changer, program_lines(description, "grip")
     return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values())
+
+
+def wired_lines(description: Description) -> tuple[str, ...]:
+    """Every output line that is wired: the outputs, and the second coils of those that have two."""
+    return (*output_lines(description), *(each.line for each in description.opposites.values()))
 
 
 def program_lines(description: Description, program: str) -> tuple[str, ...]:

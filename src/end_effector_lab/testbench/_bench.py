@@ -146,6 +146,9 @@ class Bench:
             for name, device in devices.items()
         }
         self._by_line = {line: self._stations[name] for name, line in lines.items()}
+        opposites = self._description.opposites
+        self._second = {each.line: self._by_line[line] for line, each in opposites.items()}
+        self._two_coils = frozenset(opposites)
 
     @property
     def lines(self) -> dict[str, str]:
@@ -165,13 +168,18 @@ class Bench:
         Raises:
             UsageError: nothing of the description hangs on that line.
         """
-        station = self._by_line.get(name)
+        station = self._by_line.get(name) or self._second.get(name)
         if station is None:
             raise UsageError(
-                f"nothing hangs on a line named {name!r}.", todo=did_you_mean(name, self._by_line)
+                f"nothing hangs on a line named {name!r}.",
+                todo=did_you_mean(name, [*self._by_line, *self._second]),
             )
         self._advance(at)
-        station.line(level, at)
+        if name in self._second:  # the spool stays where a coil has moved it
+            if level:
+                station.line(False, at)
+        elif level or name not in self._two_coils:
+            station.line(level, at)
 
     def choose(self, scenario: Scenario | str, at: int) -> None:
         """Another scenario from ``at`` (µs) on.

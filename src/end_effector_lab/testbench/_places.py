@@ -86,7 +86,8 @@ def open_port(text: str | None, description: Description, lines: str | None) -> 
 
 def _lines(description: Description) -> list[str]:
     changer = [description.tool_changer.line] if description.tool_changer else []
-    return changer + [actuator.line for _, actuator in description.ordered]
+    second = [each.line for each in description.opposites.values()]
+    return [*changer, *(actuator.line for _, actuator in description.ordered), *second]
 
 
 def _renamed(text: str, lines: list[str]) -> dict[str, str]:

@@ -10,13 +10,14 @@ import logging
 import re
 import threading
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 from zlib import crc32
 
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import FileStorage
-from end_effector_hal.arbiter.rules import read_faults
+from end_effector_hal.arbiter.rules import read_faults, read_levels
 from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -35,12 +36,14 @@ class JournalEntry(NamedTuple):
         clean: the arbiter ended in order.
         boot: the start of the machine in which it was written.
         doubt: why faults may be missing, a clause; empty: none is missing.
+        pulsed: levels of the outputs that leave none on their lines.
     """
 
     faults: Mapping[str, str]
     clean: bool = True
     boot: str = ""
     doubt: str = ""
+    pulsed: Mapping[str, bool] = MappingProxyType({})
 
 
 class Journal:
@@ -58,7 +61,7 @@ class Journal:
         self._lock = threading.Lock()
         self.changed = threading.Event()
         """Set when there may be something to write."""
-        self._asked: tuple[dict[str, str], bool] | None = None
+        self._asked: tuple[dict[str, str], dict[str, bool], bool] | None = None
         self._wanted = self._written = b""
         self._since: int | None = None  # when the oldest of what is not on the disk was wanted
         self._error = ""
@@ -83,16 +86,23 @@ class Journal:
         except UsageError:
             return JournalEntry({}, clean=False, doubt="its journal is of another version")
         if found.standing is Standing.OUTDATED:
-            return entry._replace(clean=False, doubt="the last record of its journal is torn")
+            return entry._replace(clean=False, doubt="the last record of its journal is torn", pulsed={})
         return entry
 
-    def keep(self, faults: Mapping[str, str], *, clean: bool = False) -> None:
+    def keep(
+        self,
+        faults: Mapping[str, str],
+        pulsed: Mapping[str, bool] = MappingProxyType({}),
+        *,
+        clean: bool = False,
+    ) -> None:
         """Have this written, if it differs from the last request; returns at once."""
-        wanted = dict(faults), clean
+        wanted = dict(faults), dict(pulsed), clean
         if self._file is None or wanted == self._asked:
             return
         self._asked = wanted
-        payload = write_json({"boot": self._boot, "clean": clean, "faults": dict(faults)})
+        content: dict[str, object] = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
+        payload = write_json(content | ({"pulsed": dict(pulsed)} if pulsed else {}))
         with self._lock:
             self._wanted = payload
             if self._since is None:
@@ -161,18 +171,18 @@ class JournalThread:
         self._taken.set()
         return self._entry
 
-    def keep(self, faults: Mapping[str, str]) -> None:
+    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
         """Have this written; returns at once."""
-        self._journal.keep(faults)
+        self._journal.keep(faults, pulsed)
 
     @property
     def trouble(self) -> str:
         """Why the faults are not on the disk; see `Journal.trouble`."""
         return self._journal.trouble
 
-    def close(self, faults: Mapping[str, str]) -> None:
+    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
         """The arbiter ends in order; waits at most 2 s for the disk."""
-        self._journal.keep(faults, clean=True)
+        self._journal.keep(faults, pulsed, clean=True)
         self._ended = True
         self._taken.set()
         self._journal.changed.set()
@@ -195,7 +205,8 @@ class JournalThread:
 
 
 def _entry(given: Any) -> JournalEntry:
-    return JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]))
+    pulsed = read_levels(given.get("pulsed", {}))
+    return JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]), pulsed=pulsed)
 
 
 _RECORD = re.compile(rb"[0-9a-f]{8} \{")

@@ -25,9 +25,10 @@ def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
     if journal.doubt:
         faults["journal"] = f"Faults that were latched before the start may be missing: {journal.doubt}."
     if record is not None:
-        return replace(record, faults={**faults, **record.faults})
+        return replace(record, faults={**faults, **record.faults}, pulsed=journal.pulsed)
     known = journal.clean and journal.boot  # an arbiter that ended in order has left nothing to be done
-    return ArbiterState(faults, clean=journal.clean, doubt="" if known else "no session record was found")
+    doubt = "" if known else "no session record was found"
+    return ArbiterState(faults, clean=journal.clean, doubt=doubt, pulsed=journal.pulsed)
 
 
 NO_RECORD = "The session record cannot be kept ({}): if the line arbiter dies, no last will is executed."
@@ -57,7 +58,7 @@ class Records:
             arbiter.predicates.latch(name, why)
         state = arbiter.state
         self._sessions.keep(state)
-        self._journal.keep(dict(state.faults))
+        self._journal.keep(dict(state.faults), state.pulsed)
 
     def troubles(self) -> dict[str, str]:
         """Records that cannot be kept now, as faults: sentences by name."""
@@ -74,4 +75,4 @@ class Records:
         """The arbiter ends in order."""
         self._sessions.keep(replace(state, clean=True))
         self._sessions.close()
-        self._journal.close(dict(state.faults))
+        self._journal.close(dict(state.faults), state.pulsed)

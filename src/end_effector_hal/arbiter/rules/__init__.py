@@ -1,9 +1,10 @@
 """The rules of the lines: leases, interlocks, last wills. No sockets, no files; time is an argument, in µs."""
 
 from ._arbiter import LineArbiter
+from ._coils import SecondCoil
 from ._policy import Exclusion, Need, Policy
 from ._sender_role import SecondSenderError, SenderRole
-from ._session import ArbiterState, Session, process_words, read_arbiter_state, read_faults
+from ._session import ArbiterState, Session, process_words, read_arbiter_state, read_faults, read_levels
 
 __all__ = [
     "ArbiterState",
@@ -11,10 +12,12 @@ __all__ = [
     "LineArbiter",
     "Need",
     "Policy",
+    "SecondCoil",
     "SecondSenderError",
     "SenderRole",
     "Session",
     "process_words",
     "read_arbiter_state",
     "read_faults",
+    "read_levels",
 ]

@@ -21,6 +21,7 @@ from end_effector_hal.vocabulary import LastWill, hint
 from end_effector_hal.wires.lines import LineBackend
 
 _log = logging.getLogger("end_effector_hal.arbiter")
+NEVER_US = 2**63 - 1
 MOST_WAITING = 64
 """Writes of one client."""
 DOUBT = "last wills"
@@ -55,7 +56,7 @@ class LineArbiter:
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
-        self._lines = OutputLines(backend, policy, at, before_change)
+        self._lines = OutputLines(backend, policy, at, before_change, state.pulsed)
         for line in policy.lines:
             if self.levels[line] and any(self.levels[partner.line] for partner in policy.partners(line)):
                 _log.error("%s was found active together with a line that excludes it", policy.called(line))
@@ -66,6 +67,24 @@ class LineArbiter:
         """All lines, as written last; True is active."""
         return self._lines.levels
 
+    def read_levels(self) -> dict[str, bool]:
+        """The same, read back from the hardware where they stand there."""
+        return self._lines.read()
+
+    @property
+    def pulses(self) -> bool:
+        """Whether a pulse is under way."""
+        return self._lines.coils is not None and self._lines.coils.due is not None
+
+    def end_pulses(self, at: int = NEVER_US) -> None:
+        """End those that are over; by default all: no coil stays active behind an arbiter that ends."""
+        if self._lines.coils is None:
+            return
+        try:
+            self._lines.coils.advance(at)
+        except (WireError, OSError) as error:
+            _log.error("a pulse does not end: %s", error)
+
     @property
     def state(self) -> ArbiterState:
         """What the next arbiter must know."""
@@ -75,6 +94,7 @@ class LineArbiter:
             clean=False,
             levels=dict(self.levels),
             dead=tuple(self._dead),
+            pulsed=self._lines.coils.pulsed if self._lines.coils else {},
         )
 
     # Requests of clients
@@ -208,6 +228,8 @@ class LineArbiter:
             except WireError as error:
                 _log.error("a write of %s failed: %s", session.client, error)
         self.sessions = [session for session in self.sessions if session.queue or not session.ended]
+        if self._lines.coils is not None:
+            self.end_pulses(at)
         for line in self.policy.max_active_us:
             if (end := self._lines.longest_end(line)) is not None and end <= at:
                 self._end_activation(line, at)
@@ -217,7 +239,8 @@ class LineArbiter:
         """When the next thing is due, or None."""
         times = [session.lease_until for session in self.sessions if not session.ended]
         times += [self._lines.ready_at(session.queue[0]) for session in self.sessions if session.queue]
-        ends = map(self._lines.longest_end, self.policy.max_active_us)
+        ends = [*map(self._lines.longest_end, self.policy.max_active_us)]
+        ends += [self._lines.coils.due] if self._lines.coils else []
         return min([*times, *(end for end in ends if end is not None)], default=None)
 
     def _check_activation(self, line: str, levels: Mapping[str, bool], at: int) -> None:

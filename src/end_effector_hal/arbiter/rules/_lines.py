@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
+from end_effector_hal.arbiter.rules._coils import Coils
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._session import Write
 from end_effector_hal.errors import WireError
@@ -18,13 +19,24 @@ class OutputLines:
         policy: their names, and how long each stays as it is (IL-10).
         at: now, µs.
         before_change: called before lines are written.
+        believed: levels that an earlier arbiter has recorded.
     """
 
     def __init__(
-        self, backend: LineBackend, policy: Policy, at: int, before_change: Callable[[], None]
+        self,
+        backend: LineBackend,
+        policy: Policy,
+        at: int,
+        before_change: Callable[[], None],
+        believed: Mapping[str, bool],
     ) -> None:
-        self._backend, self._policy, self._before_change = backend, policy, before_change
-        self.levels = backend.request(list(policy.lines))
+        self._policy, self._before_change = policy, before_change
+        self.coils = Coils(backend, policy.opposites, before_change) if policy.opposites else None
+        """Outputs of two coils, with all others; None: each output is one line."""
+        self._backend = backend
+        self.levels = (
+            self.coils.request(policy.lines, believed) if self.coils else backend.request(policy.lines)
+        )
         self.changed_at = dict.fromkeys(policy.lines, at)
         """The time of the last change of each line, µs."""
 
@@ -35,13 +47,20 @@ class OutputLines:
             return
         self._before_change()
         try:
-            self._backend.set(changes)
+            if self.coils:
+                self.coils.set(changes, at)
+            else:
+                self._backend.set(changes)
         except WireError:
             raise
         except OSError as error:
             raise WireError(f"the lines cannot be written: {error.strerror}.") from error
         self.levels |= changes
         self.changed_at |= dict.fromkeys(changes, at)
+
+    def read(self) -> dict[str, bool]:
+        """The levels, read back from the hardware where they stand there."""
+        return self.coils.read() if self.coils else self._backend.levels()
 
     def ready_at(self, write: Write) -> int:
         """The earliest time at which a write may be applied, µs."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from end_effector_hal.arbiter.rules._coils import SecondCoil
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import LEASE_US, LastWill
 
@@ -63,6 +64,7 @@ class Policy:
         longest_last_will_us: no step of a last will is later than that after the death.
         faults: names of the faults that clients may latch.
         labels: what the lines drive, for the sentences.
+        opposites: second coils, by the line of their output; no client writes them.
     """
 
     lines: Sequence[str]
@@ -75,14 +77,17 @@ class Policy:
     longest_last_will_us: int = 10_000_000
     faults: Sequence[str] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
+    opposites: Mapping[str, SecondCoil] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         used = [line for pair in self.exclusions for line in pair[:2]] + [
             *self.max_active_us,
             *self.needs,
+            *self.opposites,
         ]
         unknown = sorted(set(used) - set(self.lines))
-        if unknown or len(set(self.lines)) < len(self.lines):
+        wires = [*self.lines, *(each.line for each in self.opposites.values())]
+        if unknown or len(set(wires)) < len(wires):
             raise UsageError(
                 f"the policy of the line arbiter is wrong: lines {list(self.lines)}, unknown: {unknown}.",
                 todo="Name each line once, and in the interlocks only lines that it has.",

@@ -40,6 +40,7 @@ class ArbiterState:
         clean: the arbiter ended in order.
         levels: of the lines; a line that is missing here is not compared with the level that is found.
         dead: names and tokens of clients that were declared dead and have not connected since.
+        pulsed: levels of the outputs that leave none on their lines; a line that is missing counts as active.
         doubt: why the last wills of these clients must not be executed, a clause; empty: they may be.
     """
 
@@ -48,6 +49,7 @@ class ArbiterState:
     clean: bool = True
     levels: Mapping[str, bool] = field(default_factory=dict)
     dead: tuple[tuple[str, str], ...] = ()
+    pulsed: Mapping[str, bool] = field(default_factory=dict)
     doubt: str = ""
 
     def as_json(self) -> dict[str, object]:
@@ -61,7 +63,7 @@ class ArbiterState:
             "clean": self.clean,
             "levels": dict(self.levels),
             "dead": self.dead,
-        }
+        } | ({"pulsed": dict(self.pulsed)} if self.pulsed else {})
 
 
 def read_arbiter_state(given: Any) -> ArbiterState:
@@ -72,11 +74,18 @@ def read_arbiter_state(given: Any) -> ArbiterState:
     """
     try:
         clients = tuple(_read_record(*client) for client in given["clients"])
-        levels = {str(line): level is True for line, level in given["levels"].items()}
+        levels, pulsed = read_levels(given["levels"]), read_levels(given.get("pulsed", {}))
         dead = tuple((str(client), str(token)) for client, token in given["dead"])
-        return ArbiterState(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead)
+        return ArbiterState(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead, pulsed)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is not the state of a line arbiter: {error}.") from error
+
+
+def read_levels(given: Any) -> dict[str, bool]:
+    """Levels by line, from JSON; raises UsageError."""
+    if not isinstance(given, dict):
+        raise UsageError("levels must be an object of true and false by line.")
+    return {printable(str(line)): level is True for line, level in given.items()}
 
 
 def read_faults(given: Any) -> dict[str, str]:

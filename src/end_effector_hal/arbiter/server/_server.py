@@ -83,7 +83,7 @@ class ArbiterServer:
         self._connections = Connections(listener, self._selector)
         self._requests = RequestHandler(
             self._arbiter,
-            backend.levels,
+            self._arbiter.read_levels,
             unclean=not before.clean,
             records=self._records,
             drop=self._drop,
@@ -129,7 +129,9 @@ class ArbiterServer:
             return False
         # a shutdown ends the clients a moment later: their last wills are still executed
         dying = now_us() < self._stopped_at + self._grace_us
-        waits = any(session.ended or (dying and session.will) for session in self._arbiter.sessions)
+        waits = self._arbiter.pulses or any(
+            session.ended or (dying and session.will) for session in self._arbiter.sessions
+        )
         return self._stops > 1 or not waits
 
     def _wait_s(self) -> float | None:
@@ -149,6 +151,7 @@ class ArbiterServer:
         """Give everything back, after `run`."""
         self._connections.close()
         self._path.unlink(missing_ok=True)
+        self._arbiter.end_pulses()
         state = self._arbiter.state
         self._backend.close()
         self._records.close(state)

@@ -16,7 +16,7 @@ from end_effector_hal.description._fault import Place, Places
 from end_effector_hal.description._paths import profile_path, run_directory
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
-from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Part, Supply, Word
+from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Opposite, Part, Supply, Word
 
 from ._channels import Channels, Inputs
 from ._stanzas import (
@@ -136,6 +136,13 @@ class Description(Part):
         """Line of each blow-off valve, by the actuator that it belongs to, in the order of a grip."""
         found = ((name, kind_of(part).opposing_output(part)) for name, part in self.ordered)
         return {name: output.line for name, output in found if output}
+
+    @property
+    def opposites(self) -> dict[str, Opposite]:
+        """Second coils, by the line of their output."""
+        parts: list[Actuator | ToolChanger] = [part for _, part in self.ordered]
+        parts += [self.tool_changer] if self.tool_changer else []
+        return {part.line: part.opposite for part in parts if part.opposite is not None}
 
     def service_of(self, name: str) -> str:
         """ROS service of an actuator (relative name); raises KeyError for an unknown one."""

@@ -11,6 +11,7 @@ from end_effector_hal.kinds.stanza import (
     ChangerEndings,
     LineName,
     Name,
+    Opposite,
     Part,
     RosName,
     Samples,
@@ -25,8 +26,13 @@ from ._channels import LinkFrame
 class ToolChanger(Part):
     """The tool changer; an inactive line is locked (ISO 11593)."""
 
+    LATER = ("opposite",)
+
     line: LineName = Field(description="name of the GPIO line; active means unlock")
     pin: Word = Field(default="", description="where it is found on the board; for people")
+    opposite: Opposite | None = Field(
+        default=None, description="the coil that locks; absent: a spring locks when `line` is inactive"
+    )
     locked_bit: Name = Field(
         default="locked", description="bit of the link that proves locked; none: no such sensor"
     )

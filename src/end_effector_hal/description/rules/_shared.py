@@ -24,6 +24,7 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     for name, kind in kinds:
         bits += _claims([("actuators", name)], *(k.key for k in kind.channels if k.carries is Kind.BIT))
     opposing: list[Keys] = [("actuators", name, kind.opposing) for name, kind in kinds if kind.opposing]
+    opposing += [(*stanza, "opposite") for stanza in (*changer, *actuators)]
     opposing = [each for each in opposing if facts.written(*each)]
     yield from _second(facts, "line", _claims([*changer, *actuators, *opposing], "line"))
     yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))

@@ -22,7 +22,7 @@ from ._part import (
     Texts,
     Word,
 )
-from ._tool import Actuator, Hold, Supply
+from ._tool import Actuator, Hold, Opposite, Supply
 
 __all__ = [
     "NO_CHANNEL",
@@ -38,6 +38,7 @@ __all__ = [
     "MaybeSeconds",
     "Name",
     "Names",
+    "Opposite",
     "OwnEndings",
     "Part",
     "RosName",

@@ -10,6 +10,18 @@ from ._endings import OwnEndings
 from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Seconds, Word
 
 
+class Opposite(Part):
+    """The second coil of a valve: it drives the device back."""
+
+    line: LineName = Field(description="name of the GPIO line of that coil")
+    pin: Word = Field(default="", description="where it is found on the board; for people")
+    pulse_s: Annotated[float | None, Field(ge=0.01, le=2)] = Field(
+        default=None,
+        description="each coil is active for so long at a change (a bistable valve, a switchable magnet); "
+        "null: one of the two is active all the time",
+    )
+
+
 class Actuator(Part):
     """What every actuator has: a line that drives it, a channel that proves it, and its times.
 
@@ -18,11 +30,16 @@ class Actuator(Part):
     T_GONE, ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
     """
 
+    LATER = ("opposite",)
+
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
         kind: str
 
     line: LineName = Field(description="name of the GPIO line, as gpioinfo shows it")
     pin: Word = Field(default="", description="where it is found on the board; for people")
+    opposite: Opposite | None = Field(
+        default=None, description="absent: a spring drives it back when `line` is inactive"
+    )
     channel: Name = Field(
         description="pressure channel of the link that proves it; none, where a bit proves it: no such sensor"
     )
