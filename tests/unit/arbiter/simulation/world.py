@@ -17,7 +17,8 @@ from end_effector_hal.arbiter.server import _requests
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError
-from end_effector_hal.runtime import GripProgram, _program, arbiter_policy, program_lines
+from end_effector_hal.runtime import GripProgram, arbiter_policy, program_lines
+from end_effector_hal.runtime.programs import _program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.unit.arbiter.simulation.disk import SimulatedDisk

@@ -6,10 +6,9 @@ from dataclasses import replace
 from typing import ClassVar
 
 from end_effector_hal.control import Answer, Status
+from end_effector_hal.runtime.outputs import GripOutputs, Maintenance, OutputMapping
 
-from ._maintenance import Maintenance
 from ._maintenance_drive import drive, proof
-from ._output_mapping import GripOutputs, OutputMapping
 from ._program import Program
 
 

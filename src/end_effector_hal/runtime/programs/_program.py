@@ -14,16 +14,15 @@ from typing import ClassVar
 from end_effector_hal.control import Answer, Status, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
+from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
+from end_effector_hal.runtime.outputs import RETRY_US, LineWriter, OutputMapping, Outputs
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
 
 from ._latest_status import LatestStatus, Listener
-from ._output_mapping import OutputMapping
-from ._outputs import RETRY_US, LineWriter, Outputs
 from ._serial_worker import FollowUp, SerialWorker
-from .boundary import NULL_RECORDER, Recorder
 
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter

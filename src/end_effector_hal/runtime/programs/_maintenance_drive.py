@@ -5,12 +5,11 @@ from __future__ import annotations
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError, WireError
+from end_effector_hal.runtime.boundary import AnyController
+from end_effector_hal.runtime.outputs import Maintenance, Outputs
 from end_effector_hal.vocabulary import Evidence, display_name
 
 from ._latest_status import LatestStatus
-from ._maintenance import Maintenance
-from ._outputs import Outputs
-from .boundary import AnyController
 
 
 def drive(
