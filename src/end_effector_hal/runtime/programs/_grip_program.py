@@ -29,8 +29,8 @@ class GripProgram(Program):
 
         def question() -> tuple[Answer, list[Status]]:
             at = self._clock()
-            answer = drive(self._controller, self._outputs, self._maintenance, line, at, active=active)
-            return answer, [self._controller.status()] if answer.accepted else []
+            answer = drive(self._adoption, self._maintenance, line, at, active=active)
+            return answer, [self._adoption.controller.status()] if answer.accepted else []
 
         answer = self._ask(question, waits=True)
         proven = answer.accepted and proof(self._latest, self._description, name, timeout_s, active=active)
@@ -46,7 +46,7 @@ class GripProgram(Program):
 
     def _on_time(self, at: int) -> list[Status]:
         if lines := self._maintenance.over(at):
-            self._outputs.let_go(lines, at)
+            self._adoption.outputs.let_go(lines, at)
         return super()._on_time(at)
 
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:
