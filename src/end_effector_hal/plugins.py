@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import threading
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -47,7 +48,7 @@ class Plugins(Generic[Plugin]):
         return (*self._own, *sorted(self._added().names - set(self._own)))
 
     def get(self, name: str) -> Plugin:
-        """The plug-in of that name; one of our own is made once.
+        """The plug-in of that name, which is made once.
 
         Raises:
             MissingExtraError: it needs a package of an extra that is not installed.
@@ -63,7 +64,10 @@ class Plugins(Generic[Plugin]):
             return self._made[name]
         for entry in self._added().select(name=name):
             try:
-                return self._check(self._wanted(entry.load()))
+                # loaded once: a program that restarts needs it again
+                if (known := f"{name}={entry.value}") not in self._made:
+                    self._made[known] = self._check(self._wanted(entry.load()))
+                return self._made[known]
             except UsageError as error:
                 what = f"the {self._noun} {name}: {error.what}"
                 raise UsageError(what, where=entry.value, todo=error.todo) from error
@@ -90,6 +94,25 @@ class Plugins(Generic[Plugin]):
     def _added(self) -> EntryPoints:
         found: EntryPoints = importlib.import_module("importlib.metadata").entry_points(group=self._group)
         return found
+
+
+class PluginError(UsageError):
+    """A class of another distribution raised an exception, or returned what it may not."""
+
+
+T = TypeVar("T")
+
+
+def attempt(what: str, function: Callable[[], T]) -> T:
+    """Call into a plug-in; raises PluginError for whatever it raises, with ``what`` as its subject."""
+    try:
+        return function()
+    except BaseException as error:  # SystemExit as well: it would end a thread in silence
+        if isinstance(error, KeyboardInterrupt) and threading.current_thread() is threading.main_thread():
+            raise
+        raise PluginError(
+            f"{what} failed with {named(error)}.", todo="Report it to the author of that class."
+        ) from error
 
 
 def named(error: BaseException) -> str:

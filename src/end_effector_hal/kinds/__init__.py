@@ -4,6 +4,7 @@ A kind of your own is a subclass of `DeviceKind` with the stanza of its keys, an
 ``end_effector_hal.kinds``, and a test that inherits `end_effector_hal.kinds.conformance.KindConformance`.
 """
 
+from ._guard import fault_of, is_guarded
 from ._kind import DeviceKind
 from ._parts import (
     COMPRESSED_AIR,
@@ -37,7 +38,9 @@ __all__ = [
     "Quote",
     "Travel",
     "below_ambient_kpa",
+    "fault_of",
     "get_kind",
+    "is_guarded",
     "kind_names",
     "kind_of",
     "recorded_kind",

@@ -9,10 +9,11 @@ from typing import Any, get_args
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds.stanza import Actuator
-from end_effector_hal.plugins import Plugins
+from end_effector_hal.plugins import Plugins, attempt
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import ACTIVE, INACTIVE, PENDING, TableState
 
+from ._guard import GuardedKind
 from ._kind import DeviceKind
 from ._parts import ChannelKey
 
@@ -89,7 +90,7 @@ def get_kind(name: str) -> DeviceKind[Any]:
         raise UsageError(
             f"the entry point {name} names the kind {kind.name}.", todo="Both have the same name."
         )
-    return kind
+    return kind if name in OWN else attempt(f"The kind {name}", lambda: GuardedKind(kind))
 
 
 def kind_of(part: Actuator) -> DeviceKind[Any]:

@@ -1,20 +1,25 @@
-"""A tool put together: description, automata and wires, in real time."""
+"""A tool put together: description, automata and wires, in real time.
 
-from ._arbiter import connect_arbiter, run_arbiter
+Rooms, the upper of which import the lower: ``tool``, a whole end-effector in one process; ``programs``, controllers
+with a thread each; ``boundary``, what goes in and out of them, recorded; ``outputs``, from statuses to writes;
+``arbiter``, what the line arbiter is given of a tool.
+"""
+
 from ._automata import load_automata
-from ._changer_program import ChangerProgram
-from ._end_effector import EndEffector
 from ._error_text import error_text, sendable
-from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
-from ._grip_program import GripProgram
-from ._lines import arbiter_policy, output_lines, program_lines, wired_lines
-from ._open_program import open_program
-from ._outputs import LineWriter
-from ._predicate_publisher import PredicatePublisher
-from ._program import Program
-from ._ready import changer_is_sensed
-from ._reset import reset
 from ._script import ScriptCommand, read_command, read_script
+from .arbiter import (
+    PredicatePublisher,
+    arbiter_policy,
+    connect_arbiter,
+    output_lines,
+    program_lines,
+    run_arbiter,
+    wired_lines,
+)
+from .outputs import LineWriter
+from .programs import ChangerProgram, GripProgram, Program, open_program
+from .tool import EndEffector, GoalRunner, Refused, Result, RunningGoal, changer_is_sensed, reset
 
 __all__ = [
     "ChangerProgram",

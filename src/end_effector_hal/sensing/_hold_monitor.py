@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from operator import attrgetter
 from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, period_of
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import AlarmKind, HoldFinding, kind_of
+from end_effector_hal.kinds import AlarmKind, HoldFinding, fault_of, is_guarded, kind_of
 from end_effector_hal.signals import PART
 from end_effector_hal.vocabulary import Evidence, display_name
 
@@ -42,12 +42,20 @@ class HoldMonitor:
         )
         # a recorded state calls it "_vacuums"
         self._vacuums = {index: watch for index, watch in enumerate(watches) if watch is not None}
+        self._guarded = tuple(
+            (self._names[index], watch) for index, watch in self._vacuums.items() if is_guarded(watch)
+        )
         self._since: int | None = None
 
     @property
     def alarms(self) -> tuple[str, ...]:
-        """In words."""
-        return self._log.texts
+        """In words; a watch of somebody else's that has failed stays one."""
+        return (*self._log.texts, *self._faults()) if self._guarded else self._log.texts
+
+    def _faults(self) -> Iterator[str]:
+        for name, watch in self._guarded:
+            if fault := fault_of(watch):
+                yield f"{display_name(name)} is not watched reliably: {fault}"
 
     @property
     def secure(self) -> bool:
@@ -65,7 +73,7 @@ class HoldMonitor:
 
     def sample(self, at: int, *, held: bool) -> bool:
         """Look at the newest sample, at ``at`` µs; True when there is something new to tell."""
-        now, was_secure, told = self._senses.now, self._watched_secure, self._log.texts
+        now, was_secure, told = self._senses.now, self._watched_secure, self.alarms
         for watch in self._vacuums.values():
             watch.sample(now.readings, at, held=self._since is not None)
         if not held:
@@ -80,7 +88,7 @@ class HoldMonitor:
                     self._log_findings(name, watch.findings(display_name(name), self._since, at), at)
             self._supply(at)
         newly_secure = now.confirmed and self._watched_secure is not was_secure
-        return newly_secure or self._log.texts != told
+        return newly_secure or self.alarms != told
 
     def acknowledge(self) -> None:
         """An operator has seen it: what is over is forgotten, what is not stays."""

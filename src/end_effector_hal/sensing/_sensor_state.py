@@ -7,9 +7,9 @@ from typing import ClassVar, Self
 
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds import fault_of, is_guarded, kind_of
 from end_effector_hal.signals import PART, Frame, clone
-from end_effector_hal.vocabulary import Evidence, ToolEvidence
+from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 
 from ._link_rules import LinkRules
 from ._readings import Readings
@@ -51,6 +51,11 @@ class SensorState:
         self._rules = LinkRules(description, carrier, self.readings.stale_us)
         self._detectors = tuple(
             kind_of(part).detector(part, description.supply) for _, part in description.ordered
+        )
+        self._guarded = tuple(
+            (index, display_name(name))
+            for index, name in enumerate(description.sequence)
+            if is_guarded(self._detectors[index])
         )
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None
@@ -102,8 +107,9 @@ class SensorState:
         return due if ends is None else ends if due is None else min(due, ends)
 
     def doubts(self, at: int) -> tuple[str, ...]:
-        """What is impossible or frozen at ``at`` µs, and that the device began anew, in words."""
-        return self._rules.notices(at)
+        """What is impossible or frozen at ``at`` µs, a detector that fails, a device that began anew, in words."""
+        said = self._rules.notices(at)
+        return (*said, *self._faults()) if self._guarded else said
 
     @property
     def confirmed(self) -> bool:
@@ -116,6 +122,11 @@ class SensorState:
         return all(level in (Evidence.GONE, Evidence.CONFIRMED) for level in self.evidence) and (
             self._tool is None or self.tool is not ToolEvidence.UNCLEAR
         )
+
+    def _faults(self) -> Iterator[str]:
+        for index, name in self._guarded:
+            if fault := fault_of(self._detectors[index]):
+                yield f"{name} is not judged reliably: {fault}"
 
     def _sample(self, at: int) -> None:
         self.supply.sample(self.readings, at)

@@ -10,7 +10,8 @@ import pytest
 
 from end_effector_hal.codecs import Decoder, Ees1Ascii
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import EndEffector, _end_effector
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.runtime.tool import _end_effector
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires.lines import read_chip

@@ -14,8 +14,9 @@ import pytest
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import EndEffector, GripProgram, _listeners
-from end_effector_hal.runtime._listeners import Listening
+from end_effector_hal.runtime import EndEffector, GripProgram
+from end_effector_hal.runtime.tool import _listeners
+from end_effector_hal.runtime.tool._listeners import Listening
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_lab.demo._world import World
 from tests.support.lone_program import CYLINDER, LINES, OFF, TOP, Tool

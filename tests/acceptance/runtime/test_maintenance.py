@@ -8,7 +8,7 @@ import pytest
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ArbiterError, LineRefusedError
-from end_effector_hal.runtime._maintenance import Maintenance
+from end_effector_hal.runtime.outputs._maintenance import Maintenance
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.lone_program import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool

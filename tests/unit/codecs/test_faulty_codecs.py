@@ -281,6 +281,28 @@ def test_an_entry_point_that_raises_is_a_sentence(
         get_codec("odd")
 
 
+def test_a_codec_is_made_once_so_that_a_restart_of_a_program_cannot_fail_by_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from importlib.metadata import EntryPoint, EntryPoints
+
+    class MadeOnce(FaultyCodec):
+        made = 0
+
+        def __init__(self) -> None:
+            MadeOnce.made += 1
+            if MadeOnce.made > 1:
+                raise KeyError("no second one")
+            super().__init__()
+
+    monkeypatch.setattr("tests.unit.codecs.faulty_codec.MadeOnce", MadeOnce, raising=False)
+    points = EntryPoints(
+        [EntryPoint("once", "tests.unit.codecs.faulty_codec:MadeOnce", "end_effector_hal.codecs")]
+    )
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **options: points.select(**options))
+    assert get_codec("once") is get_codec("once")
+
+
 # Behind a real port, with the thread of the link
 
 

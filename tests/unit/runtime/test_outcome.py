@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.runtime import EndEffector, GoalRunner
-from end_effector_hal.runtime._listeners import Audience
+from end_effector_hal.runtime.tool._listeners import Audience
 from end_effector_hal.vocabulary import ChangerState, Command
 from end_effector_hal.vocabulary import EndEffectorState as State
 from tests.support.lone_program import Tool
@@ -54,7 +54,9 @@ def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str)
 
 
 def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("end_effector_hal.runtime._serial_worker.SerialWorker.ask", lambda *_, **__: None)
+    monkeypatch.setattr(
+        "end_effector_hal.runtime.programs._serial_worker.SerialWorker.ask", lambda *_, **__: None
+    )
     answer = Tool().program.command("drop")
     assert (answer.accepted, answer.decided) == (False, False)
     assert answer.reason == "The grip program does not answer."

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
-from end_effector_hal.runtime._outputs import Outputs
+from end_effector_hal.runtime.outputs._outputs import Outputs
 from end_effector_hal.vocabulary import LastWillStep
 
 A, B = "SODIMM_208", "SODIMM_210"

@@ -17,6 +17,8 @@ from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ArbiterError
 from end_effector_hal.runtime import GripProgram
+from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.vocabulary import EndEffectorState, LastWillStep
 
@@ -87,14 +89,21 @@ class Count:
 class Tool:
     """The gripping program of the shipped tool, its sensors as its lines are."""
 
-    def __init__(self) -> None:
-        self.description = load(profile_path())
+    def __init__(
+        self,
+        description: Description | None = None,
+        recorder: Recorder = NULL_RECORDER,
+        judge: FrameJudge | None = None,
+    ) -> None:
+        self.description = description or load(profile_path())
         self.lines, self.at, self._number = Lines(self.description), 1_000_000, 0
         self.statuses: list[Status] = []
         self.program = GripProgram(
             self.description,
             self.lines,
             self.statuses.append,
+            recorder,
+            judge=judge,
             clock=lambda: self.at,  # type: ignore[arg-type]
         )
         self.worker = self.program._worker

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from end_effector_hal.runtime._serial_worker import ANSWER_US, FollowUp, SerialWorker
+from end_effector_hal.runtime.programs._serial_worker import ANSWER_US, FollowUp, SerialWorker
 from end_effector_hal.wires import now_us
 
 PATIENCE_S = 30.0

@@ -109,7 +109,7 @@ class HalMainNode:
         self._gone = self._silence.silent(now)
         if self._gone != before:
             self._at_us, self._count = now, self._count + 1
-        notices = (*self._unknown_senders.alarms(), *self._stamps.notices(now))
+        notices = (*self._unknown_senders.alarms(), *self._stamps.notices(now), *self._margins.alarms)
         state = self._aggregate.message(self._at_us, now, self._silence, notices)
         state.header, state.count = MessageHeader(stamp_us), self._count
         earlier, self._state = self._state, state

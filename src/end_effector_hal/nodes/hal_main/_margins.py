@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection
 
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds import fault_of, kind_of
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.nodes.transport import AMBIENT_PA
 
@@ -26,6 +26,12 @@ class Margins:
     def values(self, stale: Collection[str] | None) -> list[float]:
         """In the order of the sequence, NaN where nothing is known; ``stale``: channels, None: all."""
         return [self._margin(part, stale) for _, part in self._description.ordered]
+
+    @property
+    def alarms(self) -> tuple[str, ...]:
+        """Kinds of somebody else's whose margins are not known because they have failed."""
+        kinds = dict.fromkeys(kind_of(part) for _, part in self._description.ordered)
+        return tuple(fault for kind in kinds if (fault := fault_of(kind)))
 
     def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
         supply = self._gauge(self._supply.channel, stale)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.errors import ReportedError, WireError
-from end_effector_hal.runtime._outputs import LineWriter
+from end_effector_hal.runtime.outputs import LineWriter
 from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 

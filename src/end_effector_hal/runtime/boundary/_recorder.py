@@ -9,7 +9,7 @@ from end_effector_hal.control import Controller
 from end_effector_hal.description import Description
 from end_effector_hal.recording import TraceWriter
 from end_effector_hal.runtime._error_text import error_text, sendable
-from end_effector_hal.runtime._outputs import LineWriter
+from end_effector_hal.runtime.outputs import LineWriter
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 from timed_automata import Network

@@ -17,7 +17,8 @@ from end_effector_hal.arbiter.server import _requests
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError
-from end_effector_hal.runtime import GripProgram, _program, arbiter_policy, program_lines
+from end_effector_hal.runtime import GripProgram, arbiter_policy, program_lines
+from end_effector_hal.runtime.programs import _program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
@@ -429,7 +430,7 @@ class Program:
     @property
     def decided(self) -> int:
         """What its automata are in; perhaps it has not said so yet."""
-        return int(self._program._controller.status().ee)
+        return int(self._program._adoption.controller.status().ee)
 
     def words(self) -> str:
         """What it said last."""
@@ -444,8 +445,8 @@ class Program:
         program, now = self._program, self._world.now
         if (due := program._due()) is not None and due <= now and (follow_up := program._time_passed()):
             follow_up()
-        if program._begun:
-            program._act(program._controller.frame(self._world.frame(), now))
+        if program._adoption.begun:
+            program._act(program._adoption.controller.frame(self._world.frame(), now))
         if now >= self._renew_at:
             self._renew_at = now + RENEW_US
             if lost := self._client._renew():
@@ -472,7 +473,9 @@ class Program:
     def leave(self) -> None:
         """SIGTERM."""
         with suppress(ReportedError):
-            self._client.close(self._program._outputs.mapping.last_will(self._program.status, "sigterm"))
+            self._client.close(
+                self._program._adoption.outputs.mapping.last_will(self._program.status, "sigterm")
+            )
         self._world.program = None
         self._world.judge.commanded = False
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -13,25 +13,21 @@ from typing import ClassVar
 
 from end_effector_hal.control import Answer, Status, network_of
 from end_effector_hal.description import Description
-from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
+from end_effector_hal.errors import ArbiterError, WireError
+from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
+from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
 
+from ._adoption import Adoption, DeclaredDeadError
 from ._latest_status import LatestStatus, Listener
-from ._output_mapping import OutputMapping
-from ._outputs import RETRY_US, LineWriter, Outputs
 from ._serial_worker import FollowUp, SerialWorker
-from .boundary import NULL_RECORDER, Recorder
 
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
 ACTIVATING = ("grip", "unlock")
 """Commands that begin with an activation; the others only deactivate, and are carried out as soon as they can be."""
-DECLARED_DEAD = (
-    "The line arbiter declared this program dead and executed its last will; the program has restarted."
-)
 
 
 class Program(ABC):
@@ -71,11 +67,9 @@ class Program(ABC):
         self._faults: tuple[str, ...] = ()
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
-        self._ahead_of: object = None
-        self._ahead: Iterator[object] = iter(())
         self._reset()
         self._worker = SerialWorker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
-        self._latest = LatestStatus(self._controller.status(), on_status)
+        self._latest = LatestStatus(self._adoption.controller.status(), on_status)
         recorder.attend(lambda: self._worker.submit(lambda: self._reaction([])))
         self._thread = threading.Thread(target=self._run, name=f"program {self.NAME}", daemon=True)
 
@@ -100,7 +94,7 @@ class Program(ABC):
 
     def frame(self, frame: Frame) -> None:
         """Submit a frame of the link; returns at once."""
-        self._submit(lambda: self._controller.frame(frame, self._clock()))
+        self._submit(lambda: self._adoption.controller.frame(frame, self._clock()))
 
     def update_peer(self, **values: int) -> None:
         """Submit interface variables of the other program; returns at once."""
@@ -116,7 +110,7 @@ class Program(ABC):
 
     def acknowledge(self) -> None:
         """Submit that alarms about what is held were seen: those that are over go; returns at once."""
-        self._submit(lambda: self._controller.acknowledge(self._clock()))
+        self._submit(lambda: self._adoption.controller.acknowledge(self._clock()))
 
     def command(self, name: str) -> Answer:
         """Give a command and wait for the decision of the automaton."""
@@ -149,35 +143,33 @@ class Program(ABC):
 
     def _due(self) -> int | None:
         """µs at which the program does something by itself."""
-        at = self._controller.deadline if self._begun else self._begin_at
-        retry_at = self._outputs.retry_at
-        return at if retry_at is None else retry_at if at is None else min(at, retry_at)
+        return self._adoption.due
 
     def _on_time(self, at: int) -> list[Status]:
         """What is due at ``at``, once the program has begun."""
-        if not self._outputs.lost and at >= (self._outputs.retry_at or at + 1):
-            self._outputs.retry(self._controller.status(), at)
-        return self._controller.advance(at)
+        return self._adoption.time_passed(at)
 
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:
-        if not self._begun:
-            return Answer(False, f"The lines are not adopted yet. {self._obstacle}".rstrip()), []
-        if self._outputs.lost and name in ACTIVATING:
+        adoption = self._adoption
+        if not adoption.begun:
+            return Answer(False, f"The lines are not adopted yet. {adoption.obstacle}".rstrip()), []
+        if adoption.outputs.lost and name in ACTIVATING:
             return Answer(False, "Nothing can be activated while the line arbiter is lost."), []
-        answer, statuses = self._controller.command(name, self._clock())
+        answer, statuses = adoption.controller.command(name, self._clock())
         if answer.accepted:
-            self._why = self._outputs.refused = ""
+            self._why = adoption.outputs.refused = ""
         return answer, statuses
 
     def _notices(self) -> tuple[str, ...]:
         """What an operator must know beside the controller's alarms."""
         return tuple(filter(None, (
-            self._obstacle, self._outputs.alarm, *self._faults, self._latest.trouble, self._recorder.trouble,
+            self._adoption.obstacle, self._adoption.outputs.alarm, *self._faults, self._latest.trouble,
+            self._recorder.trouble,
         )))  # fmt: skip
 
     def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
         """A status of the controller with what the program knows beside it."""
-        reason = f"{status.reason or self._why} {self._outputs.refused}".strip()
+        reason = f"{status.reason or self._why} {self._adoption.outputs.refused}".strip()
         if not notices and reason == status.reason:
             return status
         return replace(status, alarms=(*status.alarms, *notices), reason=reason)
@@ -186,16 +178,12 @@ class Program(ABC):
         self._latest.publish(status)
 
     def _prepare(self) -> bool:
-        """Have the automata look a little further ahead of where they stand."""
-        state = self._controller.discrete_state
-        if state != self._ahead_of:
-            self._ahead_of, self._ahead = state, self._controller.look_ahead()
-        return next(self._ahead, None) is not None
+        return self._adoption.look_ahead()
 
     # Jobs: in whatever thread has the turn, and nothing here waits.
 
     def _submit(self, event: Callable[[], list[Status]]) -> None:
-        self._worker.submit(lambda: self._reaction(event()) if self._begun else None)
+        self._worker.submit(lambda: self._reaction(event()) if self._adoption.begun else None)
 
     def _ask(self, question: Callable[[], tuple[Answer, list[Status]]], *, waits: bool = False) -> Answer:
         def job() -> tuple[Answer, FollowUp | None]:
@@ -209,20 +197,21 @@ class Program(ABC):
 
     def _reaction(self, statuses: list[Status]) -> FollowUp | None:
         """Send what statuses ask of the lines; the follow-up waits for the reply and publishes them."""
-        if not statuses and not self._outputs.lost and self._notices() == self._shown_notices:
+        if not statuses and not self._adoption.outputs.lost and self._notices() == self._shown_notices:
             return None
-        return partial(self._finish, statuses, self._outputs.begin(statuses))
+        return partial(self._finish, statuses, self._adoption.outputs.begin(statuses))
 
     def _peer_changed(self, values: dict[str, int]) -> list[Status]:
         self._peer |= values
-        return self._controller.update_peer(values, self._clock()) if self._begun else []
+        adoption = self._adoption
+        return adoption.controller.update_peer(values, self._clock()) if adoption.begun else []
 
     # From here on: in the program's thread.
 
     def _run(self) -> None:
         try:
             self._worker.run(self._begin)
-            self._lines.close(self._outputs.mapping.last_will(self.status, self._ending))
+            self._lines.close(self._adoption.outputs.mapping.last_will(self.status, self._ending))
         except WireError as error:
             _log.warning("the line arbiter cannot be reached for the last will of %s: %s", self.NAME, error)
         finally:
@@ -238,79 +227,45 @@ class Program(ABC):
             follow_up()
 
     def _reset(self) -> None:
-        self._controller = self._recorder.controller(self._description, self._network, self.NAME, self._judge)
-        self._outputs = Outputs(self._lines, self._mapping())
-        self._begun = False
-        self._begin_at: int | None = None
-        self._obstacle = ""
+        controller = self._recorder.controller(self._description, self._network, self.NAME, self._judge)
+        self._adoption = Adoption(controller, Outputs(self._lines, self._mapping()), self._lines)
 
     def _adopt(self) -> list[Status]:
-        at = self._clock()
-        try:
-            levels, sensor_fault = self._lines.levels(), self._fault_found()
-        except WireError as error:
-            self._obstacle, self._begin_at = str(error), at + RETRY_US
-            return []
-        self._begun, self._obstacle, self._begin_at = True, "", None
-        statuses = self._controller.start(levels, at, sensor_fault=sensor_fault)
-        return statuses + (self._controller.update_peer(self._peer, at) if self._peer else [])
+        return self._adoption.begin(self._clock(), self._fault_found, self._peer)
 
     def _restart(self, why: str) -> list[Status]:
         _log.warning("%s: %s", self.NAME, why)
         self._reset()
         self._why = why
-        return [self._now(), *self._adopt()]
+        return [self._adoption.now(self._clock()), *self._adopt()]
 
     def _time_passed(self) -> FollowUp | None:
-        return self._reaction(self._on_time(self._clock()) if self._begun else self._adopt())
+        return self._reaction(self._on_time(self._clock()) if self._adoption.begun else self._adopt())
 
     def _lose(self, error: ArbiterError) -> None:
-        if self._begun:
-            self._outputs.lose(error, self._clock())
-            with suppress(WireError):
-                self._lines.levels()  # a client reports each loss once more, to its next caller
+        self._adoption.lose(error, self._clock())
         self._act([])
 
     def _finish(self, statuses: list[Status], unwritten: Sequence[Status]) -> None:
         """End the writes that were begun for statuses, the later of which are unwritten yet; publish them."""
-        self._outputs.complete(unwritten)
-        while self._outputs.objected:
-            self._outputs.objected = False
-            more = self._controller.refused(self._clock())
+        outputs = self._adoption.outputs
+        outputs.complete(unwritten)
+        while outputs.objected:
+            outputs.objected = False
+            more = self._adoption.controller.refused(self._clock())
             statuses = statuses + more
-            self._outputs.complete(self._outputs.begin(more))
-        if self._outputs.lost:
-            statuses = self._compare_lines(statuses)
+            outputs.complete(outputs.begin(more))
+        if outputs.lost:
+            try:
+                statuses = self._adoption.compare(statuses, self.status, self._clock())
+            except DeclaredDeadError as error:
+                statuses = self._restart(str(error))
         self._publish(statuses)
 
     def _publish(self, statuses: list[Status]) -> None:
         notices = self._notices()
         if not statuses and notices != self._shown_notices:
-            statuses = [self._now()]
+            statuses = [self._adoption.now(self._clock())]
         for status in statuses:
             self._shown_notices = notices
             self._publish_one(self._completed(status, notices))
-
-    def _compare_lines(self, statuses: list[Status]) -> list[Status]:
-        """What may be published of statuses after the line arbiter was lost."""
-        at = self._clock()
-        if at >= (self._outputs.retry_at or 0):
-            try:
-                gripping = self._outputs.mapping.gripping(self._controller.status())
-                if not self._outputs.agree(at, gripping=gripping):
-                    return self._restart(DECLARED_DEAD)
-                self._outputs.retry(self._controller.status(), at)
-            except LineBusyError as error:
-                # its will is being executed, or somebody else has its lines
-                return self._restart(f"{DECLARED_DEAD} {error}")
-            except WireError as error:
-                self._outputs.alarm = str(error)
-        if not self._outputs.lost:
-            return [*statuses, self._now()]
-        # before GRIPPED nothing is held: the will that holds must have arrived, or the owner may still unwind
-        held = EndEffectorState.GRIPPED
-        return [status for status in statuses if status.ee != held or self.status.ee == held]
-
-    def _now(self) -> Status:
-        status = self._controller.status()
-        return status if self._begun else replace(status, at=self._clock())

@@ -5,22 +5,19 @@ from __future__ import annotations
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError, WireError
+from end_effector_hal.runtime.outputs import Maintenance
 from end_effector_hal.vocabulary import Evidence, display_name
 
+from ._adoption import Adoption
 from ._latest_status import LatestStatus
-from ._maintenance import Maintenance
-from ._outputs import Outputs
-from .boundary import AnyController
 
 
-def drive(
-    controller: AnyController, outputs: Outputs, maintenance: Maintenance, line: str, at: int, *, active: bool
-) -> Answer:
+def drive(adoption: Adoption, maintenance: Maintenance, line: str, at: int, *, active: bool) -> Answer:
     """Write a line at ``at`` µs, under the lease; whether that was done."""
-    if refused := controller.refuse_maintenance(active=active):
+    if refused := adoption.controller.refuse_maintenance(active=active):
         return Answer(False, refused)
     try:
-        outputs.drive(line, active, maintenance.will_with(line, active))
+        adoption.outputs.drive(line, active, maintenance.will_with(line, active))
     except WireError as error:
         if active and not isinstance(error, LineRefusedError):
             # perhaps it was executed: then the lease ends it

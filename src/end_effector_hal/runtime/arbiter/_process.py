@@ -11,7 +11,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import be_steady
 from end_effector_hal.wires.lines import GpiodLines, LineBackend, LineHandover, VirtualLines
 
-from ._lines import arbiter_policy, program_lines
+from ._policy import arbiter_policy, program_lines
 from ._service_manager import ServiceManager
 
 

@@ -12,7 +12,7 @@ from end_effector_hal.sensing import FrameJudge, Predicates
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
 
-from ._lines import arbiter_policy
+from ._policy import arbiter_policy
 
 REPEAT_US = 50_000
 """The owner gets them at least so often; it forgets them after 150 ms."""

@@ -15,6 +15,8 @@ from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.runtime.arbiter import PredicatePublisher
+from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState, Command
@@ -22,13 +24,8 @@ from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth
 from end_effector_hal.wires.sensors import SensorReader
 
-from ._changer_program import ChangerProgram
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
-from ._grip_program import GripProgram
 from ._listeners import Audience
-from ._open_program import open_program
-from ._predicate_publisher import PredicatePublisher
-from ._program import Program
 from ._ready import changer_ready, gripper_ready, missing
 from ._reset import reset
 

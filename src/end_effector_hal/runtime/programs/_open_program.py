@@ -7,12 +7,12 @@ from typing import TypeVar
 
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.runtime.arbiter import connect_arbiter
+from end_effector_hal.runtime.boundary import NULL_RECORDER, open_recorder
 from end_effector_hal.sensing import FrameJudge
 
-from ._arbiter import connect_arbiter
 from ._latest_status import Listener
 from ._program import Program
-from .boundary import NULL_RECORDER, open_recorder
 
 P = TypeVar("P", bound=Program)
 

@@ -7,16 +7,15 @@ from typing import ClassVar, Protocol
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
+from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
+from end_effector_hal.runtime.outputs import ChangerOutputs, LineWriter, OutputMapping
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 
 from ._latest_status import Listener
-from ._output_mapping import ChangerOutputs, OutputMapping
-from ._outputs import LineWriter
 from ._program import Program
 from ._sensor_fault import FaultKeeper, SensorFault
 from ._vacuum_release import await_vacuum_release
-from .boundary import NULL_RECORDER, Recorder
 
 
 class ChangerLines(LineWriter, FaultKeeper, Protocol):

@@ -7,9 +7,8 @@ from typing import Any, Protocol
 
 from end_effector_hal.control import Status
 from end_effector_hal.errors import WireError
+from end_effector_hal.runtime.arbiter import SENSOR_FAULT
 from end_effector_hal.vocabulary import ChangerFault
-
-from ._lines import SENSOR_FAULT
 
 _log = logging.getLogger("end_effector_hal.runtime")
 

@@ -7,8 +7,7 @@ import threading
 from collections.abc import Callable
 
 from end_effector_hal.control import Status
-
-from ._error_text import error_text
+from end_effector_hal.runtime._error_text import error_text
 
 _log = logging.getLogger("end_effector_hal.runtime")
 Listener = Callable[[Status], None]

@@ -7,8 +7,7 @@ from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import WireError
-
-from ._program import Program
+from end_effector_hal.runtime.programs import Program
 
 
 def reset(description: Description, grip: Program, *others: Answer) -> Answer:

@@ -6,10 +6,9 @@ from dataclasses import replace
 from typing import ClassVar
 
 from end_effector_hal.control import Answer, Status
+from end_effector_hal.runtime.outputs import GripOutputs, Maintenance, OutputMapping
 
-from ._maintenance import Maintenance
 from ._maintenance_drive import drive, proof
-from ._output_mapping import GripOutputs, OutputMapping
 from ._program import Program
 
 
@@ -30,8 +29,8 @@ class GripProgram(Program):
 
         def question() -> tuple[Answer, list[Status]]:
             at = self._clock()
-            answer = drive(self._controller, self._outputs, self._maintenance, line, at, active=active)
-            return answer, [self._controller.status()] if answer.accepted else []
+            answer = drive(self._adoption, self._maintenance, line, at, active=active)
+            return answer, [self._adoption.controller.status()] if answer.accepted else []
 
         answer = self._ask(question, waits=True)
         proven = answer.accepted and proof(self._latest, self._description, name, timeout_s, active=active)
@@ -47,7 +46,7 @@ class GripProgram(Program):
 
     def _on_time(self, at: int) -> list[Status]:
         if lines := self._maintenance.over(at):
-            self._outputs.let_go(lines, at)
+            self._adoption.outputs.let_go(lines, at)
         return super()._on_time(at)
 
     def _decide(self, name: str) -> tuple[Answer, list[Status]]:

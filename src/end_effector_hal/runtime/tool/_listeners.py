@@ -11,10 +11,9 @@ from typing import Any, Generic, TypeVar
 
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
-
-from ._error_text import error_text, sendable
 
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_WAITING = 1_000

@@ -1,0 +1,315 @@
+"""Between the tool and a kind of somebody else's: whatever its classes raise or return ends no program.
+
+Rule 1: What judges a frame (a detector, a watch) and fails proves nothing: its evidence is UNKNOWN, a grip not secure.
+    A new one takes its place; it is believed once it has proven something.
+Rule 2: The first failure of each is told in words from then on, until the program restarts: a defect does not go away.
+Rule 3: What the tool is made of (ranges, names of channels, outputs) is asked for once; a failure is one sentence.
+Rule 4: What is only shown is left out: a margin is NaN, a sentence is the common one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
+from math import isfinite
+from typing import Any, ClassVar, TypeVar
+
+from end_effector_hal.kinds.stanza import Actuator, Hold, Supply
+from end_effector_hal.plugins import LONGEST, PluginError, attempt
+from end_effector_hal.signals import PART, Kind, clone, memory_of
+from end_effector_hal.vocabulary import Evidence
+
+from ._kind import DeviceKind
+from ._parts import (
+    AlarmKind,
+    ChannelReadings,
+    Detector,
+    HoldFinding,
+    HoldWatch,
+    JointRule,
+    PressureRange,
+    Quote,
+    Travel,
+)
+
+MOST_SAID = 16
+"""Findings or phrases that one call may return."""
+_DECLARED = (
+    "name", "stanza", "channels", "states", "orders", "joint_rules", "opposing", "samples", "below_ambient", "moves",
+)  # fmt: skip
+T = TypeVar("T")
+
+
+class _Judge:
+    """Asks an object of somebody else's; replaces one that has failed.
+
+    Attributes:
+        fault: how the first one failed, a sentence; empty: none has.
+    """
+
+    MEMORY: ClassVar[dict[str, Any]] = {"_asked": PART, "fault": str}
+
+    def __init__(self, maker: str, make: Callable[[], Any]) -> None:
+        self._maker, self._make = maker, make
+        self._asked: tuple[Any, ...] = ()
+        self.fault = ""
+        self._renew()
+
+    def _ask(self, what: str, question: Callable[[Any], T], otherwise: T) -> T:
+        if not self._asked:
+            self._renew()
+        if not self._asked:
+            return otherwise
+        (asked,) = self._asked
+        try:
+            answer = attempt(f"{_class(asked)}.{what}", lambda: question(asked))
+            # what cannot be recorded cannot be copied either
+            attempt(f"{_class(asked)}.MEMORY", lambda: memory_of(asked))
+        except PluginError as error:
+            self.fault = self.fault or error.what
+            self._renew()
+            return otherwise
+        return answer
+
+    def _renew(self) -> None:
+        self._asked = ()
+        try:
+            new = attempt(self._maker, self._made)
+        except PluginError as error:
+            self.fault = self.fault or error.what
+        else:
+            self._asked = () if new is None else (new,)
+
+    def _made(self) -> Any:
+        new = self._make()
+        if new is not None:
+            memory_of(clone(new))
+        return new
+
+
+class GuardedDetector(_Judge):
+    """A detector that always has an evidence."""
+
+    MEMORY: ClassVar[dict[str, Any]] = {**_Judge.MEMORY, "_believed": bool}
+
+    def __init__(self, maker: str, make: Callable[[], Detector]) -> None:
+        self._believed = True
+        super().__init__(maker, make)
+
+    def sample(self, readings: ChannelReadings, at: int) -> Evidence:
+        """The evidence, or UNKNOWN."""
+
+        def sampled(detector: Detector) -> Evidence:
+            level = detector.sample(readings, at)
+            return _of_type(level, Evidence)
+
+        level = self._ask("sample()", sampled, Evidence.UNKNOWN)
+        # a new one begins to count: what it has not proven yet is no loss
+        self._believed = self._believed or level in (Evidence.CONFIRMED, Evidence.GONE)
+        return level if self._believed else Evidence.UNKNOWN
+
+    def _renew(self) -> None:
+        super()._renew()
+        self._believed = not self.fault
+
+
+class GuardedWatch(_Judge):
+    """A watch over a held part that has findings, or none."""
+
+    MEMORY: ClassVar[dict[str, Any]] = {**_Judge.MEMORY, "secure": bool}
+
+    def __init__(self, maker: str, make: Callable[[], HoldWatch | None]) -> None:
+        self.secure = False
+        super().__init__(maker, make)
+
+    @property
+    def watches(self) -> bool:
+        """Whether there is anything to watch, or should be."""
+        return bool(self._asked or self.fault)
+
+    def sample(self, readings: ChannelReadings, at: int, *, held: bool) -> None:
+        """Look at the newest readings."""
+
+        def sampled(watch: HoldWatch) -> bool:
+            watch.sample(readings, at, held=held)
+            return _of_type(watch.secure, bool)
+
+        self.secure = self._ask("sample()", sampled, False)
+
+    def findings(self, who: str, since: int, at: int) -> Iterator[HoldFinding]:
+        """What is to be told."""
+
+        def found(watch: HoldWatch) -> list[HoldFinding]:
+            return [_finding(each) for each in islice(watch.findings(who, since, at), MOST_SAID)]
+
+        nothing: list[HoldFinding] = []
+        yield from self._ask("findings()", found, nothing)
+
+    def dropped(self) -> None:
+        """Nothing is held any more."""
+
+        def dropped(watch: HoldWatch) -> bool:
+            watch.dropped()
+            return True
+
+        self._ask("dropped()", dropped, True)
+
+
+class GuardedKind(DeviceKind[Any]):
+    """A kind of somebody else's: what it declares cannot change, and its methods raise PluginError or nothing."""
+
+    def __init__(self, kind: DeviceKind[Any]) -> None:
+        vars(self).update({key: getattr(kind, key) for key in _DECLARED})
+        vars(self)["joint_rules"] = tuple(
+            JointRule(tuple(rule.keys), self._rule(rule)) for rule in kind.joint_rules
+        )
+        self._kind = kind
+        self.fault = ""
+        """How its margins have failed first, a sentence; empty: they have not."""
+        self._known: dict[tuple[str, int], tuple[Actuator, Any]] = {}
+
+    def detector(self, part: Any, supply: Supply) -> GuardedDetector:
+        """A new one, guarded."""
+        return GuardedDetector(self._name("detector()"), lambda: self._kind.detector(part, supply))
+
+    def hold_watch(self, part: Any, hold: Hold, period_us: int) -> GuardedWatch | None:
+        """A new one, guarded."""
+        watch = GuardedWatch(self._name("hold_watch()"), lambda: self._kind.hold_watch(part, hold, period_us))
+        return watch if watch.watches else None
+
+    def plausible(self, part: Any) -> PressureRange:
+        """Its range."""
+
+        def checked(span: object) -> PressureRange:
+            found = _of_type(span, PressureRange)
+            _line(found.what)
+            return PressureRange(_number(found.low), _number(found.high), found.what)
+
+        return self._once("plausible()", part, lambda: checked(self._kind.plausible(part)))
+
+    def margin_pa(self, part: Any, gauge_pa: float, supply_pa: float) -> float:
+        """Its margin, or NaN."""
+        try:
+            return attempt(
+                self._name("margin_pa()"), lambda: float(self._kind.margin_pa(part, gauge_pa, supply_pa))
+            )
+        except PluginError as error:
+            self.fault = self.fault or error.what
+            return float("nan")
+
+    def lost(self, part: Any, readings: ChannelReadings, at: int) -> str:
+        """Its sentence, or the common one."""
+        try:
+            return attempt(self._name("lost()"), lambda: _line(self._kind.lost(part, readings, at)))
+        except PluginError as error:
+            return f"{super().lost(part, readings, at)} ({error.what.rstrip('.')})"
+
+    def not_fitted(self, part: Any, carried: Mapping[str, Kind]) -> Iterator[str]:
+        """Its phrases."""
+        yield from self._must(
+            "not_fitted()",
+            lambda: [_line(each) for each in islice(self._kind.not_fitted(part, carried), MOST_SAID)],
+        )
+
+    def limits(self, part: Any, supply: Supply) -> dict[str, float]:
+        """Its thresholds."""
+        return self._once(
+            "limits()",
+            part,
+            lambda: {_line(name): _number(each) for name, each in self._kind.limits(part, supply).items()},
+        )
+
+    def travel(self, part: Any) -> Travel | None:
+        """Its joint."""
+
+        def checked(travel: Travel | None) -> Travel | None:
+            if travel is None:
+                return None
+            joint, upper = travel
+            if joint not in ("prismatic", "revolute") or not _number(upper) > 0:
+                raise ValueError(f"{joint!r} or {upper!r} is no travel")
+            return Travel(joint, upper)
+
+        return self._once("travel()", part, lambda: checked(self._kind.travel(part)))
+
+    def channel_names(self, part: Any) -> tuple[str, ...]:
+        """Its channels."""
+        return self._once("channel_names()", part, lambda: _names(self._kind.channel_names(part)))
+
+    def proofs(self, part: Any) -> tuple[str, ...]:
+        """Those that confirm."""
+        return self._once("proofs()", part, lambda: _names(self._kind.proofs(part)))
+
+    def opposing_output(self, part: Any) -> Any:
+        """Its stanza."""
+
+        def checked(output: Any) -> Any:
+            if output is not None:
+                _line(output.line), _number(output.gap_s)
+            return output
+
+        return self._once("opposing_output()", part, lambda: checked(self._kind.opposing_output(part)))
+
+    def _name(self, what: str) -> str:
+        return f"{_class(self._kind)}.{what}"
+
+    def _rule(self, rule: JointRule) -> Callable[[str, Mapping[str, float], Quote], tuple[str, str] | None]:
+        def fault(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, str] | None:
+            found = self._must("joint_rules", lambda: rule.fault(name, numbers, quote))
+            return found and (_line(found[0]), _line(found[1]))
+
+        return fault
+
+    def _once(self, what: str, part: Actuator, question: Callable[[], T]) -> T:
+        """What it says of a part; asked for once, so that a restart finds what the start has found."""
+        key = what, id(part)
+        if key not in self._known:
+            self._known[key] = part, self._must(what, question)
+        found: T = self._known[key][1]
+        return found
+
+    def _must(self, what: str, question: Callable[[], T]) -> T:
+        return attempt(self._name(what), question)
+
+
+def is_guarded(judge: object) -> bool:
+    """Whether a detector or a watch is somebody else's."""
+    return isinstance(judge, _Judge)
+
+
+def fault_of(thing: object) -> str:
+    """How a detector, a watch or a kind of somebody else's has failed first; empty: it has not."""
+    return thing.fault if isinstance(thing, _Judge | GuardedKind) else ""
+
+
+def _class(thing: object) -> str:
+    return type(thing).__qualname__
+
+
+def _of_type(value: Any, kind: type[T]) -> T:
+    if type(value) is not kind:
+        raise TypeError(f"{_class(value)} is no {kind.__name__}")
+    found: T = value
+    return found
+
+
+def _line(text: Any) -> str:
+    if not text or not _of_type(text, str).isprintable():
+        raise ValueError("a text that is not one line")
+    return str(text[:LONGEST])
+
+
+def _names(names: Any) -> tuple[str, ...]:
+    return tuple(_of_type(name, str) for name in names)
+
+
+def _number(value: Any) -> float:
+    if type(value) not in (int, float) or not isfinite(value):
+        raise ValueError("something that is no number")
+    number: float = value
+    return number
+
+
+def _finding(found: Any) -> HoldFinding:
+    kind, text, over = found
+    return HoldFinding(_of_type(kind, AlarmKind), _line(text), _of_type(over, bool))

@@ -1,0 +1,8 @@
+"""Controllers in real time: each program with its thread, its jobs, its statuses and its connection to the arbiter."""
+
+from ._changer_program import ChangerProgram
+from ._grip_program import GripProgram
+from ._open_program import open_program
+from ._program import Program
+
+__all__ = ["ChangerProgram", "GripProgram", "Program", "open_program"]

@@ -1,0 +1,115 @@
+"""From the lines as a program finds them to its next restart: a controller, its outputs, and what is known of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+
+from end_effector_hal.control import Status
+from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
+from end_effector_hal.runtime.boundary import AnyController
+from end_effector_hal.runtime.outputs import RETRY_US, LineWriter, Outputs
+from end_effector_hal.vocabulary import EndEffectorState
+
+DECLARED_DEAD = (
+    "The line arbiter declared this program dead and executed its last will; the program has restarted."
+)
+
+
+class DeclaredDeadError(Exception):
+    """The lines are not as the program has left them: it must restart, for this reason."""
+
+
+class Adoption:
+    """Adopts the lines as soon as they can be read, and compares them after the line arbiter was lost.
+
+    Args:
+        controller: one that has not begun.
+        outputs: of its statuses.
+        lines: the line arbiter.
+
+    Attributes:
+        begun: whether the lines are adopted.
+        obstacle: why they are not, a sentence; empty: nothing is known to be in the way.
+    """
+
+    def __init__(self, controller: AnyController, outputs: Outputs, lines: LineWriter) -> None:
+        self.controller, self.outputs, self._lines = controller, outputs, lines
+        self.begun = False
+        self.obstacle = ""
+        self._begin_at: int | None = None
+        self._ahead_of: object = None
+        self._ahead: Iterator[object] = iter(())
+
+    @property
+    def due(self) -> int | None:
+        """µs at which something happens by itself."""
+        at = self.controller.deadline if self.begun else self._begin_at
+        retry_at = self.outputs.retry_at
+        return at if retry_at is None else retry_at if at is None else min(at, retry_at)
+
+    def begin(self, at: int, sensor_fault: Callable[[], bool], peer: Mapping[str, int]) -> list[Status]:
+        """Adopt the lines as they are, or find an obstacle and have it tried again.
+
+        Args:
+            at: µs.
+            sensor_fault: whether one was latched before; raises WireError.
+            peer: what is known of the other program.
+        """
+        try:
+            levels, found = self._lines.levels(), sensor_fault()
+        except WireError as error:
+            self.obstacle, self._begin_at = str(error), at + RETRY_US
+            return []
+        self.begun, self.obstacle, self._begin_at = True, "", None
+        statuses = self.controller.start(levels, at, sensor_fault=found)
+        return statuses + (self.controller.update_peer(peer, at) if peer else [])
+
+    def time_passed(self, at: int) -> list[Status]:
+        """What is due at ``at``, once the lines are adopted."""
+        if not self.outputs.lost and at >= (self.outputs.retry_at or at + 1):
+            self.outputs.retry(self.controller.status(), at)
+        return self.controller.advance(at)
+
+    def lose(self, error: ArbiterError, at: int) -> None:
+        """The connection to the line arbiter was lost."""
+        if self.begun:
+            self.outputs.lose(error, at)
+            with suppress(WireError):
+                self._lines.levels()  # a client reports each loss once more, to its next caller
+
+    def compare(self, statuses: list[Status], published: Status, at: int) -> list[Status]:
+        """What may be published of statuses after the line arbiter was lost; ``published``: what was before.
+
+        Raises:
+            DeclaredDeadError: the lines are not as they were left.
+        """
+        if at >= (self.outputs.retry_at or 0):
+            try:
+                gripping = self.outputs.mapping.gripping(self.controller.status())
+                if not self.outputs.agree(at, gripping=gripping):
+                    raise DeclaredDeadError(DECLARED_DEAD)
+                self.outputs.retry(self.controller.status(), at)
+            except LineBusyError as error:
+                # its will is being executed, or somebody else has its lines
+                raise DeclaredDeadError(f"{DECLARED_DEAD} {error}") from error
+            except WireError as error:
+                self.outputs.alarm = str(error)
+        if not self.outputs.lost:
+            return [*statuses, self.now(at)]
+        # before GRIPPED nothing is held: the will that holds must have arrived, or the owner may still unwind
+        held = EndEffectorState.GRIPPED
+        return [status for status in statuses if status.ee != held or published.ee == held]
+
+    def now(self, at: int) -> Status:
+        """The status; before the lines are adopted nothing else gives it a time."""
+        status = self.controller.status()
+        return status if self.begun else replace(status, at=at)
+
+    def look_ahead(self) -> bool:
+        """Have the automata look a little further ahead of where they stand; whether there is more."""
+        state = self.controller.discrete_state
+        if state != self._ahead_of:
+            self._ahead_of, self._ahead = state, self.controller.look_ahead()
+        return next(self._ahead, None) is not None

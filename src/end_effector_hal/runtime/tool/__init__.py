@@ -1,0 +1,8 @@
+"""A whole end-effector in one process: both programs and the link, goals, listeners, readiness, reset."""
+
+from ._end_effector import EndEffector
+from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
+from ._ready import changer_is_sensed
+from ._reset import reset
+
+__all__ = ["EndEffector", "GoalRunner", "Refused", "Result", "RunningGoal", "changer_is_sensed", "reset"]
