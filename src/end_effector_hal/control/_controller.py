@@ -9,7 +9,7 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import LOCKED, FrameJudge, HoldMonitor, SensorSet, predicates_fitted
 from end_effector_hal.signals import PART, Frame, memory_of, recall
-from end_effector_hal.vocabulary import Cause, EndEffectorState, ToolEvidence
+from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, Network, Observation, Step
 
 from ._reasons import no_maintenance, refusal
@@ -249,11 +249,19 @@ class Controller:
     def _adopt(self, at: int) -> list[Status]:
         found, self._telling.adopted, self._adopt_by = self._telling.found, True, None
         self._telling.know({})
+        # the level of an output that is pulsed is a record, or a guess: what the sensors prove is more
+        pulsed = {line for line, each in self._description.opposites.items() if each.pulse_s is not None}
+        pairs = zip(self._description.ordered, self._senses.evidence, strict=True)
+        gone = {part.line for (_, part), level in pairs if level is Evidence.GONE}
         parts = [part for _, part in self._description.ordered]
-        adopted = {f"adopted[{i}]": int(found.get(part.line, False)) for i, part in enumerate(parts)}
+        adopted = {
+            f"adopted[{i}]": int(found.get(part.line, False) and part.line not in pulsed & gone)
+            for i, part in enumerate(parts)
+        }
         changer = self._description.tool_changer
         if changer is not None:
-            adopted["adopted_unlock"] = int(found.get(changer.line, False))
+            locked = changer.line in pulsed and self._senses.tool is ToolEvidence.LOCKED
+            adopted["adopted_unlock"] = int(found.get(changer.line, False) and not locked)
             adopted["adopted_fault"] = int(self._sensor_fault)
         self._execution.write(adopted)  # before the event: whoever receives it asks for these levels
         return self._receive(Event("adopt"), at)

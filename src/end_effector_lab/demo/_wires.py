@@ -60,11 +60,17 @@ def _recorded(log: StatesLog) -> list[Switch]:
 
 
 def _seen(description: Description, edges: Iterable[Edge]) -> list[Switch]:
-    names = {actuator.line: name for name, actuator in description.ordered}
-    active = dict.fromkeys(names, False)
+    lines = {actuator.line: name for name, actuator in description.ordered}
+    pulsed = {line: each.line for line, each in description.opposites.items() if each.pulse_s is not None}
+    back = {opposite: lines[line] for line, opposite in pulsed.items() if line in lines}
+    active = dict.fromkeys(lines.values(), False)
     found = []
     for edge in edges:
-        if edge.line in names and edge.active != active[edge.line]:
-            active[edge.line] = edge.active
-            found.append(Switch(edge.at, names[edge.line], edge.active))
+        name = lines.get(edge.line) or back.get(edge.line)
+        if name is None or (not edge.active and (edge.line in back or edge.line in pulsed)):
+            continue  # the end of a pulse moves nothing
+        level = edge.active and edge.line not in back
+        if level != active[name]:
+            active[name] = level
+            found.append(Switch(edge.at, name, level))
     return found
