@@ -68,21 +68,21 @@ def _unlock_refusal(description: Description, changer: ToolChanger, status: Stat
     locks = description.interlocks
     if locks.il_01 and at_rest not in _REST:
         return f"IL-01: unlock only in STAND_BY; the end-effector is {at_rest.name}."
-    if locks.il_01 and not senses.vented:
-        return f"IL-01: {_not_vented(description, changer, senses)}"
-    if locks.il_02 and changer.stand_bit in senses.readings.carried and not senses.parked:
+    if locks.il_01 and not senses.nothing_gripped:
+        return f"IL-01: {_not_released(description, changer, senses)}"
+    if locks.il_02 and changer.stand_bit in senses.readings.carried and not senses.in_stand:
         return f"IL-02: the tool is not in its stand ({changer.stand_bit} is off or has no valid reading), nor absent."
-    if locks.il_02 and not senses.parked and not status.armed:
+    if locks.il_02 and not senses.in_stand and not status.armed:
         return f"IL-02: no sensor shows where the tool is: arm first, then unlock within {changer.arm_s:g} s."
     return "The unlock is not taken now: the gripping program has not said yet that nothing is gripped."
 
 
-def _not_vented(description: Description, changer: ToolChanger, senses: SensorSet) -> str:
+def _not_released(description: Description, changer: ToolChanger, senses: SensorSet) -> str:
     if present := feedback(description, senses):
         return present
-    vacuums = [display_name(name) for name, part in description.ordered if kind_of(part).below_ambient]
+    below = [display_name(name) for name, part in description.ordered if kind_of(part).below_ambient]
     limit = f"under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s"
-    return f"{', '.join(vacuums) or 'a vacuum'}: not proven to be {limit} yet."
+    return f"{', '.join(below) or 'a vacuum'}: not proven to be {limit} yet."
 
 
 def _arm_refusal(

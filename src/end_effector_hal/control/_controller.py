@@ -40,12 +40,13 @@ class Controller:
     MEMORY: ClassVar = {
         "_senses": PART,
         "_hold": PART,
-        "_telling": PART,
+        "_statuses": PART,
         "_levels": dict[str, int],
         "_sensor_fault": bool,
         "_adopt_by": int | None,
         "_at": int,
     }
+    RECORDED_AS: ClassVar = {"_statuses": "_telling"}
 
     def __init__(
         self,
@@ -64,7 +65,7 @@ class Controller:
         processes = getattr(description.automata, program)
         interface = description.automata.interface
         self._execution = Execution(network, processes, interface, observe=observe)
-        self._telling = StatusBuilder(description, program, self._execution, self._senses, self._hold)
+        self._statuses = StatusBuilder(description, program, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
         self._sensor_fault = False
         self._adopt_by: int | None = None
@@ -82,8 +83,8 @@ class Controller:
         ``sensor_fault``: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
         """
         self._at, self._sensor_fault = at, sensor_fault
-        self._telling.found = dict(levels)
-        self._telling.know({})
+        self._statuses.found = dict(levels)
+        self._statuses.know({})
         down_us = self._senses.readings.down_us
         self._adopt_by = at + (max(FIRST_FRAME_US, down_us) if any(levels.values()) else down_us)
         return self._told(self._execution.start(at))
@@ -107,26 +108,26 @@ class Controller:
         if expired is not None and expired < frame.at:
             events = self._senses.advance(expired)
             self._write_levels()
-            self._hold.sample(expired, held=self._telling.held)
+            self._hold.sample(expired, held=self._statuses.held)
             for event in events:
                 statuses += self._receive(event, self._at, expired)
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
-        vented = self._senses.now.vented
+        released = self._senses.now.nothing_gripped
         events = self._senses.frame(frame)
         self._write_levels()
-        held = self._telling.held
+        held = self._statuses.held
         told = self._hold.sample(frame.at, held=held) | self._senses.noticed(frame.at, held=held)
         for event in events:
             statuses += self._receive(event, self._at, frame.at)
-        if not self._telling.adopted and self._senses.conclusive:
+        if not self._statuses.adopted and self._senses.conclusive:
             statuses += self._adopt(self._at)
-        told |= self._senses.now.vented is not vented
+        told |= self._senses.now.nothing_gripped is not released
         return statuses if statuses or not (events or told) else [self.status()]
 
     def _refuse_frame(self, at: int) -> list[Status]:
         statuses = self.advance(at)
-        told = self._senses.noticed(self._at, held=self._telling.held)
+        told = self._senses.noticed(self._at, held=self._statuses.held)
         return statuses if statuses or not told else [self.status()]
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
@@ -137,7 +138,7 @@ class Controller:
             self._execution.write({"told[0]": int(values["ee"] in _AT_REST)})
         if "unlock_valve" in values:
             self._execution.write({"told[1]": values["unlock_valve"]})
-        self._telling.know(values)
+        self._statuses.know(values)
         return statuses + self._told(self._execution.advance(at))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
@@ -149,7 +150,7 @@ class Controller:
             why = refusal(self._description, name, self.status(), self._senses, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
         if name in ("grip", "drop"):
-            self._telling.blame(Cause.NONE, -1, self._at)
+            self._statuses.blame(Cause.NONE, -1, self._at)
             self._hold.dropped()
         return Answer(True), statuses + self._told(reaction.steps)
 
@@ -169,12 +170,12 @@ class Controller:
 
     def refuse_maintenance(self, *, active: bool) -> str:
         """Why the line of an actuator may not be driven in maintenance now (IL-12); empty: it may."""
-        if refused := no_maintenance(EndEffectorState(self._telling.values["ee"]), held=self._telling.held):
+        if refused := no_maintenance(EndEffectorState(self._statuses.values["ee"]), held=self._statuses.held):
             return refused
         needs_lock = active and self._description.interlocks.il_05 and self._lock_fitted
         if needs_lock and self._senses.tool is not ToolEvidence.LOCKED:
             return f"IL-05: the tool is not proven to be locked (its sensors say {self._senses.tool.name})."
-        if active and self._description.interlocks.il_05 and self._telling.values["unlock_valve"]:
+        if active and self._description.interlocks.il_05 and self._statuses.values["unlock_valve"]:
             return "IL-05: the unlock output is active."
         return ""
 
@@ -187,7 +188,7 @@ class Controller:
             self._at = at
             events = self._senses.advance(at)
             self._write_levels()
-            self._hold.sample(at, held=self._telling.held)
+            self._hold.sample(at, held=self._statuses.held)
             for event in events:
                 statuses += self._receive(event, at)
             if self._adopt_by is not None and at >= self._adopt_by:
@@ -209,7 +210,7 @@ class Controller:
 
     def status(self) -> Status:
         """The state as it is now."""
-        return self._telling.status(self._at)
+        return self._statuses.status(self._at)
 
     def snapshot(self) -> ControllerSnapshot | None:
         """Where it stands; None: it was not started yet. Nothing is changed by it."""
@@ -224,7 +225,7 @@ class Controller:
         """
         self._execution.resume(snapshot.execution)
         recall(self, snapshot.memory)
-        self._telling.know({})
+        self._statuses.know({})
 
     def _write_levels(self) -> None:
         if (levels := self._senses.levels) != self._levels:
@@ -247,8 +248,8 @@ class Controller:
         return self._told(self._execution.receive(event, at, stamp=stamp).steps)
 
     def _adopt(self, at: int) -> list[Status]:
-        found, self._telling.adopted, self._adopt_by = self._telling.found, True, None
-        self._telling.know({})
+        found, self._statuses.adopted, self._adopt_by = self._statuses.found, True, None
+        self._statuses.know({})
         # the level of an output that is pulsed is a record, or a guess: what the sensors prove is more
         pulsed = {line for line, each in self._description.opposites.items() if each.pulse_s is not None}
         pairs = zip(self._description.ordered, self._senses.evidence, strict=True)
@@ -270,5 +271,5 @@ class Controller:
         statuses = []
         for step in steps:
             self._at = max(self._at, step.at)
-            statuses.append(self._telling.step(step, self._at))
+            statuses.append(self._statuses.step(step, self._at))
         return statuses

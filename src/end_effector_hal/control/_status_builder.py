@@ -166,7 +166,7 @@ class StatusBuilder:
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),
             changer_fault=_CHANGER_FAULTS[fault],
-            vented=self._senses.now.vented,
+            vented=self._senses.now.nothing_gripped,
             armed=bool(values["armed"]),
             link_up=self._link_up,
             stale=self._stale,
@@ -179,7 +179,7 @@ class StatusBuilder:
 
     def _look(self, at: int) -> None:
         """At the sensors, once for all steps that follow from what they show."""
-        seen = (at, self._senses.looked, self.held)
+        seen = (at, self._senses.revision, self.held)
         if seen != self._seen:
             self._seen, senses = seen, self._senses
             readings, self._refused = senses.now.readings, senses.refused

@@ -30,7 +30,8 @@ class HoldMonitor:
         carrier: of its channels.
     """
 
-    MEMORY: ClassVar = {"_log": PART, "_vacuums": PART, "_since": int | None}
+    MEMORY: ClassVar = {"_log": PART, "_watches": PART, "_since": int | None}
+    RECORDED_AS: ClassVar = {"_watches": "_vacuums"}
 
     def __init__(self, description: Description, senses: SensorSet, carrier: Carrier) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold
@@ -40,10 +41,9 @@ class HoldMonitor:
             kind_of(part).hold_watch(part, self._hold, period_of(carrier, part.channel))
             for _, part in description.ordered
         )
-        # a recorded state calls it "_vacuums"
-        self._vacuums = {index: watch for index, watch in enumerate(watches) if watch is not None}
+        self._watches = {index: watch for index, watch in enumerate(watches) if watch is not None}
         self._guarded = tuple(
-            (self._names[index], watch) for index, watch in self._vacuums.items() if is_guarded(watch)
+            (self._names[index], watch) for index, watch in self._watches.items() if is_guarded(watch)
         )
         self._since: int | None = None
 
@@ -64,7 +64,7 @@ class HoldMonitor:
 
     @property
     def _watched_secure(self) -> bool:
-        return all(map(_SECURE, self._vacuums.values()))
+        return all(map(_SECURE, self._watches.values()))
 
     @property
     def allows_lift(self) -> bool:
@@ -74,7 +74,7 @@ class HoldMonitor:
     def sample(self, at: int, *, held: bool) -> bool:
         """Look at the newest sample, at ``at`` µs; True when there is something new to tell."""
         now, was_secure, told = self._senses.now, self._watched_secure, self.alarms
-        for watch in self._vacuums.values():
+        for watch in self._watches.values():
             watch.sample(now.readings, at, held=self._since is not None)
         if not held:
             self._since = None
@@ -82,7 +82,7 @@ class HoldMonitor:
             self._since = at if self._since is None else self._since
             for index, name in enumerate(self._names):
                 self._readable(index, name, at)
-            for index, watch in self._vacuums.items():
+            for index, watch in self._watches.items():
                 if now.evidence[index] is Evidence.CONFIRMED:
                     name = self._names[index]
                     self._log_findings(name, watch.findings(display_name(name), self._since, at), at)
@@ -97,7 +97,7 @@ class HoldMonitor:
     def dropped(self) -> None:
         """A Drop was accepted: nothing is held any more."""
         self._log.clear()
-        for watch in self._vacuums.values():
+        for watch in self._watches.values():
             watch.dropped()
 
     def _log_findings(self, name: str, findings: Iterable[HoldFinding], at: int) -> None:

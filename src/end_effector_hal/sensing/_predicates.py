@@ -74,8 +74,8 @@ class Predicates:
         now = self._senses.now
         all_said = {
             LOCKED: now.tool is ToolEvidence.LOCKED,
-            NOTHING_GRIPPED: now.vented,
-            PARKED: now.parked,
+            NOTHING_GRIPPED: now.nothing_gripped,
+            PARKED: now.in_stand,
             E_STOP_CLOSED: bool(now.readings.get(self._e_stop, at)),
         }
         return {name: holds for name, holds in all_said.items() if name in self._fitted}

@@ -35,7 +35,8 @@ class SensorSet:
         judge: shared with all others in this process who get the same frames; None: there are no others.
     """
 
-    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[str, ...], "looked": int}
+    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[str, ...], "revision": int}
+    RECORDED_AS: ClassVar = {"revision": "looked"}
 
     def __init__(self, description: Description, carrier: Carrier, judge: FrameJudge | None = None) -> None:
         self.now = SensorState(description, carrier)
@@ -47,7 +48,7 @@ class SensorSet:
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }
         self._noticed: tuple[str, ...] = ()
-        self.looked = 0
+        self.revision = 0
         """How often something may have changed."""
         self._evidence_events = tuple(
             {
@@ -81,14 +82,14 @@ class SensorSet:
         return self.now.tool
 
     @property
-    def vented(self) -> bool:
+    def nothing_gripped(self) -> bool:
         """Whether nothing is gripped, as IL-01 asks it."""
-        return self.now.vented
+        return self.now.nothing_gripped
 
     @property
-    def parked(self) -> bool:
+    def in_stand(self) -> bool:
         """Whether the tool is in its stand, or there is none (IL-02)."""
-        return self.now.parked
+        return self.now.in_stand
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -100,7 +101,11 @@ class SensorSet:
     def levels(self) -> dict[str, int]:
         """Levels of the model that have no event: they are asked for when a command comes."""
         now = self.now
-        return {"supply_ok": int(now.supply.ok), "vented": int(now.vented), "parked": int(now.parked)}
+        return {
+            "supply_ok": int(now.supply.ok),
+            "vented": int(now.nothing_gripped),
+            "parked": int(now.in_stand),
+        }
 
     @property
     def conclusive(self) -> bool:
@@ -119,7 +124,7 @@ class SensorSet:
     def accepts(self, frame: Frame, now: int) -> bool:
         """Whether a frame that is here at ``now`` counts, by its stamp; one that does not is told, no more."""
         passes = self._stamps.passes(frame.at, now)
-        self.looked += not passes
+        self.revision += not passes
         return passes
 
     def frame(self, frame: Frame) -> list[Event]:
@@ -185,7 +190,7 @@ class SensorSet:
     def _changed_from(self, evidence: tuple[Evidence, ...], tool: ToolEvidence) -> list[Event]:
         """The events that say what is otherwise than it was."""
         now, events = self.now, list[Event]()
-        self.looked += 1
+        self.revision += 1
         if now.evidence != evidence:
             changed = [i for i, level in enumerate(now.evidence) if level is not evidence[i]]
             changed.sort(key=lambda i: _RANK[now.evidence[i]])

@@ -13,9 +13,9 @@ from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 
 from ._link_rules import LinkRules
 from ._readings import Readings
+from ._release_detector import ReleaseDetector
 from ._supply_detector import SupplyDetector
 from ._tool_detector import ToolDetector
-from ._vented_detector import VentedDetector
 
 
 class SensorState:
@@ -28,8 +28,8 @@ class SensorState:
         supply: whether a grip may start (IL-06).
         evidence: of each actuator, in sequence order.
         tool: what the bits of the tool changer prove.
-        vented: nothing is gripped, as IL-01 asks it.
-        parked: the tool is in its stand, or there is none (IL-02).
+        nothing_gripped: as IL-01 asks it.
+        in_stand: the tool is in its stand, or there is none (IL-02).
     """
 
     MEMORY: ClassVar = {
@@ -37,14 +37,15 @@ class SensorState:
         "_rules": PART,
         "_detectors": PART,
         "_tool": PART,
-        "_vented": PART,
+        "_release": PART,
         "supply": PART,
         "_was_clear": bool,
         "evidence": tuple[Evidence, ...],
         "tool": ToolEvidence,
-        "vented": bool,
-        "parked": bool,
+        "nothing_gripped": bool,
+        "in_stand": bool,
     }
+    RECORDED_AS: ClassVar = {"_release": "_vented", "nothing_gripped": "vented", "in_stand": "parked"}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.readings = Readings(description.freshness, carrier)
@@ -63,11 +64,11 @@ class SensorState:
         bits = (changer.locked_bit, changer.unlocked_bit) if changer and description.interlocks.il_05 else ()
         self._lock_bits = bits if all(bit in carrier.channels for bit in bits) else ()
         self._was_clear = False
-        self._vented = VentedDetector(description, carrier)
+        self._release = ReleaseDetector(description, carrier)
         self.supply = SupplyDetector(description.supply)
         self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
         self.tool = ToolEvidence.UNCLEAR
-        self.vented, self.parked = False, False
+        self.nothing_gripped, self.in_stand = False, False
 
     def after(self, frame: Frame) -> tuple[Self, ...]:
         """The states that a frame leads to: one, and before it another where the device began anew."""
@@ -139,8 +140,8 @@ class SensorState:
             # what follows a confirmation needs the lock (IL-05): after silence it is proven a little later
             evidence.append(before if level is Evidence.CONFIRMED and too_early else level)
         self.evidence, self.tool = tuple(evidence), tool
-        self.vented = self._vented.sample(self.readings, self.evidence, at)
-        self.parked = self._is_parked(at)
+        self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
+        self.in_stand = self._is_in_stand(at)
 
     def _lock_is_read(self, at: int) -> bool:
         """Whether there are fresh readings of what IL-05 asks."""
@@ -148,7 +149,7 @@ class SensorState:
             self.readings.get(bit, at) is not None for bit in self._lock_bits
         )
 
-    def _is_parked(self, at: int) -> bool:
+    def _is_in_stand(self, at: int) -> bool:
         """IL-02: in its stand, or there is none; without a fresh reading, neither."""
         if self._stand is None:
             return False

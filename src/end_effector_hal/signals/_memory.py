@@ -3,7 +3,8 @@
 A recording that begins in the middle needs it. Each class names in ``MEMORY`` the attributes that change while it
 works, with their types; everything else follows from the description. `PART` stands for objects that have a memory of
 their own: one, None, or a list, tuple or dict of them that is the same for the same description. `INLINE` is a `PART`
-whose memory stands among that of the object that has it.
+whose memory stands among that of the object that has it. ``RECORDED_AS`` maps attributes to the earlier names that
+recordings keep.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ T = TypeVar("T", bound=Remembers)
 def memory_of(thing: Remembers) -> dict[str, Any]:
     """Plain data, the same for the same memory."""
     return {
-        name: _told(getattr(owner, name)) if kind is PART else _plain(kind, getattr(owner, name))
-        for owner, name, kind in _remembered(thing)
+        recorded: _told(getattr(owner, name)) if kind is PART else _plain(kind, getattr(owner, name))
+        for owner, name, recorded, kind in _remembered(thing)
     }
 
 
@@ -91,14 +92,14 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
         UsageError: that is no memory of such an object; it may remember a part of it.
     """
     remembered = list(_remembered(thing))
-    found = _same_keys(memory, [name for _, name, _ in remembered], where)
-    for owner, name, kind in remembered:
-        place = f"{where}.{name.lstrip('_')}"
+    found = _same_keys(memory, [recorded for _, _, recorded, _ in remembered], where)
+    for owner, name, recorded, kind in remembered:
+        place = f"{where}.{recorded.lstrip('_')}"
         if kind is PART:
-            _recall_part(getattr(owner, name), found[name], place)
+            _recall_part(getattr(owner, name), found[recorded], place)
             continue
         try:
-            value = _adapter(kind).validate_python(found[name])
+            value = _adapter(kind).validate_python(found[recorded])
         except ValidationError as error:
             raise UsageError(
                 f"A recorded state cannot be read: {place}: {error.errors()[0]['msg']}."
@@ -106,13 +107,14 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
         setattr(owner, name, value)
 
 
-def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, Any]]:
-    """Each attribute that is remembered, with the object that has it, and its type."""
+def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, str, Any]]:
+    """Each attribute that is remembered: the object that has it, its name there and in a recording, its type."""
+    earlier = getattr(thing, "RECORDED_AS", {})
     for name, kind in thing.MEMORY.items():
         if kind is INLINE:
             yield from _remembered(getattr(thing, name))
         else:
-            yield thing, name, kind
+            yield thing, name, earlier.get(name, name), kind
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -67,7 +67,7 @@ class Panel:
 
 def panels_of(pressures: PressuresLog | None, info: RunInfo, actuators: tuple[str, ...]) -> list[Panel]:
     """Vacuums in one panel, pressures above ambient in another; a channel without any value is left out."""
-    vacuum, above = Panel("vacuum\n[kPa]", below=True), Panel("pressure\n[kPa]", below=False)
+    below, above = Panel("vacuum\n[kPa]", below=True), Panel("pressure\n[kPa]", below=False)
     colours = {name: CURVES[index % len(CURVES)] for index, name in enumerate(actuators)}
     for channel in pressures.channels if pressures else ():
         assert pressures is not None
@@ -76,13 +76,13 @@ def panels_of(pressures: PressuresLog | None, info: RunInfo, actuators: tuple[st
         if not values:
             continue
         owner = _owner(channel, info, actuators)
-        panel = vacuum if _is_vacuum(owner, values, info) else above
+        panel = below if _is_below_ambient(owner, values, info) else above
         title, colour = (display_name(owner), colours[owner]) if owner else (display_name(channel), SUPPLY)
         panel.curves.append(PanelCurve(title, colour, *_broken(pressures.times_s, curve)))
         limit = info.limits.get(owner or "", {}).get("confirmed_kpa")
         if owner and isinstance(limit, int | float) and math.isfinite(limit) and 0 < limit < 1e4:
             panel.bands.setdefault(-limit if panel.below else limit, []).append(display_name(owner))
-    return [panel for panel in (vacuum, above) if panel.curves]
+    return [panel for panel in (below, above) if panel.curves]
 
 
 def _owner(channel: str, info: RunInfo, actuators: tuple[str, ...]) -> str | None:
@@ -92,7 +92,7 @@ def _owner(channel: str, info: RunInfo, actuators: tuple[str, ...]) -> str | Non
     return next(iter(listed + named), None)
 
 
-def _is_vacuum(owner: str | None, values: list[float], info: RunInfo) -> bool:
+def _is_below_ambient(owner: str | None, values: list[float], info: RunInfo) -> bool:
     if owner is not None:
         return recorded_kind(owner, info.actuators).below_ambient
     return max(values) < 20

@@ -33,6 +33,11 @@ def asked(tree: ast.AST) -> Iterator[str]:
                 left=ast.Attribute(value=ast.Name(id="part" | "actuator" | "each"), attr="kind")
             ):
                 yield f"line {node.lineno}: compares a kind"
+            case (
+                ast.FunctionDef(name=str(name)) | ast.ClassDef(name=str(name)) | ast.Attribute(attr=str(name))
+            ):
+                if "vacuum" in name.lower():
+                    yield f"line {node.lineno}: the name {name}"
 
 
 def files() -> list[Path]:
@@ -57,6 +62,7 @@ def test_no_file_outside_of_the_kinds_asks_for_the_kind() -> None:
         "if actuator.kind in KINDS: pass",
         "from end_effector_hal.kinds.vacuum import VacuumActuator",
         'blown = {"cylinder": 1}',
+        "def vacuum_is_released(): pass",
     ],
 )
 def test_a_file_that_asks_is_found(text: str) -> None:

@@ -27,7 +27,10 @@ def arbiter_policy(description: Description) -> Policy:
     """The output interlocks of a tool."""
     changer = description.tool_changer
     labels = {actuator.line: name for name, actuator in description.ordered}
-    labels |= {line: f"blow-off of {name}" for name, line in description.blow_off_lines.items()}
+    labels |= {
+        line: f"{kind_of(description.actuators[name]).opposing.replace('_', '-')} of {name}"
+        for name, line in description.blow_off_lines.items()
+    }
     return Policy(
         output_lines(description),
         exclusions=_exclusions(description),
@@ -46,7 +49,7 @@ def arbiter_policy(description: Description) -> Policy:
 
 
 def _exclusions(description: Description) -> list[Exclusion]:
-    """Unlock and gripping (IL-01, IL-05), suction and its blow-off (IL-08)."""
+    """Unlock and gripping (IL-01, IL-05), an actuator and what opposes it (IL-08)."""
     changer, gripping = description.tool_changer, program_lines(description, "grip")
     never: list[Exclusion] = []
     if changer and description.interlocks.il_01:
@@ -73,7 +76,7 @@ def _needs(description: Description, line: str) -> list[Need]:
 
 
 def output_lines(description: Description) -> tuple[str, ...]:
-    """Every output line of a tool: actuators in sequence order, the tool changer, blow-off valves."""
+    """Every output line of a tool: actuators in sequence order, the tool changer, what opposes an actuator."""
     changer, gripping = description.tool_changer, program_lines(description, "grip")
     return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values())
 

@@ -14,8 +14,8 @@ from end_effector_hal.wires import now_us
 
 from ._latest_status import Listener
 from ._program import Program
+from ._release_proof import await_release
 from ._sensor_fault import FaultKeeper, SensorFault
-from ._vacuum_release import await_vacuum_release
 
 
 class ChangerLines(LineWriter, FaultKeeper, Protocol):
@@ -42,7 +42,7 @@ class ChangerProgram(Program):
     def command(self, name: str) -> Answer:
         """Give a command and wait for the decision of the automaton; an unlock first waits for its proof."""
         if name == "unlock" and (changer := self._description.tool_changer):
-            await_vacuum_release(self._latest, changer)
+            await_release(self._latest, changer)
         return super().command(name)
 
     def _mapping(self) -> OutputMapping:

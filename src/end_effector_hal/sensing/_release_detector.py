@@ -14,31 +14,31 @@ from end_effector_hal.vocabulary import Evidence, to_us
 from ._readings import Readings
 
 
-class VentedDetector:
+class ReleaseDetector:
     """Everything that is fitted is GONE; where a vacuum is left, it is under 5 kPa for 0.5 s instead."""
 
     MEMORY: ClassVar = {"_low": PART}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self._changer = description.tool_changer
-        self._vacuums: list[str] = []
+        self._below_ambient: list[str] = []
         self._others: list[int] = []
         for index, (_, part) in enumerate(description.ordered):
             kind = kind_of(part)
             if kind.below_ambient and part.channel in carrier.channels:
-                self._vacuums.append(part.channel)
+                self._below_ambient.append(part.channel)
             elif any(channel in carrier.channels for channel in kind.channel_names(part)):
                 self._others.append(index)
-        self._low = [Streak() for _ in self._vacuums]
+        self._low = [Streak() for _ in self._below_ambient]
 
     def sample(self, readings: Readings, evidence: Sequence[Evidence], at: int) -> bool:
         """Whether it is so at ``at`` µs, with the evidence that goes with the same readings."""
         if self._changer is None:
             return False
-        vented = not [index for index in self._others if evidence[index] is not Evidence.GONE]
-        for channel, low in zip(self._vacuums, self._low, strict=True):
+        released = not [index for index in self._others if evidence[index] is not Evidence.GONE]
+        for channel, low in zip(self._below_ambient, self._low, strict=True):
             value = readings.get(channel, at)
             if value is None or readings.arrived(channel):
                 low.take(value is not None and below_ambient_kpa(value) < self._changer.vented_kpa, at)
-            vented = vented and low.lasted(at, to_us(self._changer.vented_s))
-        return vented
+            released = released and low.lasted(at, to_us(self._changer.vented_s))
+        return released

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime.programs._vacuum_release import FALL_S, LAG_S, await_vacuum_release
+from end_effector_hal.runtime.programs._release_proof import FALL_S, LAG_S, await_release
 from end_effector_hal.vocabulary import EndEffectorState
 
 STAND_BY, RELEASING, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.RELEASING, EndEffectorState.GRIPPED
@@ -43,7 +43,7 @@ def waited(**at: Any) -> tuple[float, bool]:
     changer = load(profile_path()).tool_changer
     assert changer
     statuses = Statuses(**at)
-    await_vacuum_release(statuses, changer)  # type: ignore[arg-type]
+    await_release(statuses, changer)  # type: ignore[arg-type]
     return statuses.at_s, statuses.status.vented
 
 

@@ -15,8 +15,8 @@ LAG_S = 0.15
 _MAY_RELEASE = (EndEffectorState.STAND_BY, EndEffectorState.OFF, EndEffectorState.RELEASING)
 
 
-def await_vacuum_release(latest: LatestStatus, changer: ToolChanger) -> None:
-    """Wait until the release of the vacuum is proven or cannot be, for no longer than the fall and the proof take.
+def await_release(latest: LatestStatus, changer: ToolChanger) -> None:
+    """Wait until the release is proven or cannot be, for no longer than the fall and the proof take.
 
     Feedback that is still there says nothing: the last frame of the release may not have come to this program yet.
     """
