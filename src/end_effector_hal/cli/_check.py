@@ -59,7 +59,14 @@ class Checked:
             "faults": [fault.as_json() for fault in self.faults],
             "not_fitted": list(self.not_fitted),
             "warnings": list(self.slow),
+            "computed_bounds": computed_bounds(self.description) if self.description is not None else {},
         }
+
+
+def computed_bounds(description: Description) -> dict[str, float]:
+    """The bounds that a description does not write, by their key, in seconds."""
+    durations = description.durations
+    return {key: durations.seconds(key) for key in durations.computed}
 
 
 def check(path: Path) -> Checked:
@@ -94,6 +101,9 @@ def _print_summary(description: Description, checked: Checked) -> None:
     console.print(_actuators(description), soft_wrap=False)
     for line in _rest(description):
         console.print(line)
+    if computed := computed_bounds(description):
+        said = ", ".join(f"{key} = {seconds:g}" for key, seconds in computed.items())
+        console.print(f"bounds    computed, for they are not written: {said}")
     switched_off = [key for key, on in description.interlocks.model_dump(by_alias=True).items() if not on]
     if switched_off:
         console.print(f"switched off  {', '.join(switched_off)}", style="bold yellow")

@@ -88,6 +88,7 @@ def test_without_a_file_it_is_the_shipped_one() -> None:
         "faults": [],
         "not_fitted": [NO_E_STOP],
         "warnings": [],
+        "computed_bounds": {},
     }
 
 
@@ -120,7 +121,15 @@ def test_faults_as_json(check: Check) -> None:
         ],
         "not_fitted": [],
         "warnings": [],
+        "computed_bounds": {},
     }
+
+
+def test_bounds_that_are_not_written_are_told(check: Check) -> None:
+    shorter = {"  grip_s: 58.0\n": "", "attempts: 3": "attempts: 2"}
+    told = "bounds    computed, for they are not written: grip_s = 51.8\n"
+    assert told in check(replace=shorter).stdout
+    assert json.loads(check("--json", replace=shorter).stdout)["computed_bounds"] == {"grip_s": 51.8}
 
 
 def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
