@@ -14,6 +14,7 @@ import click
 from end_effector_hal.description import Description, examine, profile_path
 from end_effector_hal.errors import Diagnostic, ReportedError
 
+from ._excerpt import MarkedFault, marked
 from ._options import PathName
 
 if TYPE_CHECKING:
@@ -28,14 +29,16 @@ BAD_DESCRIPTION = 2
 def command(file: Path | None, as_json: bool) -> None:
     """Check a description, its codec and its automata; FILE defaults to the shipped one.
 
-    Every fault is a line on stderr, file:line:column: what (offending text), expected …; hint [code], and the
-    exit code is 2. Without faults: a summary, what the link does not carry, and times that it is too slow for.
+    Every fault is a line on stderr, file:line:column: what (offending text), expected …; hint [code], and below it the
+    line of the file with the offending text marked; the exit code is 2. Without faults: a summary, what the link does not carry, and times that it is too slow for.
     """
     checked = check(file or profile_path())
     if as_json:
         click.echo(json.dumps(checked.as_json(), indent=2, ensure_ascii=False))
-    for each in checked.faults if not as_json else ():
-        click.echo(str(each), err=True)
+    for each in checked.found if not as_json else ():
+        click.echo(str(each.diagnostic), err=True)
+        for line in each.excerpt():
+            click.echo(line, err=True)
     if checked.faults or checked.description is None:
         sys.exit(BAD_DESCRIPTION)
     if not as_json:
@@ -44,12 +47,23 @@ def command(file: Path | None, as_json: bool) -> None:
 
 @dataclass(frozen=True)
 class Checked:
-    """All that there is to say of a description before it is used."""
+    """All that there is to say of a description before it is used.
+
+    Attributes:
+        description: None where its keys or values are faulty.
+        found: every fault, with its line.
+        not_fitted, slow: sentences about a description without faults.
+    """
 
     description: Description | None
-    faults: tuple[Diagnostic, ...]
+    found: tuple[MarkedFault, ...]
     not_fitted: tuple[str, ...] = ()
     slow: tuple[str, ...] = ()
+
+    @property
+    def faults(self) -> tuple[Diagnostic, ...]:
+        """Without their lines."""
+        return tuple(each.diagnostic for each in self.found)
 
     def as_json(self) -> dict[str, object]:
         """For ``--json``."""
@@ -59,29 +73,51 @@ class Checked:
             "faults": [fault.as_json() for fault in self.faults],
             "not_fitted": list(self.not_fitted),
             "warnings": list(self.slow),
+            "computed_bounds": computed_bounds(self.description) if self.description is not None else {},
         }
 
 
+def computed_bounds(description: Description) -> dict[str, float]:
+    """The bounds that a description does not write, by their key, in seconds."""
+    durations = description.durations
+    return {key: durations.seconds(key) for key in durations.computed}
+
+
 def check(path: Path) -> Checked:
-    """A description with its codec and its automata; all faults at once."""
+    """A description with its codec and its automata; all faults at once.
+
+    Where a part is faulty, the others are judged all the same: with defaults in the place of what is wrong, and without
+    what only follows from it.
+    """
     examination = examine(path)
+    faults, likely = list(examination.faults), examination.likely
+    match, automata = None, ()
+    if likely is not None and not examination.is_broken("link", "codec"):
+        from end_effector_hal.codecs import match_codec
+        from end_effector_hal.nodes.interface import name_faults
+
+        match = match_codec(likely)
+        further = sorted((*match.faults, *name_faults(likely)))
+        faults += [each for each in further if not examination.is_broken(*each.path)]
+        # without a codec nothing is put together
+        if not any(each.code == "EE-226" for each in match.faults):
+            automata = _automata_faults(likely) if not examination.is_broken("automata") else ()
     description = examination.description
-    if description is None:
-        return Checked(None, examination.diagnostics)
-    from end_effector_hal.codecs import match_codec
-    from end_effector_hal.nodes.interface import name_faults
+    found = [marked(each, examination.name, examination.text) for each in sorted(set(faults))]
+    found += [MarkedFault(each) for each in automata]
+    if description is None or match is None:
+        return Checked(description, tuple(found))
+    return Checked(description, tuple(found), match.not_fitted, match.slow)
+
+
+def _automata_faults(description: Description) -> tuple[Diagnostic, ...]:
     from end_effector_hal.runtime import load_automata
 
-    match = match_codec(description)
-    faults = tuple(fault.diagnostic(str(path)) for fault in match.faults) + name_faults(
-        description, str(path)
-    )
-    if not any(fault.code == "EE-226" for fault in match.faults):  # without a codec nothing is put together
-        try:
-            load_automata(description)
-        except ReportedError as error:
-            faults += error.diagnostics
-    return Checked(description, faults, match.not_fitted, match.slow)
+    try:
+        load_automata(description)
+    except ReportedError as error:
+        return error.diagnostics
+    return ()
 
 
 def _print_summary(description: Description, checked: Checked) -> None:
@@ -94,6 +130,9 @@ def _print_summary(description: Description, checked: Checked) -> None:
     console.print(_actuators(description), soft_wrap=False)
     for line in _rest(description):
         console.print(line)
+    if computed := computed_bounds(description):
+        said = ", ".join(f"{key} = {seconds:g}" for key, seconds in computed.items())
+        console.print(f"bounds    computed, for they are not written: {said}")
     switched_off = [key for key, on in description.interlocks.model_dump(by_alias=True).items() if not on]
     if switched_off:
         console.print(f"switched off  {', '.join(switched_off)}", style="bold yellow")

@@ -26,7 +26,7 @@ _FAILED = 4
 @click.command(name="verify")
 @DESCRIPTION
 @MODEL
-@click.option("--json", "as_json", is_flag=True, help="Print {requirements, bounds, switched_off} as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print {requirements, bounds, ...} as JSON.")
 @click.option(
     "-o",
     "--output",
@@ -51,7 +51,8 @@ def command(description: Path | None, model: Path | None, as_json: bool, output:
     drawing = Drawing()
     files = _write(source, proof, output, drawing) if output is not None else {}
     if as_json:
-        click.echo(json.dumps(proof.document(), indent=2, ensure_ascii=False))
+        document = proof.document() | {"computed_bounds": list(_computed(source))}
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
         for file in (file for each in files.values() for file in each):
             click.echo(str(file), err=True)
     else:
@@ -87,6 +88,8 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
         click.echo(
             f"  {name.removesuffix('_s').replace('_', '-'):16} {worst!s:>9}  {worst.declared_ms / 1000:g} s"
         )
+    if computed := _computed(source):
+        click.echo(f"bounds that are not written are what the steps add up to: {', '.join(computed)}")
     if proof.off:
         click.echo(
             f"\n{len(proof.off)} edges can never be taken with the values of this description; --json lists them"
@@ -102,6 +105,10 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
     click.secho(text, fg="red" if failed else "green", bold=True)
     if failed and not files and any(finding.trace for finding in proof.findings):
         click.echo("-o DIR writes the runs and draws them.")
+
+
+def _computed(source: Source) -> tuple[str, ...]:
+    return source.description.durations.computed if source.description is not None else ()
 
 
 def _print_line(finding: Finding) -> None:

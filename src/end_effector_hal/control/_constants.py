@@ -17,6 +17,7 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
     carried = (carrier or carrier_of(description)).channels
     actuators = [actuator for _, actuator in description.ordered]
     changer, locks, bounds = description.tool_changer, description.interlocks, description.bounds
+    required = description.durations
     fitted = changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
     constants: Constants = {
         "N": len(actuators),
@@ -28,9 +29,9 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
         "D": bounds.reaction_ms,
         "SENSOR_GAP": bounds.sensor_gap_ms,
         "COMMAND_GAP": bounds.command_gap_ms,
-        "GRIP_BOUND": _ms(bounds.grip_s),
-        "RELEASE_BOUND": _ms(bounds.release_s),
-        "CANCEL_BOUND": _ms(bounds.cancel_s),
+        "GRIP_BOUND": required.grip_ms,
+        "RELEASE_BOUND": required.release_ms,
+        "CANCEL_BOUND": required.cancel_ms,
         "LEASE": LEASE_US // 1000,
         "MESSAGE": bounds.message_ms,
         "CHANGER": changer is not None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,11 +20,16 @@ Keys = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Place:
-    """A position, both counted from 1, and the text that stands there."""
+    """A position, both counted from 1, the text that stands there in short, and its length in its first line.
+
+    ``path`` is what was looked for: a default that is not written has the place of the stanza around it.
+    """
 
     line: int = 1
     column: int = 1
     text: str = ""
+    length: int = 1
+    path: Keys = ()
 
     @property
     def order(self) -> tuple[int, int]:
@@ -43,15 +48,17 @@ class Places:
 
     def key(self, *path: str | int) -> Place:
         """Where a key stands; an element of a sequence has none, there it is the value."""
-        return self.keys.get(path) or self.value(*path)
+        found = self.keys.get(path)
+        return replace(found, path=path) if found else self.value(*path)
 
     def value(self, *path: str | int) -> Place:
         """Where a value stands, or the nearest stanza around it that is written."""
-        while path and path not in self.values:
-            path = path[:-1]
-            if path in self.keys:
-                return self.keys[path]
-        return self.values.get(path, Place())
+        around = path
+        while around and around not in self.values:
+            around = around[:-1]
+            if around in self.keys:
+                return replace(self.keys[around], path=path)
+        return replace(self.values.get(around, Place()), path=path)
 
     def where(self, *path: str | int) -> str:
         """``file:line:column`` of a value."""
@@ -93,6 +100,10 @@ class Fault:
     found: str = ""
     expected: str = ""
     hint: str = ""
+    length: int = field(default=1, compare=False)
+    """Of the offending text, in its line."""
+    path: Keys = field(default=(), compare=False)
+    """Keys that lead to it; () where it is none of a key or value."""
 
     @classmethod
     def at(
@@ -106,9 +117,8 @@ class Fault:
         found: str | None = None,
     ) -> Fault:
         """A fault at a place, whose text is the offending text unless ``found`` is given."""
-        return cls(
-            place.line, place.column, code, what, place.text if found is None else found, expected, hint
-        )
+        found = place.text if found is None else found
+        return cls(place.line, place.column, code, what, found, expected, hint, place.length, place.path)
 
     @property
     def message(self) -> str:

@@ -73,9 +73,9 @@ class DemoScenario:
 
     def longest_s(self, description: Description) -> float:
         """How long it may take at most: the waits, and the bounds that the description requires."""
-        bounds = description.bounds
+        longest = description.durations
         waits = self.rest_s + sum(order.wait_s for order in self.orders)
-        return waits + bounds.grip_s + bounds.release_s + bounds.cancel_s
+        return waits + (longest.grip_ms + longest.release_ms + longest.cancel_ms) / 1000
 
 
 UNLOCK_LOCK = "unlock-lock"

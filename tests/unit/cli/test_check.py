@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,6 +17,14 @@ from end_effector_hal.errors import UsageError
 
 SHIPPED = profile_path().read_text(encoding="utf-8")
 Check = Callable[..., Result]
+
+EXCERPT = re.compile(r" *\d* \|( |$)")
+
+
+def sentences(result: Result) -> list[str]:
+    """What is wrong, without the lines of the file and the marks below."""
+    return [line for line in result.stderr.splitlines() if not EXCERPT.match(line)]
+
 
 NO_E_STOP = "e-stop: none in the description: IL-13 is off"
 
@@ -88,6 +97,7 @@ def test_without_a_file_it_is_the_shipped_one() -> None:
         "faults": [],
         "not_fitted": [NO_E_STOP],
         "warnings": [],
+        "computed_bounds": {},
     }
 
 
@@ -97,8 +107,14 @@ def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
     assert result.stderr.splitlines() == [
         "tool.yaml:25:5: wrong unit in key 'timeout_ms' (timeout_ms: 5000), expected seconds; "
         "write timeout_s: 5 [EE-210]",
+        "   |",
+        "25 |     timeout_ms: 5000",
+        "   |     ^^^^^^^^^^",
         "tool.yaml:34:11: unknown kind of actuator (cylinderr), expected vacuum or cylinder; "
         "did you mean 'cylinder'? [EE-209]",
+        "   |",
+        "34 |     kind: cylinderr",
+        "   |           ^^^^^^^^^",
     ]
 
 
@@ -120,7 +136,15 @@ def test_faults_as_json(check: Check) -> None:
         ],
         "not_fitted": [],
         "warnings": [],
+        "computed_bounds": {},
     }
+
+
+def test_bounds_that_are_not_written_are_told(check: Check) -> None:
+    shorter = {"  grip_s: 58.0\n": "", "attempts: 3": "attempts: 2"}
+    told = "bounds    computed, for they are not written: grip_s = 51.8\n"
+    assert told in check(replace=shorter).stdout
+    assert json.loads(check("--json", replace=shorter).stdout)["computed_bounds"] == {"grip_s": 51.8}
 
 
 def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
@@ -190,7 +214,7 @@ def test_a_channel_that_no_wire_carries_is_refused_for_every_device(
 ) -> None:
     result = check(replace={old: new})
     assert result.exit_code == 2
-    (said,) = result.stderr.splitlines()
+    (said,) = sentences(result)
     line = SHIPPED.replace(old, new).partition(f"{key}: {wrong}")[0].count("\n") + 1
     assert said.startswith(f"tool.yaml:{line}:")
     assert f": ees1-ascii carries no '{wrong}' ({wrong}), expected a {kind} of ees1-ascii: " in said
@@ -204,7 +228,7 @@ def test_a_channel_that_no_wire_carries_is_refused_for_every_device(
 def test_a_default_that_no_wire_carries_is_refused_too(check: Check) -> None:
     result = check(replace={"codec: ees1-ascii ": "codec: legacy-nibble "})
     assert result.exit_code == 2
-    found = [line.split(": ", 1)[1] for line in result.stderr.splitlines()]
+    found = [line.split(": ", 1)[1] for line in sentences(result)]
     what, todo = "legacy-nibble carries no", "if there is no such sensor, write"
     bits = "expected a bit of legacy-nibble: unlocked, locked, bottom, cylinder_extended, top"
     assert found == [
@@ -233,20 +257,20 @@ def test_a_cylinder_is_not_confirmed_by_its_retracted_bit(check: Check) -> None:
 def test_an_unknown_codec_is_a_fault_at_its_place(check: Check) -> None:
     result = check(replace={"codec: ees1-ascii ": "codec: ees1-asci "})
     assert result.exit_code == 2
-    assert result.stderr == (
+    assert sentences(result) == [
         "tool.yaml:13:10: there is no such codec (ees1-asci), expected one of ees1-ascii, "
         "ees1-cobs, legacy-nibble, modbus-rtu-epick, modbus-rtu-onrobot-vg, modbus-rtu-transmitters; "
-        "did you mean 'ees1-ascii'? [EE-226]\n"
-    )
+        "did you mean 'ees1-ascii'? [EE-226]"
+    ]
 
 
 def test_an_actuator_that_nothing_can_confirm_is_a_fault(check: Check) -> None:
     result = check(replace={"channel: bottom": "channel: botom"})
     assert result.exit_code == 2
-    assert result.stderr == (
+    assert sentences(result) == [
         "tool.yaml:22:14: ees1-ascii carries nothing that could confirm 'bottom_vacuum' (botom), "
-        "expected a free channel of ees1-ascii: bottom; did you mean 'bottom'? [EE-225]\n"
-    )
+        "expected a free channel of ees1-ascii: bottom; did you mean 'bottom'? [EE-225]"
+    ]
 
 
 def test_a_cylinder_may_be_confirmed_by_its_bit_alone(check: Check) -> None:
@@ -353,10 +377,10 @@ def test_samples_that_take_longer_than_the_time_out_can_never_confirm(check: Che
     slow = NIBBLE | {"lost_kpa: 50.0": "confirmed_samples: 6"}
     result = check(replace=slow)
     assert result.exit_code == 2
-    assert result.stderr == (
+    assert sentences(result) == [
         "tool.yaml:31:24: 'bottom_vacuum' can never be confirmed: 6 samples take 5 s (legacy-nibble), "
-        "expected less than timeout_s = 5 [EE-225]\n"
-    )
+        "expected less than timeout_s = 5 [EE-225]"
+    ]
     assert check(replace=slow | {"lost_kpa: 50.0": "confirmed_samples: 5"}).exit_code == 0
 
 
@@ -393,7 +417,8 @@ def test_broken_automata_are_found(check: Check, tmp_path: Path, old: str, new: 
     assert (result.exit_code, result.stdout) == (2, "")
     assert "Traceback" not in result.stderr
     assert result.stderr.startswith(str(tmp_path / "end_effector.xml") + ":")
-    assert result.stderr.endswith("[EE-300]\n")
+    (said,) = sentences(result)
+    assert said.endswith("[EE-300]")
     fault = json.loads(check("--json").stdout)["faults"][0]
     assert (fault["code"], fault["file"]) == ("EE-300", str(tmp_path / "end_effector.xml"))
     assert fault["line"] > 0
@@ -420,9 +445,9 @@ def test_a_process_that_the_automata_do_not_have_is_found(check: Check) -> None:
 def test_a_file_that_is_missing() -> None:
     result = CliRunner().invoke(_check.command, ["/nowhere/tool.yaml"])
     assert result.exit_code == 2
-    assert result.stderr == (
-        "/nowhere/tool.yaml: there is no such file, expected the path of a description [EE-201]\n"
-    )
+    assert sentences(result) == [
+        "/nowhere/tool.yaml: there is no such file, expected the path of a description [EE-201]"
+    ]
 
 
 def test_schema_for_editors_and_tables_for_people() -> None:

@@ -54,7 +54,7 @@ def test_json() -> None:
     result = run("--model", "model.xml", "--json")
     assert result.exit_code == 4
     answer = json.loads(result.stdout)
-    assert set(answer) == {"requirements", "bounds", "switched_off"}
+    assert set(answer) == {"requirements", "bounds", "switched_off", "computed_bounds"}
     down, up, *_ = answer["requirements"]
     assert set(down) == {"id", "sentence", "query", "holds", "states", "seconds"}
     assert (down["id"], down["sentence"], down["holds"]) == ("down", "Soon up.", True)
@@ -143,6 +143,28 @@ def test_the_shipped_tool() -> None:
     answer = json.loads(result.stdout)
     assert all(each["holds"] for each in answer["requirements"])
     assert answer["bounds"]["grip_s"] == {"computed": 57.9, "declared": 58.0}
+    assert answer["computed_bounds"] == []
+
+
+def test_a_fourth_actuator_needs_no_bounds() -> None:
+    description = """
+        name: tool
+        link: {port: /dev/ttyS0}
+        sequence: [cup, rod, cap, pad]
+        actuators:
+          cup: {kind: vacuum, line: A, channel: bottom}
+          rod: {kind: cylinder, line: B, channel: cylinder}
+          cap: {kind: vacuum, line: C, channel: top}
+          pad: {kind: vacuum, line: D, channel: supply}
+        supply: {channel: none}
+    """
+    Path("tool.yaml").write_text(description, encoding="utf-8")
+    result = run("tool.yaml")
+    assert result.exit_code == 0
+    assert (
+        "bounds that are not written are what the steps add up to: grip_s, release_s, cancel_s\n"
+        in result.stdout
+    )
 
 
 def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() -> None:

@@ -112,7 +112,7 @@ def urdf(description: Description) -> str:
 def _parts(description: Description) -> Iterator[str]:
     tool = description.name
     yield _HEAD.format(tool=tool, fingerprint=description.fingerprint())
-    longest_s = max(description.bounds.grip_s, description.bounds.release_s)
+    longest_s = max(description.durations.grip_ms, description.durations.release_ms) / 1000
     yield _BASE.format(
         tool=tool, joint=grip_joint(description), upper=GRIP_UPPER, velocity=GRIP_UPPER / longest_s,
         grip_s=longest_s,

@@ -19,6 +19,7 @@ from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Opposite, Part, Supply, Word
 
 from ._channels import Channels, Inputs
+from ._durations import Durations, durations
 from ._stanzas import (
     Automata,
     Bounds,
@@ -126,6 +127,11 @@ class Description(Part):
     def releasing(self) -> tuple[str, ...]:
         """Names of the actuators in the order of a release."""
         return self.release_order if self.release_order is not None else self.sequence[::-1]
+
+    @property
+    def durations(self) -> Durations:
+        """How long a grip, a release and a cancel may take: as ``bounds`` says, or computed where it says nothing."""
+        return durations([step for _, step in self.ordered], self.bounds)
 
     def endings_of(self, name: str) -> Endings:
         """What each ending does to one actuator; raises KeyError for an unknown one."""

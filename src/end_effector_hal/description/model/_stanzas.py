@@ -127,6 +127,9 @@ class Link(Freshness):
 
 
 Milliseconds = Annotated[int, Field(ge=1, le=10_000)]
+MaybeDuration = Annotated[float | None, Field(gt=0, le=3600)]
+"""Of a whole grip: a tool may have 64 steps."""
+_COMPUTED = "null: as long as its steps can take"
 
 
 class MaintenanceSettings(Part):
@@ -163,9 +166,11 @@ class Bounds(Part):
     sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
     command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
     message_ms: Milliseconds = Field(default=100, description="the programs hear of each other within")
-    grip_s: Seconds = Field(default=58.0, description="every grip is over within")
-    release_s: Seconds = Field(default=6.2, description="every release is over within")
-    cancel_s: Seconds = Field(default=6.2, description="every cancelled grip is unwound within")
+    grip_s: MaybeDuration = Field(default=None, description=f"every grip is over within; {_COMPUTED}")
+    release_s: MaybeDuration = Field(default=None, description=f"every release is over within; {_COMPUTED}")
+    cancel_s: MaybeDuration = Field(
+        default=None, description=f"every cancelled grip is unwound within; {_COMPUTED}"
+    )
 
 
 class Automata(Part):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +14,31 @@ from end_effector_hal.description.model import Description
 from end_effector_hal.description.rules import order_faults, rule_faults, shared_faults
 from end_effector_hal.errors import DescriptionError, Diagnostic
 
-from ._explain import explain, likely_kind, no_kind, why_not
+from ._explain import explain, likely_kind, meant, no_kind, why_not
+from ._likely import likely
 from ._syntax import position
 from ._yaml import Reader
 
 
 @dataclass(frozen=True)
 class Examination:
-    """What came of reading a file: a description, or faults in the order of the file."""
+    """What came of reading a file: a description, or faults in the order of the file.
+
+    Attributes:
+        name: as the file was named.
+        description: None where there are faults.
+        faults: in the order of the file.
+        text: what was read; empty where nothing could be.
+        likely: the description, or what it would be with defaults for what is faulty, so that the rest can be judged
+            all the same; None where too little is left.
+    """
 
     name: str
     description: Description | None
     faults: tuple[Fault, ...]
+    text: str = field(default="", repr=False)
+    likely: Description | None = field(default=None, repr=False)
+    _broken: frozenset[Keys] = field(default=frozenset(), repr=False)
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
@@ -35,6 +48,10 @@ class Examination:
     def lines(self) -> list[str]:
         """The faults, ready to print."""
         return [str(each) for each in self.diagnostics]
+
+    def is_broken(self, *path: str | int) -> bool:
+        """Whether a key, its value or a stanza around it has a fault, so that nothing can be said of it."""
+        return any(path[:length] in self._broken for length in range(1, len(path) + 1))
 
 
 def examine(path: str | Path) -> Examination:
@@ -48,24 +65,23 @@ def examine(path: str | Path) -> Examination:
 def examine_text(text: str, path: str | Path) -> Examination:
     """The same for a text that came from ``path``; files that it names are looked for beside it."""
     places = Places(Path(path).absolute(), str(path))
-    description, faults = _examine(text, places)
-    return Examination(str(path), None if faults else description, tuple(sorted(set(faults))))
+    likely, faults, broken = _examine(text, places)
+    found = tuple(sorted(set(faults)))
+    return Examination(str(path), None if faults else likely, found, text, likely, frozenset(broken))
 
 
-def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]]:
+def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault], set[Keys]]:
+    """What the text says or is likely to mean, its faults, and the paths that have one."""
     reader = Reader(text, places)
     tree, faults = reader.read(), reader.faults
     if any(fault.code == "EE-202" for fault in faults):
-        return None, faults
+        return None, faults, set()
     if tree is None:
         empty = Fault(0, 0, "EE-201", "the file is empty", "", "a description", "eehal schema lists its keys")
-        return None, faults or [empty]
+        return None, faults or [empty], set()
     if not isinstance(tree, dict):
-        place = places.value()
-        return None, [
-            *faults,
-            Fault.at(place, "EE-203", "this is not a description", expected="keys with values"),
-        ]
+        what = Fault.at(places.value(), "EE-203", "this is not a description", expected="keys with values")
+        return None, [*faults, what], set()
     broken = set(reader.refused)
     kinds, guessed = _kinds(tree, places, broken)
     description, found = _validate(tree, places, broken)
@@ -74,7 +90,9 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
         *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed)),
     ]
     facts = Facts(tree, places, broken)
-    return description, [*faults, *order_faults(facts), *rule_faults(facts), *shared_faults(facts)]
+    faults += [*order_faults(facts), *rule_faults(facts), *shared_faults(facts)]
+    broken |= {("actuators", name) for name in guessed}
+    return likely(tree, places, broken) if faults else description, faults, broken
 
 
 def _kinds(tree: dict[str, Any], places: Places, broken: set[Keys]) -> tuple[list[Fault], set[str]]:
@@ -106,6 +124,7 @@ def _validate(
         description._places = places
         return description, []
     broken |= {path for path, _ in explained}
+    broken |= {path for each in explained for path in meant(*each) if path not in places.keys}
     hinted = {(path[:-1], fault.hint) for path, fault in explained if fault.code == "EE-205"}
     # A misspelt key is one fault, not two: what it means is not missing as well.
     return None, [

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from end_effector_hal.description._fault import Fault, Keys, Places, closest, did_you_mean
@@ -38,6 +39,13 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
             return path, wrong_form(path, error, place)
         case _:
             return path, wrong_type(path, error, places)
+
+
+def meant(path: Keys, fault: Fault) -> Iterator[Keys]:
+    """The key that an unknown one was meant to be: nothing is to be said of its default."""
+    pattern = {"EE-205": r"did you mean '(\w+)'\?", "EE-210": r"write (\w+)"}.get(fault.code)
+    if pattern and (found := re.match(pattern, fault.hint)):
+        yield (*path[:-1], found[1])
 
 
 def _unknown_key(path: Keys, kind: str, value: Any, places: Places) -> Fault:

@@ -164,7 +164,8 @@ class Reader:
 
     def _place(self, node: Node) -> Place:
         start, end = node.start_mark.index, node.end_mark.index
-        return Place(*self._lines.position(start), shorten(self.text[start : min(end, start + SHOWN)]))
+        text = self.text[start : min(end, start + SHOWN)]
+        return Place(*self._lines.position(start), shorten(text), len(text.split("\n", 1)[0].rstrip()) or 1)
 
     def _refuse(self, node: Node, what: str, expected: str, path: Keys) -> None:
         self.refused.add(path)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, Fault
-from end_effector_hal.errors import DescriptionError, Diagnostic
+from end_effector_hal.errors import DescriptionError
 
 from ._table import ACTIONS, FIXED_SERVICES, FIXED_TOPICS, NODES, OF_ROS
 from ._tool import position_topics
@@ -23,20 +23,13 @@ def load_for_nodes(path: Path) -> Description:
     """The tool as the nodes can serve it; raises DescriptionError."""
     description = load_tool(path)
     if faults := name_faults(description):
-        raise DescriptionError(faults)
+        raise DescriptionError([fault.diagnostic(str(description.source)) for fault in faults])
     return description
 
 
-def name_faults(description: Description, name: str = "") -> tuple[Diagnostic, ...]:
-    """Every name that the nodes could not use, with its place.
-
-    Args:
-        description: a valid one.
-        name: what its file is called in the faults; default: its path.
-    """
-    return tuple(
-        fault.diagnostic(name or str(description.source)) for fault in sorted(set(_faults(description)))
-    )
+def name_faults(description: Description) -> tuple[Fault, ...]:
+    """Every name that the nodes could not use, with its place."""
+    return tuple(sorted(set(_faults(description))))
 
 
 def _faults(description: Description) -> Iterator[Fault]:

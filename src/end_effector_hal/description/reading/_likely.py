@@ -1,0 +1,60 @@
+"""What a faulty description would be with defaults for what is wrong, so that the rest of it can be judged."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+from pydantic import ValidationError
+
+from end_effector_hal.description._fault import Keys, Places
+from end_effector_hal.description._shape import fields_of, stanza_at
+from end_effector_hal.description.model import Description
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Part
+
+_UNREAD = "unread"
+"""Stands for a text that must be there and is faulty."""
+
+
+def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Description | None:
+    """The description without what is broken; None where no actuator or no link is left."""
+    tree = deepcopy(tree)
+    if not isinstance(tree.get("actuators"), dict) or not isinstance(tree.get("link", {}), dict):
+        return None
+    for path in sorted(broken, key=len, reverse=True):
+        _remove(tree, path)
+    tree.setdefault("name", _UNREAD)
+    if "link" in tree:
+        _fill(tree["link"], ("link",), "")
+    if isinstance(tree.get("tool_changer"), dict):
+        _fill(tree["tool_changer"], ("tool_changer",), "")
+    actuators = {name: each for name, each in tree["actuators"].items() if isinstance(each, dict)}
+    for name, stanza in actuators.items():
+        _fill(stanza, ("actuators", name), str(stanza["kind"]))
+    sequence = tree.get("sequence") if isinstance(tree.get("sequence"), list) else []
+    named = [name for name in map(str, sequence) if name in actuators]
+    every = list(dict.fromkeys([*named, *actuators]))
+    tree |= {"actuators": actuators, "sequence": every, "release_order": None}
+    try:
+        found = Description.model_validate(tree, by_alias=True, by_name=False)
+    except ValidationError:
+        return None
+    found._places = places
+    return found
+
+
+def _remove(tree: dict[str, Any], path: Keys) -> None:
+    """Take out what is broken; of a list the whole of it, since its elements have no defaults."""
+    at: Any = tree
+    for key in path[:-1]:
+        at = at.get(key) if isinstance(at, dict) else None
+    if isinstance(at, dict) and path and path[-1] != "kind":
+        at.pop(path[-1], None)
+
+
+def _fill(stanza: dict[str, Any], path: Keys, kind: str) -> None:
+    """Put something into each key that must be there; a channel that is not known is none."""
+    model: type[Part] | None = stanza_at(path, kind)
+    for key, field in fields_of(model).items() if model else ():
+        if field.is_required() and key not in stanza and key != "kind":
+            stanza[key] = NO_CHANNEL if key == "channel" else _UNREAD
