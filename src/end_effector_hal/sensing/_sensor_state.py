@@ -7,7 +7,8 @@ from typing import ClassVar, Self
 
 from end_effector_hal.codecs import Codec
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds import detector_of
+from end_effector_hal.kinds.conditions import ConditionDetector
 from end_effector_hal.signals import PART, Frame, clone
 from end_effector_hal.vocabulary import Evidence, ToolEvidence
 
@@ -49,9 +50,7 @@ class SensorState:
     def __init__(self, description: Description, codec: Codec) -> None:
         self.readings = Readings(description.link, codec)
         self._rules = LinkRules(description, codec, self.readings.stale_us)
-        self._detectors = tuple(
-            kind_of(part).detector(part, description.supply) for _, part in description.ordered
-        )
+        self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None
         self._stand = (changer.stand_bit, changer.present_bit) if changer else None
@@ -104,6 +103,13 @@ class SensorState:
     def doubts(self, at: int) -> tuple[str, ...]:
         """What is impossible or frozen at ``at`` µs, and that the device began anew, in words."""
         return self._rules.notices(at)
+
+    @property
+    def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
+        """Detectors of the actuators that conditions prove, by their place in the sequence."""
+        return tuple(
+            [(i, each) for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
+        )
 
     @property
     def confirmed(self) -> bool:

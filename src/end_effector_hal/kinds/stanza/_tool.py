@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
+from ._conditions import EvidenceConditions
 from ._endings import OwnEndings
 from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Seconds, Word
 
@@ -17,6 +18,10 @@ class Actuator(Part):
     constants that an actuator gives the automata: ``timeout_s`` is T_CONFIRM, ``reset_s`` T_RESET, ``release_s``
     T_GONE, ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
     """
+
+    added: ClassVar[frozenset[str]] = frozenset({"evidence"})
+    """Keys that came after descriptions were recorded: left out where they have their default, so that what was written
+    before them keeps its fingerprint."""
 
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
         kind: str
@@ -34,6 +39,10 @@ class Actuator(Part):
         default=None,
         description="a pressure that does not move by a count for so long is invalid; null: never",
     )
+    evidence: EvidenceConditions | None = Field(
+        default=None,
+        description="conditions over channels that prove it, instead of what its kind proves; null: as its kind does",
+    )
     endings: OwnEndings = Field(
         default=OwnEndings(), description="what each ending does to this one; default: as for the whole tool"
     )
@@ -41,6 +50,12 @@ class Actuator(Part):
     topic: RosName | None = Field(
         default=None, description="ROS topic; default: Pressure + name in CamelCase"
     )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_added(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields = type(self).model_fields
+        unsaid = {key for key in self.added if getattr(self, key) == fields[key].default}
+        return {key: value for key, value in handler(self).items() if key not in unsaid}
 
 
 class Supply(Part):
