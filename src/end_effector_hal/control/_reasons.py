@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds import lost_words
 from end_effector_hal.sensing import SensorSet
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
 
@@ -16,9 +16,12 @@ def explain(description: Description, cause: int, cause_at: int, senses: SensorS
     name, actuator = description.ordered[cause_at] if cause_at >= 0 else ("", None)
     who = display_name(name) or "The grip"
     if cause == Cause.TIMED_OUT and actuator:
-        return f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts."
+        empty = f" {said}." if (said := senses.empty(cause_at)) else ""
+        return (
+            f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts.{empty}"
+        )
     if cause == Cause.LOST and actuator:
-        return f"{who} was lost: {kind_of(actuator).lost(actuator, senses.readings, at)}."
+        return f"{who} was lost: {lost_words(actuator, senses.readings, at)}."
     if cause == Cause.REFUSED:
         return f"The line arbiter refused to activate {display_name(name) or 'an output'}."
     return {

@@ -86,6 +86,7 @@ CODES = {
     "EE-224": "the automata file is missing",
     "EE-225": "no wire carries a channel, or the codec cannot prove an actuator",
     "EE-226": "unknown codec",
+    "EE-227": "a condition that cannot be meant",
 }
 
 

@@ -110,7 +110,7 @@ def wrong_scale(key: str, value: object, limits: Limits) -> str:
     """``milliseconds? write timeout_s: 5``, or nothing."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
-    if limits.unit in KILOPASCAL and limits.allow(-value):
+    if limits.unit in KILOPASCAL and limits.least is None and limits.allow(-value):
         return f"below ambient is positive here; write {key}: {number(-value)}"
     for unit, name in MISTAKES.get(limits.unit, ()):
         meant = convert(value, unit, limits.unit)

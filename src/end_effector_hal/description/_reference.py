@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from inspect import cleandoc
 from pathlib import Path
 from typing import Any
 
@@ -63,15 +64,15 @@ def _stanza(path: str) -> Iterator[str]:
     kinds = actuator_stanzas()
     of_kind, first = model in kinds.values(), next(iter(kinds))
     shared = not of_kind and is_common(path)
-    if shared and not path.startswith(f"actuators.<{first}>"):
-        return  # told with the first kind
+    if path != next(each for each, other in stanzas().items() if other is model):
+        return  # told where it stands first: what every kind has with the first kind
     defined = document if not path else document["$defs"][model.__name__]
     if model is kinds[first]:
         yield "### `actuators.<name>`\n\nKeys of every actuator, whatever its `kind`."
         yield _table(defined, path, set(_common()))
     title = f"actuators.<name>, kind: {path[len('actuators.<') : -1]}" if of_kind else path
     title = of_any_kind(path) if shared else title
-    yield f"### {f'`{title}`' if title else 'At the top'}\n\n{(model.__doc__ or '').strip()}"
+    yield f"### {f'`{title}`' if title else 'At the top'}\n\n{cleandoc(model.__doc__ or '')}"
     keys = set(fields_of(model)) - (set(_common()) if of_kind else set())
     yield _table(defined, path, keys)
 
@@ -117,7 +118,9 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
         case "array":
             if "prefixItems" in each:
                 return f"list of {len(each['prefixItems'])} numbers"
-            return f"list of {_value(key, path, each['items'])}s"
+            nouns = {"number": "number", None: "condition"}
+            noun = nouns.get(each["items"].get("type")) or _value(key, path, each["items"])
+            return f"list of {noun}s"
         case _:
             return "keys, see below"
 

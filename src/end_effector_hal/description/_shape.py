@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
 from end_effector_hal.description.model import Channel, Description
 from end_effector_hal.kinds import get_kind, usable_kinds
-from end_effector_hal.kinds.stanza import Actuator, Part
+from end_effector_hal.kinds.stanza import Actuator, Condition, Part
 
 from ._fault import Keys, Places
 
@@ -36,18 +36,20 @@ def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
     elif len(path) >= 2 and path[0] == "channels":
         model, path = Channel, path[2:]
     for key in path:
+        if isinstance(key, int):
+            continue  # an element of a list is of the stanza that the list is of
         field = fields_of(model).get(str(key)) if model else None
         model = part_in(field.annotation) if field else None
     return model
 
 
 def part_in(annotation: Any) -> type[Part] | None:
-    """The stanza in an annotation such as ``ToolChanger | None``; not that in a dictionary."""
+    """The stanza in an annotation such as ``ToolChanger | None``, or of a list of them; not that in a dictionary."""
     if isinstance(annotation, type) and issubclass(annotation, Part):
         return annotation
-    return next(
-        (each for each in get_args(annotation) if isinstance(each, type) and issubclass(each, Part)), None
-    )
+    if get_origin(annotation) is dict:
+        return None
+    return next(filter(None, map(part_in, get_args(annotation))), None)
 
 
 def homes_of(key: str) -> list[str]:
@@ -74,6 +76,8 @@ def stanzas() -> dict[str, type[Part]]:
 
     def walk(path: str, model: type[Part]) -> None:
         found[path] = model
+        if model is Condition:
+            return  # conditions in conditions have the same keys
         for key, each in fields_of(model).items():
             below = f"{path}.{key}" if path else key
             if part := part_in(each.annotation):

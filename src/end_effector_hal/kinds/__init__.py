@@ -4,13 +4,14 @@ A kind of your own is a subclass of `DeviceKind` with the stanza of its keys, an
 ``end_effector_hal.kinds``, and a test that inherits `end_effector_hal.kinds.conformance.KindConformance`.
 """
 
+from end_effector_hal.signals import ChannelReadings
+
 from ._guard import fault_of, is_guarded
 from ._kind import DeviceKind
 from ._parts import (
     COMPRESSED_AIR,
     AlarmKind,
     ChannelKey,
-    ChannelReadings,
     Detector,
     HoldFinding,
     HoldWatch,
@@ -21,7 +22,15 @@ from ._parts import (
     Travel,
     below_ambient_kpa,
 )
-from ._registry import get_kind, kind_names, kind_of, recorded_kind, usable_kinds
+from ._registry import (
+    detector_of,
+    get_kind,
+    kind_names,
+    kind_of,
+    lost_words,
+    recorded_kind,
+    usable_kinds,
+)
 
 __all__ = [
     "COMPRESSED_AIR",
@@ -38,11 +47,13 @@ __all__ = [
     "Quote",
     "Travel",
     "below_ambient_kpa",
+    "detector_of",
     "fault_of",
     "get_kind",
     "is_guarded",
     "kind_names",
     "kind_of",
+    "lost_words",
     "recorded_kind",
     "usable_kinds",
 ]

@@ -16,13 +16,12 @@ from typing import Any, ClassVar, TypeVar
 
 from end_effector_hal.kinds.stanza import Actuator, Hold, Supply
 from end_effector_hal.plugins import LONGEST, PluginError, attempt
-from end_effector_hal.signals import PART, Kind, clone, memory_of
+from end_effector_hal.signals import PART, ChannelReadings, Kind, clone, memory_of
 from end_effector_hal.vocabulary import Evidence
 
 from ._kind import DeviceKind
 from ._parts import (
     AlarmKind,
-    ChannelReadings,
     Detector,
     HoldFinding,
     HoldWatch,

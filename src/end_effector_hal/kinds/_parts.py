@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, Literal, NamedTuple, Protocol
 
-from end_effector_hal.signals import Kind
+from end_effector_hal.signals import ChannelReadings, Kind
 from end_effector_hal.vocabulary import Evidence
 
 
@@ -30,23 +30,6 @@ class ChannelKey(NamedTuple):
     def meaning(self) -> str:
         """What a bit says, such as ``extended`` of ``extended_bit``."""
         return self.key.removesuffix("_bit")
-
-
-class ChannelReadings(Protocol):
-    """The newest reading of each channel, as long as it is fresh and valid."""
-
-    @property
-    def carried(self) -> Mapping[str, Kind]:
-        """The channels of the codec."""
-        ...
-
-    def get(self, channel: str | None, at: int) -> int | bool | None:
-        """Gauge Pa (vacuum negative) or a bit at ``at`` µs; None: not carried, never read, stale, or invalid."""
-        ...
-
-    def arrived(self, channel: str) -> bool:
-        """Whether the newest frame brought a valid value: only that is a sample to count."""
-        ...
 
 
 class Detector(Protocol):

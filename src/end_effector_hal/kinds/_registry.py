@@ -8,14 +8,15 @@ from functools import cache
 from typing import Any, get_args
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.kinds.stanza import Actuator, Supply
 from end_effector_hal.plugins import Plugins, attempt
-from end_effector_hal.signals import Kind
+from end_effector_hal.signals import ChannelReadings, Kind
 from end_effector_hal.vocabulary import ACTIVE, INACTIVE, PENDING, TableState
 
 from ._guard import GuardedKind
 from ._kind import DeviceKind
-from ._parts import ChannelKey
+from ._parts import ChannelKey, Detector
+from .conditions import ConditionDetector, shown
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
@@ -57,6 +58,8 @@ def _wrong(kind: Any) -> Iterator[str]:
             yield f"{each.key!r}, a bit whose key does not end in _bit"
     if not any(each.confirms for each in kind.channels):
         yield "no channel that confirms"
+    if type(kind).detector is DeviceKind.detector and type(kind).preset is DeviceKind.preset:
+        yield "neither a preset nor a detector"
     states = kind.states
     if not (isinstance(states, type) and issubclass(states, TableState)):
         yield "states that are no TableState"
@@ -96,6 +99,18 @@ def get_kind(name: str) -> DeviceKind[Any]:
 def kind_of(part: Actuator) -> DeviceKind[Any]:
     """The kind of an actuator."""
     return get_kind(part.kind)
+
+
+def detector_of(part: Actuator, supply: Supply) -> Detector:
+    """A new detector of an actuator: by the evidence that it declares, else as its kind does."""
+    return ConditionDetector(part.evidence) if part.evidence else kind_of(part).detector(part, supply)
+
+
+def lost_words(part: Actuator, readings: ChannelReadings, at: int) -> str:
+    """What the sensors show of an actuator that was lost; after ``… was lost:``."""
+    if part.evidence:
+        return shown(part.evidence.channels, readings, at)
+    return kind_of(part).lost(part, readings, at)
 
 
 @cache

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.signals import INLINE, PART, Frame, StampGate
+from end_effector_hal.kinds.conditions import shown
+from end_effector_hal.signals import INLINE, PART, Frame, Kind, StampGate
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
@@ -47,6 +49,7 @@ class SensorSet:
         self._channels = {
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }
+        self._parts = description.ordered
         self._noticed: tuple[str, ...] = ()
         self.revision = 0
         """How often something may have changed."""
@@ -165,11 +168,13 @@ class SensorSet:
         said, readings = [*self.refusals(at), *self.now.doubts(at)], self.now.readings
         if not readings.link_up(at):
             return tuple(said)
+        said += self._findings(at)
         stale = readings.stale(at)
         lacking = [name for name in self._wanted if name in stale] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
-        unknown = self._unknown()
+        contradicting = {self._parts[i][0] for i, each in self.now.by_conditions if each.contradicts}
+        unknown = [name for name in self._unknown() if name not in contradicting]
         told = {channel for name in unknown for channel in self._channels[name]} if held else set()
         if missing := [name for name in lacking if name not in told]:
             said.append(f"No valid reading of {', '.join(missing)}.")
@@ -181,6 +186,26 @@ class SensorSet:
         """Whether the notices are others than at the last call."""
         before, self._noticed = self._noticed, self.notices(at, held=held)
         return self._noticed != before
+
+    def empty(self, index: int) -> str:
+        """That an actuator has gripped nothing, in words; empty: that is not proven."""
+        name, part = self._parts[index]
+        found = any(i == index and each.empty for i, each in self.now.by_conditions)
+        return f"{display_name(name)} {kind_of(part).empty}" if found else ""
+
+    def _findings(self, at: int) -> Iterator[str]:
+        """What is found by conditions, beside the evidence."""
+        for index, detector in self.now.by_conditions:
+            name, carried = self._parts[index][0], self.readings.carried
+            if detector.broken:
+                bits = sorted(each for each in self._channels[name] if carried.get(each) is Kind.BIT)
+                seen = shown(bits, self.readings, at)
+                yield (
+                    f"The sensors of {display_name(name)} contradict each other ({seen}): they prove nothing. "
+                    "Is one broken, or wired wrongly?"
+                )
+            elif said := self.empty(index):
+                yield f"{said}."
 
     def _unknown(self) -> list[str]:
         """Actuators without evidence."""

@@ -7,7 +7,8 @@ from typing import ClassVar, Self
 
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import fault_of, is_guarded, kind_of
+from end_effector_hal.kinds import detector_of, fault_of, is_guarded
+from end_effector_hal.kinds.conditions import ConditionDetector
 from end_effector_hal.signals import PART, Frame, clone
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 
@@ -50,9 +51,7 @@ class SensorState:
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.readings = Readings(description.freshness, carrier)
         self._rules = LinkRules(description, carrier, self.readings.stale_us)
-        self._detectors = tuple(
-            kind_of(part).detector(part, description.supply) for _, part in description.ordered
-        )
+        self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
         self._guarded = tuple(
             (index, display_name(name))
             for index, name in enumerate(description.sequence)
@@ -111,6 +110,13 @@ class SensorState:
         """What is impossible or frozen at ``at`` µs, a detector that fails, a device that began anew, in words."""
         said = self._rules.notices(at)
         return (*said, *self._faults()) if self._guarded else said
+
+    @property
+    def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
+        """Detectors of the actuators that conditions prove, by their place in the sequence."""
+        return tuple(
+            [(i, each) for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
+        )
 
     @property
     def confirmed(self) -> bool:

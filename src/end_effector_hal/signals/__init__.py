@@ -2,6 +2,7 @@
 
 from ._frame import Frame, Kind, Value
 from ._memory import INLINE, PART, clone, memory_of, recall, same_memory
+from ._readings import ChannelReadings
 from ._stamps import StampGate
 from ._streak import Streak
 from ._trend import Trend
@@ -9,6 +10,7 @@ from ._trend import Trend
 __all__ = [
     "INLINE",
     "PART",
+    "ChannelReadings",
     "Frame",
     "Kind",
     "StampGate",

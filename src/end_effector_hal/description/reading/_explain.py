@@ -32,6 +32,12 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
             return path, _missing_key(path, kind, places)
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
             return path, out_of_range(path, kind, error["input"], places)
+        case "stanza_fault":
+            said, place = error["ctx"], places.value(*path)
+            found = "" if "\n" in place.text else None
+            return path, Fault.at(
+                place, said["code"], said["what"], found=found, expected=said["expected"], hint=said["hint"]
+            )
         case "literal_error":
             return path, no_choice(path, error, places)
         case "string_pattern_mismatch" | "string_too_short" | "string_too_long" | "too_short":

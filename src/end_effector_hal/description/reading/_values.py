@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from end_effector_hal.description._fault import Fault, Keys, Place, Places, did_you_mean
 from end_effector_hal.description._numbers import convert, limits_of, number, split, with_unit, wrong_scale
-from end_effector_hal.kinds.stanza import PRINTABLE
+from end_effector_hal.kinds.stanza import PRINTABLE, Condition
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -75,6 +75,8 @@ def wrong_type(path: Keys, error: ErrorDetails, places: Places) -> Fault:
     hint = ""
     if isinstance(value, dict | list):
         pass
+    elif error.get("ctx", {}).get("class_name") == Condition.__name__ and isinstance(value, str):
+        expected, hint = "a condition", f"write {{on: {value}}}"
     elif expected == "text":
         hint = f'write "{place.text}"'
     elif expected == "true or false" and str(value).lower() in BOOLEANS:

@@ -18,13 +18,18 @@ _CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
 
 @dataclass(frozen=True)
 class Use:
-    """A channel and the key that names it; ``bit``: it says yes or no, else it is a pressure."""
+    """A channel and the key that names it; ``bit``: it says yes or no, else it is a pressure.
 
-    stanza: tuple[str, ...]
+    ``condition``: it stands in the evidence that an actuator declares, with these thresholds (key and gauge kPa).
+    """
+
+    stanza: tuple[str | int, ...]
     key: str
     channel: str
     bit: bool
     written: bool
+    condition: bool = False
+    thresholds: tuple[tuple[str, float], ...] = ()
 
 
 def uses(description: Description) -> tuple[Use, ...]:
@@ -43,7 +48,12 @@ def used_channels(description: Description) -> tuple[str, ...]:
 def _uses(description: Description) -> Iterator[Use]:
     for name, each in description.ordered:
         for asked in kind_of(each).channels:
-            yield from _of(("actuators", name), each, asked.key, bit=asked.carries is Kind.BIT)
+            # what evidence replaces is not asked for by default
+            if each.evidence is None or asked.key in each.model_fields_set:
+                yield from _of(("actuators", name), each, asked.key, bit=asked.carries is Kind.BIT)
+        for leaf in each.evidence.leaves if each.evidence else ():
+            where = ("actuators", name, "evidence", *leaf.path)
+            yield Use(where, leaf.key, leaf.channel, leaf.bit, True, True, leaf.thresholds)
     if description.tool_changer:
         for key in _CHANGER:
             yield from _of(("tool_changer",), description.tool_changer, key, bit=True)
@@ -52,7 +62,7 @@ def _uses(description: Description) -> Iterator[Use]:
     yield from _of(("supply",), description.supply, "channel", bit=False)
 
 
-def _of(stanza: tuple[str, ...], part: Part, key: str, *, bit: bool) -> Iterator[Use]:
+def _of(stanza: tuple[str | int, ...], part: Part, key: str, *, bit: bool) -> Iterator[Use]:
     channel = getattr(part, key)
     if channel and channel != NO_CHANNEL:
         yield Use(stanza, key, channel, bit, key in part.model_fields_set)
@@ -66,7 +76,8 @@ def bits_by_default() -> frozenset[str]:
         (kind.stanza, tuple(each.key for each in kind.channels if each.carries is Kind.BIT))
         for kind in usable_kinds().values()
     ]
-    return frozenset(str(model.model_fields[key].default) for model, keys in keyed for key in keys)
+    defaults = (model.model_fields[key].default for model, keys in keyed for key in keys)
+    return frozenset(name for name in defaults if isinstance(name, str))
 
 
 FROZEN_SAMPLES = 5
@@ -100,7 +111,7 @@ def position_bits(description: Description) -> frozenset[str]:
 
 def can_be_confirmed(actuator: Actuator, codec: CodecChannels) -> bool:
     """Whether anything that comes over the link could confirm an actuator."""
-    return any(channel in codec.channels for channel in kind_of(actuator).proofs(actuator))
+    return kind_of(actuator).can_confirm(actuator, codec.channels)
 
 
 def provers(description: Description, codec: CodecChannels, name: str) -> str:
@@ -108,7 +119,7 @@ def provers(description: Description, codec: CodecChannels, name: str) -> str:
 
     A pressure, where the kind has one; else a bit that says the same; and its position bits.
     """
-    others = {use.channel for use in uses(description) if use.stanza != ("actuators", name)}
+    others = {use.channel for use in uses(description) if use.stanza[:2] != ("actuators", name)}
     kind, bits, said = kind_of(description.actuators[name]), codec.of(Kind.BIT), []
     for each in kind.channels:
         if each.confirms and each.carries is Kind.BIT:
@@ -132,7 +143,7 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
         ("actuators", name) for name, each in description.ordered if not can_be_confirmed(each, codec)
     }
     for use in uses(description):
-        told = not use.bit and use.stanza in unproven
+        told = use.stanza[:2] in unproven if use.condition else not use.bit and use.stanza in unproven
         if told or use.channel in codec.channels:
             continue
         kind = Kind.BIT if use.bit else Kind.PRESSURE
@@ -143,13 +154,14 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
             else f"a codec with such a {kind.value}"
         )
         meant = did_you_mean(use.channel, known) if use.written else ""
+        instead = "" if use.condition else f"if there is no such sensor, write {use.key}: {NO_CHANNEL}"
         yield Fault.at(
             description.place(*use.stanza, use.key),
             "EE-225",
             f"{codec.codec} carries no {use.channel!r}",
             found=None if use.written else f"{use.key}: {use.channel} (default)",
             expected=expected,
-            hint=f"{f'{meant} ' if meant else ''}if there is no such sensor, write {use.key}: {NO_CHANNEL}",
+            hint=" ".join(filter(None, (meant, instead))),
         )
 
 
@@ -159,6 +171,29 @@ def no_bits(description: Description, codec: CodecChannels) -> Iterator[Fault]:
         if use.bit and codec.channels.get(use.channel) is Kind.PRESSURE:
             place, found = description.place(*use.stanza, use.key), f"{use.key}: {use.channel}"
             yield Fault.at(place, "EE-225", f"{use.channel!r} is a pressure", found=found, expected="a bit")
+        elif use.condition and not use.bit and codec.channels.get(use.channel) is Kind.BIT:
+            place, hint = description.place(*use.stanza, use.key), f"write {{on: {use.channel}}}"
+            yield Fault.at(place, "EE-225", f"{use.channel!r} is a bit", expected="a pressure", hint=hint)
+
+
+def impossible_thresholds(description: Description) -> Iterator[Fault]:
+    """Thresholds that the pressure of an actuator can never pass."""
+    for use in uses(description):
+        part = description.actuators[str(use.stanza[1])] if use.condition else None
+        if part is None or use.channel != part.channel:
+            continue
+        span = kind_of(part).plausible(part)
+        for key, kpa in use.thresholds:
+            if not span.has(round(kpa * 1000)):
+                below = kpa > 0 and span.has(round(-kpa * 1000))
+                hint = f"gauge pressure below ambient is negative here; write {key}: {number(-kpa)}"
+                yield Fault.at(
+                    description.place(*use.stanza, key),
+                    "EE-227",
+                    f"{span.what} cannot have {number(kpa)} kPa",
+                    expected=f"{number(span.low)} to {number(span.high)} kPa gauge",
+                    hint=hint if below and key != "between_kpa" else "",
+                )
 
 
 def too_soon(description: Description, codec: CodecChannels) -> Iterator[Fault]:

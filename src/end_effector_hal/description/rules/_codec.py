@@ -11,10 +11,20 @@ from end_effector_hal.description._fault import Fault, did_you_mean
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description.model import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.kinds.stanza import Actuator, EvidenceConditions
 from end_effector_hal.signals import Kind
 
-from ._channels import CodecChannels, can_be_confirmed, no_bits, position_bits, provers, too_soon, unwired
+from ._channels import (
+    CodecChannels,
+    can_be_confirmed,
+    impossible_thresholds,
+    no_bits,
+    position_bits,
+    provers,
+    too_soon,
+    unwired,
+    uses,
+)
 
 
 def unproven(description: Description, codec: CodecChannels) -> list[Fault]:
@@ -25,7 +35,7 @@ def unproven(description: Description, codec: CodecChannels) -> list[Fault]:
     found = [
         fault for name, each in description.ordered for fault in _unproven(description, codec, name, each)
     ]
-    named = [*unwired(description, codec), *no_bits(description, codec)]
+    named = [*unwired(description, codec), *no_bits(description, codec), *impossible_thresholds(description)]
     return sorted([*found, *named, *too_soon(description, codec)])
 
 
@@ -34,9 +44,12 @@ def _unproven(
 ) -> Iterator[Fault]:
     kind = kind_of(actuator)
     if not can_be_confirmed(actuator, codec):
+        what = f"{codec.codec} carries nothing that could confirm {name!r}"
+        if actuator.evidence is not None:
+            yield _unknowable(description, codec, name, actuator, what)
+            return
         proof = next(each for each in kind.channels if each.confirms)
         place = description.place("actuators", name, proof.key)
-        what = f"{codec.codec} carries nothing that could confirm {name!r}"
         meant = codec.of(proof.carries) or (codec.of(Kind.BIT) if proof.bit_instead else ())
         hint = did_you_mean(getattr(actuator, proof.key), meant)
         yield Fault.at(place, "EE-225", what, expected=provers(description, codec, name), hint=hint)
@@ -44,7 +57,9 @@ def _unproven(
         place = description.place("actuators", name, "channel")
         what = f"{actuator.channel!r} is a position bit and no pressure"
         yield Fault.at(place, "EE-225", what, expected=provers(description, codec, name))
-    if kind.samples:
+    if conditions := kind.conditions(actuator):
+        yield from _lasts_too_long(description, codec, name, conditions)
+    elif kind.samples:
         samples = getattr(actuator, kind.samples)
         least_s = (samples - 1) * codec.period_us / 1e6
         if least_s >= actuator.timeout_s:
@@ -52,6 +67,37 @@ def _unproven(
             what = f"{name!r} can never be confirmed: {samples} samples take {number(least_s)} s"
             expected = f"less than timeout_s = {number(actuator.timeout_s)}"
             yield Fault.at(place, "EE-225", what, found=codec.codec, expected=expected)
+
+
+def _unknowable(
+    description: Description, codec: CodecChannels, name: str, actuator: Actuator, what: str
+) -> Fault:
+    """Its evidence asks for channels that nothing carries: the first of them stands for all."""
+    missing = next(
+        use for use in uses(description)
+        if use.condition and use.stanza[:2] == ("actuators", name) and use.channel not in codec.channels
+    )  # fmt: skip
+    known = codec.of(Kind.BIT if missing.bit else Kind.PRESSURE)
+    place, hint = description.place(*missing.stanza, missing.key), did_you_mean(missing.channel, known)
+    return Fault.at(place, "EE-225", what, expected=provers(description, codec, name), hint=hint)
+
+
+def _lasts_too_long(
+    description: Description, codec: CodecChannels, name: str, conditions: EvidenceConditions
+) -> Iterator[Fault]:
+    """What lasts longer than its time-out can never happen."""
+    actuator = description.actuators[name]
+    for which, key, limit_s in (
+        ("confirmed", "timeout_s", actuator.timeout_s), ("gone", "release_s", actuator.release_s)
+    ):  # fmt: skip
+        least_s = getattr(conditions, which).lasts_s(codec.period_us / 1e6)
+        if least_s >= limit_s:
+            own = actuator.evidence is not None
+            place = description.place("actuators", name, *(("evidence", which) if own else (key,)))
+            what = f"{name!r} can never be {which}: it takes {number(least_s)} s"
+            yield Fault.at(
+                place, "EE-225", what, found=codec.codec, expected=f"less than {key} = {number(limit_s)}"
+            )
 
 
 def not_fitted(description: Description, codec: CodecChannels) -> list[str]:
@@ -66,6 +112,8 @@ def _actuator(name: str, actuator: Actuator, codec: CodecChannels) -> Iterator[s
         yield f"{name}: {actuator.channel} is carried by {codec.codec} as a bit: thresholds are off"
     if actuator.frozen_s is not None and carries is Kind.PRESSURE and not codec.noise_shows:
         yield f"{name}: {codec.codec} counts too coarsely to show a frozen sensor: frozen_s is off"
+    if actuator.evidence is not None:
+        return  # what its kind would prove does not count
     for phrase in kind_of(actuator).not_fitted(actuator, codec.channels):
         yield f"{name}: {phrase}"
 

@@ -1,5 +1,6 @@
 """What the stanzas of a description are made of: a frozen base, values with units, endings, the air of a tool."""
 
+from ._conditions import Condition, EvidenceConditions, stanza_fault
 from ._endings import (
     ChangerEndings,
     Endings,
@@ -30,7 +31,9 @@ __all__ = [
     "Actuator",
     "BelowAmbient",
     "ChangerEndings",
+    "Condition",
     "Endings",
+    "EvidenceConditions",
     "Hold",
     "Kilopascal",
     "LineName",
@@ -47,4 +50,5 @@ __all__ = [
     "Supply",
     "Texts",
     "Word",
+    "stanza_fault",
 ]

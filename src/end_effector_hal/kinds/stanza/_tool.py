@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
+from ._conditions import EvidenceConditions
 from ._endings import OwnEndings
 from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Seconds, Word
 
@@ -30,7 +31,7 @@ class Actuator(Part):
     T_GONE, ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
     """
 
-    LATER = ("opposite",)
+    LATER = ("opposite", "evidence")
 
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
         kind: str
@@ -50,6 +51,10 @@ class Actuator(Part):
     frozen_s: MaybeSeconds = Field(
         default=None,
         description="a pressure that does not move by a count for so long is invalid; null: never",
+    )
+    evidence: EvidenceConditions | None = Field(
+        default=None,
+        description="conditions over channels that prove it, instead of what its kind proves; null: as its kind does",
     )
     endings: OwnEndings = Field(
         default=OwnEndings(), description="what each ending does to this one; default: as for the whole tool"

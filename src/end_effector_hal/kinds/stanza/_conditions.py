@@ -1,0 +1,233 @@
+"""What proves an actuator, as conditions over channels: the keys of ``evidence``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import inf
+from typing import Annotated, Any, NamedTuple, Self
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic_core import PydanticCustomError
+
+from ._part import Name, Part
+
+DEEPEST, MOST = 6, 64
+"""Levels of one condition, and conditions of one actuator, each ``all``, ``on`` … counted."""
+
+_Gauge = Annotated[float | None, Field(ge=-110, le=2000)]
+
+
+class Leaf(NamedTuple):
+    """A channel that a condition looks at.
+
+    Attributes:
+        path: of the condition that names it, from the one that was asked.
+        key: that names it.
+        channel: its name.
+        bit: whether it says yes or no; else it is a pressure.
+        thresholds: key and gauge kPa of each.
+    """
+
+    path: tuple[str | int, ...]
+    key: str
+    channel: str
+    bit: bool
+    thresholds: tuple[tuple[str, float], ...]
+
+
+class Condition(Part):
+    """What channels show. Exactly one of `all`, `any`, `not`, `on`, or `channel` with one of the three thresholds.
+
+    A channel without a fresh, valid reading makes its condition unknown. `any` is true with one that is true, `all` is
+    false with one that is false, whatever the others are; else one that is unknown makes them unknown, and `not` too.
+    """
+
+    all: Annotated[tuple[Condition, ...] | None, Field(strict=False)] = Field(
+        default=None, description="each of these conditions holds"
+    )
+    any: Annotated[tuple[Condition, ...] | None, Field(strict=False)] = Field(
+        default=None, description="at least one of these conditions holds"
+    )
+    not_: Condition | None = Field(default=None, alias="not", description="this condition does not hold")
+    on: Name | None = Field(default=None, description="this bit is on")
+    channel: Name | None = Field(default=None, description="the pressure that a threshold belongs to")
+    below_kpa: _Gauge = Field(default=None, description="gauge pressure less than this; a vacuum is negative")
+    above_kpa: _Gauge = Field(default=None, description="gauge pressure more than this; a vacuum is negative")
+    between_kpa: Annotated[tuple[float, ...] | None, Field(strict=False)] = Field(
+        default=None, description="gauge pressure from the first to the second, both included"
+    )
+    for_ms: Annotated[int, Field(ge=0, le=60_000)] = Field(
+        default=0, description="without a break for at least this long, seen by the samples at its ends"
+    )
+    samples: Annotated[int, Field(ge=1, le=1000)] = Field(
+        default=1, description="for this many consecutive samples"
+    )
+
+    @model_validator(mode="after")
+    def _says_one_thing(self) -> Self:
+        said = [key for key in _SAYS if getattr(self, key) is not None]
+        words = [key.rstrip("_") for key in said]
+        if len(said) > 1:
+            what = f"a condition says {len(said)} things at once: {', '.join(words)}"
+            raise _wrong(what, "one of them", "all: [{…}, {…}] holds where each of them does")
+        if self.channel is not None and not {*said} & {*_THRESHOLDS}:
+            raise _wrong("'channel' has no threshold", f"one of {', '.join(_THRESHOLDS)}, beside channel")
+        if not said:
+            raise _wrong("a condition says nothing", f"one of {', '.join(key.rstrip('_') for key in _SAYS)}")
+        key = said[0]
+        if key in _THRESHOLDS and self.channel is None:
+            raise _wrong(f"{key!r} does not say of which channel", f"channel: its name, beside {key}")
+        if key in ("all", "any") and not getattr(self, key):
+            raise _wrong(f"{key!r} has no conditions", "at least one condition")
+        if self.between_kpa is not None:
+            low, high = self.between_kpa if len(self.between_kpa) == 2 else (inf, -inf)
+            if not -110 <= low < high <= 2000:
+                raise _wrong("'between_kpa' is no range", "[low, high], gauge kPa from -110 to 2000")
+        if self.depth > DEEPEST:
+            raise _wrong("conditions stand too deep in each other", f"at most {DEEPEST} levels")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _what_is_said(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in handler(self).items() if value != _DEFAULTS.get(key)}
+
+    @property
+    def parts(self) -> tuple[Condition, ...]:
+        """The conditions in it."""
+        return self.all or self.any or (() if self.not_ is None else (self.not_,))
+
+    @property
+    def depth(self) -> int:
+        """Levels, itself included."""
+        return 1 + max((each.depth for each in self.parts), default=0)
+
+    @property
+    def size(self) -> int:
+        """Conditions, itself included."""
+        return 1 + sum(each.size for each in self.parts)
+
+    @property
+    def leaves(self) -> Iterator[Leaf]:
+        """The channels that it looks at, in their order, each as often as it stands there."""
+        if self.on is not None:
+            yield Leaf((), "on", self.on, True, ())
+        elif self.channel is not None:
+            limits = {"below_kpa": self.below_kpa, "above_kpa": self.above_kpa}
+            found = tuple((key, value) for key, value in limits.items() if value is not None)
+            found += tuple(("between_kpa", value) for value in self.between_kpa or ())
+            yield Leaf((), "channel", self.channel, False, found)
+        key = "not" if self.not_ is not None else "all" if self.all else "any"
+        for index, part in enumerate(self.parts):
+            inside: tuple[str | int, ...] = (key,) if self.not_ is not None else (key, index)
+            for leaf in part.leaves:
+                yield leaf._replace(path=(*inside, *leaf.path))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that it looks at, each once."""
+        return tuple(dict.fromkeys(leaf.channel for leaf in self.leaves))
+
+    @property
+    def at_once(self) -> Condition:
+        """The same without `for_ms` and `samples`: what one sample shows."""
+        inside: dict[str, Any] = {}
+        if self.not_ is not None:
+            inside["not_"] = self.not_.at_once
+        elif self.parts:
+            inside["all" if self.all else "any"] = tuple(each.at_once for each in self.parts)
+        return self.model_copy(update={"for_ms": 0, "samples": 1, **inside})
+
+    @property
+    def asked(self) -> Condition | None:
+        """What of it is asked to be so, at once, without what is asked not to be; None: nothing is."""
+        if self.not_ is not None:
+            return None
+        if not self.parts:
+            return self.at_once
+        asked = [each.asked for each in self.parts]
+        if self.any and None in asked:
+            return None
+        found = tuple(each for each in asked if each is not None)
+        return self.at_once.model_copy(update={"all" if self.all else "any": found}) if found else None
+
+    def lasts_s(self, period_s: float) -> float:
+        """How long it takes at least, with a sample each ``period_s``."""
+        own = max(self.for_ms / 1000, (self.samples - 1) * period_s)
+        return own + max((each.lasts_s(period_s) for each in self.parts), default=0.0)
+
+    def can_be_known(self, carried: Mapping[str, object]) -> bool:
+        """Whether it can be anything but unknown with the channels that are carried."""
+        if not self.parts:
+            return (self.on or self.channel) in carried
+        known = [each.can_be_known(carried) for each in self.parts]
+        return any(known) if self.any else all(known)
+
+
+_THRESHOLDS = ("below_kpa", "above_kpa", "between_kpa")
+_SAYS = ("all", "any", "not_", "on", *_THRESHOLDS)
+_DEFAULTS = {field.alias or key: field.default for key, field in Condition.model_fields.items()}
+
+
+def _wrong(what: str, expected: str, hint: str = "") -> PydanticCustomError:
+    return stanza_fault("EE-227", what, expected, hint)
+
+
+def stanza_fault(code: str, what: str, expected: str, hint: str = "") -> PydanticCustomError:
+    """For a validator: a fault of a description, which stands where the value does.
+
+    Args:
+        code: ``EE-2..``.
+        what: is wrong; no full stop.
+        expected: what ought to stand there.
+        hint: how to get there.
+    """
+    told = {"code": code, "what": what, "expected": expected, "hint": hint}
+    return PydanticCustomError("stanza_fault", "{what}, expected {expected}", told)
+
+
+class EvidenceConditions(Part):
+    """What proves an actuator. It replaces what its kind would prove by itself.
+
+    UNKNOWN as long as what decides it is not known, and while its sensors contradict each other: `fault` holds, or
+    `confirmed` and `gone` do at once. That is an alarm when it lasts for half a second.
+    """
+
+    confirmed: Condition = Field(description="proves that it grips")
+    gone: Condition = Field(description="proves that it has released; not the opposite of confirmed")
+    lost: Condition | None = Field(
+        default=None, description="once confirmed: no longer; default: as soon as a sample no longer confirms"
+    )
+    empty: Condition | None = Field(default=None, description="it has gripped nothing; default: never")
+    fault: Condition | None = Field(
+        default=None,
+        description="its sensors contradict each other; default: what confirmed and what gone ask to be on is on",
+    )
+
+    @model_validator(mode="after")
+    def _is_bounded(self) -> Self:
+        if sum(each.size for _, each in self.named) > MOST:
+            raise _wrong("there are too many conditions", f"at most {MOST} for one actuator")
+        if self.confirmed.at_once == self.gone.at_once:
+            raise _wrong("'confirmed' and 'gone' are the same condition", "gone: what only a release shows")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _what_is_said(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in handler(self).items() if value is not None}
+
+    @property
+    def named(self) -> tuple[tuple[str, Condition], ...]:
+        """Those that are given, by their keys."""
+        return tuple((key, value) for key, value in self if value is not None)
+
+    @property
+    def leaves(self) -> Iterator[Leaf]:
+        """The channels that they look at, each as often as it stands there; the path begins with the key."""
+        for key, condition in self.named:
+            for leaf in condition.leaves:
+                yield leaf._replace(path=(key, *leaf.path))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that they look at, each once."""
+        return tuple(dict.fromkeys(leaf.channel for leaf in self.leaves))
