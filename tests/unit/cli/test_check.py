@@ -97,7 +97,7 @@ def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
     assert result.stderr.splitlines() == [
         "tool.yaml:25:5: wrong unit in key 'timeout_ms' (timeout_ms: 5000), expected seconds; "
         "write timeout_s: 5 [EE-210]",
-        "tool.yaml:34:11: unknown kind of actuator (cylinderr), expected vacuum or cylinder; "
+        "tool.yaml:34:11: unknown kind of actuator (cylinderr), expected vacuum or cylinder or gripper or magnet; "
         "did you mean 'cylinder'? [EE-209]",
     ]
 

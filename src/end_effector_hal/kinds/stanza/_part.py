@@ -23,11 +23,18 @@ Word = Annotated[str, Field(pattern=PRINTABLE)]
 """Text in one line."""
 NO_CHANNEL = "none"
 """Written where there is no such sensor: what it would prove is off, and said to be."""
+Settling = Annotated[int, Field(ge=0, le=10_000)]
+"""ms for which a switch must show the same."""
 LineName = Annotated[str, Field(pattern=PRINTABLE, min_length=1, max_length=64)]
 
 # A YAML sequence is a list; frozen objects hold tuples.
 Names = Annotated[tuple[Name, ...], Field(strict=False)]
 Texts = Annotated[tuple[str, ...], Field(strict=False)]
+
+
+def named(channel: str | None) -> str | None:
+    """A channel that a key names; None: there is no such sensor."""
+    return None if channel == NO_CHANNEL else channel
 
 
 class Part(BaseModel):
