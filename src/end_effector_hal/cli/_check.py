@@ -30,7 +30,8 @@ def command(file: Path | None, as_json: bool) -> None:
     """Check a description, its codec and its automata; FILE defaults to the shipped one.
 
     Every fault is a line on stderr, file:line:column: what (offending text), expected …; hint [code], and below it the
-    line of the file with the offending text marked; the exit code is 2. Without faults: a summary, what the link does not carry, and times that it is too slow for.
+    line of the file with the offending text marked; the exit code is 2. Without faults: a summary, what the link does
+    not carry, and times that it is too slow for.
     """
     checked = check(file or profile_path())
     if as_json:

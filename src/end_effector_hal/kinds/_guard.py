@@ -14,7 +14,7 @@ from itertools import islice
 from math import isfinite
 from typing import Any, ClassVar, TypeVar
 
-from end_effector_hal.kinds.stanza import Actuator, Hold, Supply
+from end_effector_hal.kinds.stanza import Actuator, EvidenceConditions, Hold, Supply
 from end_effector_hal.plugins import LONGEST, PluginError, attempt
 from end_effector_hal.signals import PART, ChannelReadings, Kind, clone, memory_of
 from end_effector_hal.vocabulary import Evidence
@@ -35,6 +35,7 @@ MOST_SAID = 16
 """Findings or phrases that one call may return."""
 _DECLARED = (
     "name", "stanza", "channels", "states", "orders", "joint_rules", "opposing", "samples", "below_ambient", "moves",
+    "empty",
 )  # fmt: skip
 T = TypeVar("T")
 
@@ -167,8 +168,22 @@ class GuardedKind(DeviceKind[Any]):
         """How its margins have failed first, a sentence; empty: they have not."""
         self._known: dict[tuple[str, int], tuple[Actuator, Any]] = {}
 
-    def detector(self, part: Any, supply: Supply) -> GuardedDetector:
-        """A new one, guarded."""
+    def preset(self, part: Any) -> EvidenceConditions | None:
+        """Its conditions."""
+
+        def checked(conditions: EvidenceConditions | None) -> EvidenceConditions | None:
+            return conditions if conditions is None else _of_type(conditions, EvidenceConditions)
+
+        return self._once("preset()", part, lambda: checked(self._kind.preset(part)))
+
+    def can_confirm(self, part: Any, carried: Mapping[str, Kind]) -> bool:
+        """Whether anything that is carried could."""
+        return self._must("can_confirm()", lambda: _of_type(self._kind.can_confirm(part, carried), bool))
+
+    def detector(self, part: Any, supply: Supply) -> Detector:
+        """A new one, guarded where it is its own."""
+        if type(self._kind).detector is DeviceKind.detector:
+            return super().detector(part, supply)
         return GuardedDetector(self._name("detector()"), lambda: self._kind.detector(part, supply))
 
     def hold_watch(self, part: Any, hold: Hold, period_us: int) -> GuardedWatch | None:

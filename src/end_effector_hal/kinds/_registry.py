@@ -71,6 +71,8 @@ GROUP = "end_effector_hal.kinds"
 OWN = {
     "vacuum": "end_effector_hal.kinds.vacuum:Vacuum",
     "cylinder": "end_effector_hal.kinds.cylinder:Cylinder",
+    "gripper": "end_effector_hal.kinds.gripper:Gripper",
+    "magnet": "end_effector_hal.kinds.magnet:Magnet",
 }
 
 

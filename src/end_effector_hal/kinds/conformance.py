@@ -60,12 +60,14 @@ class KindConformance:
     def readings(self, values: Mapping[str, Value]) -> FixedReadings:
         return FixedReadings({self.supply.channel: round(self.supply.nominal_kpa * 1000), **values})
 
-    def judged(self, detector: Any, values: Mapping[str, Value], at: int = 0) -> tuple[Evidence, int]:
-        """The evidence once it stays the same, and when that was."""
+    def judged(
+        self, detector: Any, values: Mapping[str, Value], expected: Evidence, at: int = 0
+    ) -> tuple[Evidence, int]:
+        """The evidence as soon as it is what is expected, else after a minute; and when that was."""
         readings, level = self.readings(values), Evidence.UNKNOWN
         for at in range(at + PERIOD_US, at + LONGEST_US, PERIOD_US):  # noqa: B020 goes on from there
             level = detector.sample(readings, at)
-            if level in (Evidence.CONFIRMED, Evidence.GONE, Evidence.UNKNOWN):
+            if level is expected:
                 break
         return level, at
 
@@ -99,23 +101,23 @@ class KindConformance:
 
     def test_is_confirmed_when_it_is_active_and_gone_when_it_is_not(self) -> None:
         detector = self.new_detector()
-        level, at = self.judged(detector, self.active)
+        level, at = self.judged(detector, self.active, Evidence.CONFIRMED)
         assert level is Evidence.CONFIRMED
-        level, at = self.judged(detector, self.inactive, at)
+        level, at = self.judged(detector, self.inactive, Evidence.GONE, at)
         assert level is Evidence.GONE
-        assert self.judged(detector, self.active, at)[0] is Evidence.CONFIRMED
+        assert self.judged(detector, self.active, Evidence.CONFIRMED, at)[0] is Evidence.CONFIRMED
 
     def test_nothing_is_proven_without_a_reading(self) -> None:
         lost = dict.fromkeys(self.active)
-        for before in (self.active, self.inactive):
+        for before, level in ((self.active, Evidence.CONFIRMED), (self.inactive, Evidence.GONE)):
             detector = self.new_detector()
             assert detector.sample(self.readings(lost), 0) is Evidence.UNKNOWN
-            _, at = self.judged(detector, before)
+            _, at = self.judged(detector, before, level)
             assert detector.sample(self.readings(lost), at + PERIOD_US) is Evidence.UNKNOWN
 
     def test_a_detector_can_be_recorded_and_recalled(self) -> None:
         one, other = self.new_detector(), self.new_detector()
-        _, at = self.judged(one, self.active)
+        _, at = self.judged(one, self.active, Evidence.CONFIRMED)
         recall(other, memory_of(one))
         assert memory_of(other) == memory_of(one)
         for values in (self.active, self.inactive):

@@ -9,6 +9,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind, Value
 
 from ._scenario import TOOL_CHANGER, Effect, Scenario, device_physics, did_you_mean, parse_scenario
@@ -55,6 +56,7 @@ class Station:
         self._activations = 0
         self._works = active
         device.leak(self.effect.leak_l_min, self.effect.leak_grows_l_min_s)
+        device.meet(not self.effect.no_part)
         device.settle(active)
         self._expect_loss(device.now)
 
@@ -75,6 +77,7 @@ class Station:
             self._activations = 1
             self._works = effect.dead_activations < 1
         self.device.leak(effect.leak_l_min, effect.leak_grows_l_min_s)
+        self.device.meet(not effect.no_part)
         self._drive(at)
 
     def lose(self) -> None:
@@ -237,7 +240,7 @@ class Bench:
             if device.pressure_kpa is not None:
                 values[actuator.channel] = self._shown(name, actuator.channel, device.pressure_kpa, at)
             for key in kind_of(actuator).channels:
-                if key.carries is Kind.BIT and (bit := getattr(actuator, key.key)):
+                if key.carries is Kind.BIT and (bit := named(getattr(actuator, key.key))):
                     values[bit] = device.bits[key.meaning]
         if description.tool_changer is not None:
             values |= self._changer_bits(description.tool_changer, devices[TOOL_CHANGER].bits)

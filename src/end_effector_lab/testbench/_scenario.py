@@ -11,7 +11,7 @@ from typing import Any
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 
-from .physics import ACTUATOR, CHANGER, LEAKS, PRESSURE, Device, ToolChanger, physics_of
+from .physics import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, Device, ToolChanger, physics_of
 
 NEVER = 10**9
 
@@ -25,6 +25,7 @@ class Effect:
     leak_l_min: float = 0.0
     """At 60 kPa of vacuum."""
     leak_grows_l_min_s: float = 0.0
+    no_part: bool = False
     lost_after_us: int | None = None
     """After the activation; the line stays active."""
     invalid: bool = False
@@ -124,6 +125,7 @@ FAULTS: tuple[Fault, ...] = (
           lambda q: {"leak_grows_l_min_s": q}, (LEAKS,), Number("l_min_s", 0.01, 100, default=1.0)),
     Fault("lost-after", "what it holds is lost, so long after the activation",
           lambda s: {"lost_after_us": _micros(s)}, (ACTUATOR,), Number("seconds", 0.001, 86400)),
+    Fault("no-part", "there is nothing for it to grip", lambda _: {"no_part": True}, (PARTS,)),
     Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, (PRESSURE,)),
     Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, (PRESSURE,),
           Number("kpa", -110, 800)),

@@ -33,7 +33,7 @@ def recording(installed: Environment) -> Path:
 
 
 def test_an_unknown_kind_is_refused_with_the_known_ones(before: str) -> None:
-    assert "unknown kind of actuator (jaw), expected vacuum or cylinder" in before
+    assert "unknown kind of actuator (jaw), expected vacuum or cylinder or gripper or magnet" in before
 
 
 def test_it_does_what_every_kind_must_do(installed: Environment) -> None:
@@ -47,7 +47,7 @@ def test_it_is_checked(installed: Environment) -> None:
     ]
     text = (installed.folder / TOOL).read_text(encoding="utf-8").replace("kind: jaw", "kind: jaws")
     (installed.folder / "misspelt.yaml").write_text(text, encoding="utf-8")
-    assert "expected vacuum or cylinder or jaw; did you mean 'jaw'?" in (
+    assert "expected vacuum or cylinder or gripper or magnet or jaw; did you mean 'jaw'?" in (
         installed.run("eehal", "check", "misspelt.yaml", expected=2).stderr
     )
 
@@ -79,4 +79,4 @@ def test_it_grips_and_the_recording_is_told_in_its_words(recording: Path, instal
 def test_its_recording_is_refused_where_it_is_not_installed(recording: Path, installed: Environment) -> None:
     installed.run("uv", "pip", "uninstall", "eehal-jaw")
     said = installed.run("eehal", "plot", "runs/nominal", "-o", "again.svg", expected=2).stderr
-    assert "there is no kind of actuator 'jaw'. There are: vacuum, cylinder." in said
+    assert "there is no kind of actuator 'jaw'. There are: vacuum, cylinder, gripper, magnet." in said

@@ -110,7 +110,7 @@ def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
         "   |",
         "25 |     timeout_ms: 5000",
         "   |     ^^^^^^^^^^",
-        "tool.yaml:34:11: unknown kind of actuator (cylinderr), expected vacuum or cylinder; "
+        "tool.yaml:34:11: unknown kind of actuator (cylinderr), expected vacuum or cylinder or gripper or magnet; "
         "did you mean 'cylinder'? [EE-209]",
         "   |",
         "34 |     kind: cylinderr",

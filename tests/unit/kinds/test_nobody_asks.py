@@ -17,7 +17,7 @@ CHANNELS = {
     "end_effector_lab/testbench/_places.py",
 }
 """Codecs and a wiring whose channels have the names of kinds."""
-NAMES = {"vacuum", "cylinder"}
+NAMES = {"vacuum", "cylinder", "gripper", "magnet"}
 
 
 def asked(tree: ast.AST) -> Iterator[str]:

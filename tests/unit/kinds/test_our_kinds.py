@@ -13,9 +13,11 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import DeviceKind, _registry, get_kind, kind_names, recorded_kind, usable_kinds
 from end_effector_hal.kinds.conformance import KindConformance
 from end_effector_hal.kinds.cylinder import Cylinder, CylinderState
+from end_effector_hal.kinds.gripper import Gripper
+from end_effector_hal.kinds.magnet import Magnet
 from end_effector_hal.kinds.vacuum import Vacuum, VacuumState
 from end_effector_lab.testbench.physics import Cylinder as CylinderPhysics
-from end_effector_lab.testbench.physics import VacuumCircuit, physics_of
+from end_effector_lab.testbench.physics import Fingers, HoldingMagnet, VacuumCircuit, physics_of
 from end_effector_lab.testbench.physics import _registry as physics_registry
 from end_effector_lab.testbench.physics.conformance import PhysicsConformance
 
@@ -52,6 +54,55 @@ class TestCylinderByItsBits(KindConformance):
         assert self.kind.travel(self.part.model_copy(update={"stroke_mm": None})) is None
 
 
+class TestVacuumWithAPartSwitch(KindConformance):
+    kind = Vacuum()
+    stanza: ClassVar = {"line": "A", "channel": "none", "part_bit": "cup"}
+    active: ClassVar = {"cup": True}
+    inactive: ClassVar = {"cup": False}
+
+
+class TestVacuumWithTwoSwitches(KindConformance):
+    kind = Vacuum()
+    stanza: ClassVar = {"line": "A", "channel": "none", "part_bit": "cup", "gone_bit": "vented"}
+    active: ClassVar = {"cup": True, "vented": False}
+    inactive: ClassVar = {"cup": False, "vented": True}
+
+
+class TestGripperWithEndSwitches(KindConformance):
+    kind = Gripper()
+    stanza: ClassVar = {"line": "A", "open_bit": "opened", "closed_bit": "closed", "stroke_mm": 8.0}
+    active: ClassVar = {"opened": False, "closed": False}
+    inactive: ClassVar = {"opened": True, "closed": False}
+
+
+class TestGripperWithAPartSwitch(KindConformance):
+    kind = Gripper()
+    stanza: ClassVar = {"line": "A", "part_bit": "part", "closed_bit": "none"}
+    active: ClassVar = {"part": True}
+    inactive: ClassVar = {"part": False}
+
+
+class TestGripperWithAllSwitches(KindConformance):
+    kind = Gripper()
+    stanza: ClassVar = {"line": "A", "open_bit": "opened", "closed_bit": "closed", "part_bit": "part"}
+    active: ClassVar = {"opened": False, "closed": False, "part": True}
+    inactive: ClassVar = {"opened": True, "closed": False, "part": False}
+
+
+class TestMagnet(KindConformance):
+    kind = Magnet()
+    stanza: ClassVar = {"line": "A", "part_bit": "part"}
+    active: ClassVar = {"part": True}
+    inactive: ClassVar = {"part": False}
+
+
+class TestMagnetWithAProofOfRelease(KindConformance):
+    kind = Magnet()
+    stanza: ClassVar = {"line": "A", "part_bit": "part", "gone_bit": "away"}
+    active: ClassVar = {"part": True, "away": False}
+    inactive: ClassVar = {"part": False, "away": True}
+
+
 class TestVacuumPhysics(PhysicsConformance):
     kind = Vacuum()
     physics = VacuumCircuit
@@ -62,6 +113,30 @@ class TestCylinderPhysics(PhysicsConformance):
     kind = Cylinder()
     physics = CylinderPhysics
     stanza: ClassVar = {"line": "A", "channel": "rod"}
+
+
+class TestVacuumPhysicsWithSwitches(PhysicsConformance):
+    kind = Vacuum()
+    physics = VacuumCircuit
+    stanza: ClassVar = {"line": "A", "channel": "none", "part_bit": "cup", "gone_bit": "vented"}
+
+
+class TestFingers(PhysicsConformance):
+    kind = Gripper()
+    physics = Fingers
+    stanza: ClassVar = {"line": "A", "open_bit": "opened", "closed_bit": "closed"}
+
+
+class TestFingersWithAPartSwitch(PhysicsConformance):
+    kind = Gripper()
+    physics = Fingers
+    stanza: ClassVar = {"line": "A", "part_bit": "part"}
+
+
+class TestHoldingMagnet(PhysicsConformance):
+    kind = Magnet()
+    physics = HoldingMagnet
+    stanza: ClassVar = {"line": "A", "part_bit": "part", "gone_bit": "away"}
 
 
 def test_our_own_are_the_entry_points_of_this_distribution():
@@ -84,11 +159,14 @@ def test_the_words_of_a_recording_come_from_its_kinds_then_from_its_names():
 def test_an_unknown_kind_is_refused_with_the_known_ones():
     for asked in (get_kind, lambda name: recorded_kind("grabber", {"grabber": name})):
         with pytest.raises(
-            UsageError, match=r"there is no kind of actuator 'magnet'.*There are: vacuum, cylinder"
+            UsageError,
+            match=r"there is no kind of actuator 'crane'.*There are: vacuum, cylinder, gripper, magnet",
         ):
-            asked("magnet")
-    with pytest.raises(UsageError, match=r"simulated kind of actuator 'magnet'.*There are: vacuum, cylinder"):
-        physics_of("magnet")
+            asked("crane")
+    with pytest.raises(
+        UsageError, match=r"simulated kind of actuator 'crane'.*There are: vacuum, cylinder, gripper, magnet"
+    ):
+        physics_of("crane")
 
 
 class Nameless(Vacuum):
@@ -120,11 +198,11 @@ def test_what_is_no_kind_is_a_sentence_and_ends_nothing(
     points = EntryPoints([EntryPoint("odd", f"{__name__}:{value}", _registry.GROUP)])
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **kw: points.select(**kw))
     usable_kinds.cache_clear()
-    assert kind_names() == ("vacuum", "cylinder", "odd")
+    assert kind_names() == ("vacuum", "cylinder", "gripper", "magnet", "odd")
     with pytest.raises(UsageError) as caught:
         get_kind("odd")
     assert why in caught.value.what
-    assert list(usable_kinds()) == ["vacuum", "cylinder"]
+    assert list(usable_kinds()) == ["vacuum", "cylinder", "gripper", "magnet"]
     usable_kinds.cache_clear()
 
 

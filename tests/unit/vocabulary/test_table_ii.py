@@ -52,9 +52,10 @@ def test_the_words_of_an_actuator_come_from_its_kind_then_from_its_name():
 
 def test_an_unknown_kind_in_a_recording_is_refused_with_the_known_ones():
     with pytest.raises(
-        UsageError, match=r"there is no kind of actuator 'magnet'.*There are: vacuum, cylinder"
+        UsageError,
+        match=r"there is no kind of actuator 'crane'.*There are: vacuum, cylinder, gripper, magnet",
     ):
-        recorded_kind("grabber", {"grabber": "magnet"})
+        recorded_kind("grabber", {"grabber": "crane"})
 
 
 def test_display_name():

@@ -33,8 +33,8 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
             return path, out_of_range(path, kind, error["input"], places)
         case "stanza_fault":
-            said, place = error["ctx"], places.value(*path)
-            found = "" if "\n" in place.text else None
+            said, whole = error["ctx"], len(path) == 2  # an actuator: its text would say nothing
+            place, found = (places.key(*path), "") if whole else (places.value(*path), None)
             return path, Fault.at(
                 place, said["code"], said["what"], found=found, expected=said["expected"], hint=said["hint"]
             )

@@ -20,8 +20,10 @@ from ._part import (
     RosName,
     Samples,
     Seconds,
+    Settling,
     Texts,
     Word,
+    named,
 )
 from ._tool import Actuator, Hold, Opposite, Supply
 
@@ -47,8 +49,10 @@ __all__ = [
     "RosName",
     "Samples",
     "Seconds",
+    "Settling",
     "Supply",
     "Texts",
     "Word",
+    "named",
     "stanza_fault",
 ]

@@ -23,11 +23,18 @@ Word = Annotated[str, Field(pattern=PRINTABLE)]
 """Text in one line."""
 NO_CHANNEL = "none"
 """Written where there is no such sensor: what it would prove is off, and said to be."""
+Settling = Annotated[int, Field(ge=0, le=10_000)]
+"""ms for which a switch must show the same."""
 LineName = Annotated[str, Field(pattern=PRINTABLE, min_length=1, max_length=64)]
 
 # A YAML sequence is a list; frozen objects hold tuples.
 Names = Annotated[tuple[Name, ...], Field(strict=False)]
 Texts = Annotated[tuple[str, ...], Field(strict=False)]
+
+
+def named(channel: str | None) -> str | None:
+    """A channel that a key names; None: there is no such sensor."""
+    return None if channel == NO_CHANNEL else channel
 
 
 class Part(BaseModel):
@@ -36,12 +43,12 @@ class Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     LATER: ClassVar[tuple[str, ...]] = ()
-    """Keys that were added later: one that says nothing is left out, so that descriptions keep their hash."""
+    """Keys that were added later: one with its default is left out, so that descriptions keep their hash."""
 
     @model_serializer(mode="wrap")
     def _written(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = dump(self)
         for key in self.LATER:
-            if not content.get(key):
+            if getattr(self, key) == type(self).model_fields[key].default:
                 content.pop(key, None)
         return content

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -31,7 +31,7 @@ class Actuator(Part):
     T_GONE, ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
     """
 
-    LATER = ("opposite", "evidence")
+    LATER: ClassVar[tuple[str, ...]] = ("opposite", "evidence")
 
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
         kind: str

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from end_effector_hal.kinds import (
     COMPRESSED_AIR,
     ChannelKey,
     ChannelReadings,
+    Detector,
     DeviceKind,
     JointRule,
     PressureRange,
     Quote,
 )
-from end_effector_hal.kinds.stanza import Hold, Supply
+from end_effector_hal.kinds.conditions import part_conditions
+from end_effector_hal.kinds.stanza import NO_CHANNEL, EvidenceConditions, Hold, Supply, named
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import TableState
 
@@ -50,7 +52,11 @@ class Vacuum(DeviceKind[VacuumActuator]):
 
     name = "vacuum"
     stanza = VacuumActuator
-    channels = (ChannelKey("channel", Kind.PRESSURE, confirms=True, bit_instead=True),)
+    channels = (
+        ChannelKey("channel", Kind.PRESSURE, confirms=True, bit_instead=True),
+        ChannelKey("part_bit", Kind.BIT, confirms=True),
+        ChannelKey("gone_bit", Kind.BIT),
+    )
     states = VacuumState
     # A signal rises through gone, lost at once, lost, confirmed, secure; equal where two may be one.
     orders = (
@@ -64,9 +70,19 @@ class Vacuum(DeviceKind[VacuumActuator]):
     samples = "confirmed_samples"
     below_ambient = True
 
-    def detector(self, part: VacuumActuator, supply: Supply) -> VacuumDetector:
-        """From samples of one vacuum circuit."""
-        return VacuumDetector(part)
+    def preset(self, part: VacuumActuator) -> EvidenceConditions | None:
+        """By its switches, where there are any."""
+        return part_conditions(
+            part.part_bit,
+            part.gone_bit,
+            confirmed_ms=part.confirmed_ms,
+            lost_ms=part.lost_ms,
+            gone_ms=part.gone_ms,
+        )
+
+    def detector(self, part: VacuumActuator, supply: Supply) -> Detector:
+        """From samples of one vacuum circuit, or from its switches."""
+        return VacuumDetector(part) if self.preset(part) is None else super().detector(part, supply)
 
     def plausible(self, part: VacuumActuator) -> PressureRange:
         """A blow-off puts compressed air into the circuit."""
@@ -77,16 +93,26 @@ class Vacuum(DeviceKind[VacuumActuator]):
         """Beyond the threshold of loss."""
         return -gauge_pa - part.lost_kpa * 1000
 
-    def hold_watch(self, part: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch:
-        """Weak grips and leaks."""
-        return VacuumWatch(part, hold, period_us)
+    def hold_watch(self, part: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch | None:
+        """Weak grips and leaks, where there is a pressure."""
+        return None if self.preset(part) and not named(part.channel) else VacuumWatch(part, hold, period_us)
 
     def lost(self, part: VacuumActuator, readings: ChannelReadings, at: int) -> str:
         """The vacuum that is left."""
         value = readings.get(part.channel, at)
-        if value is None or isinstance(value, bool):
+        if value is None or isinstance(value, bool) or self.preset(part):
             return super().lost(part, readings, at)
         return f"{-value / 1000:.1f} kPa below ambient, it takes {part.lost_kpa:g}"
+
+    def not_fitted(self, part: VacuumActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
+        """What a switch does not show."""
+        if self.preset(part) is None:
+            return
+        if part.channel not in carried:
+            yield f"channel: {part.channel}: {part.part_bit} alone decides: a weak grip and a leak are not seen"
+        if part.gone_bit not in carried:
+            left = "what is left of a vacuum under its threshold is not seen"
+            yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {part.part_bit} off is taken for vented: {left}"
 
     def limits(self, part: VacuumActuator, supply: Supply) -> dict[str, float]:
         """Below ambient."""

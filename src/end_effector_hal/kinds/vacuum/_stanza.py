@@ -6,7 +6,16 @@ from typing import Literal
 
 from pydantic import Field
 
-from end_effector_hal.kinds.stanza import Actuator, BelowAmbient, LineName, Part, Samples, Seconds
+from end_effector_hal.kinds.stanza import (
+    Actuator,
+    BelowAmbient,
+    LineName,
+    Name,
+    Part,
+    Samples,
+    Seconds,
+    Settling,
+)
 
 
 class BlowOff(Part):
@@ -19,7 +28,9 @@ class BlowOff(Part):
 
 
 class VacuumActuator(Actuator):
-    """A vacuum generator with its cups."""
+    """A vacuum generator with its cups: proven by its pressure, or by one or two switches (`part_bit`, `gone_bit`)."""
+
+    LATER = (*Actuator.LATER, "part_bit", "gone_bit", "confirmed_ms", "lost_ms", "gone_ms")
 
     kind: Literal["vacuum"] = Field(description="what it is")
     blow_off: BlowOff | None = Field(default=None, description="absent: none is fitted")
@@ -36,4 +47,17 @@ class VacuumActuator(Actuator):
     secure_kpa: BelowAmbient = Field(default=75.0, description="at least this: a secure grip")
     secure_hysteresis_kpa: BelowAmbient = Field(
         default=15.0, description="no longer secure this far below secure_kpa"
+    )
+    part_bit: Name | None = Field(
+        default=None,
+        description="vacuum switch that is on with a part; it decides, whatever channel shows; null: none",
+    )
+    gone_bit: Name | None = Field(
+        default=None,
+        description="with part_bit: switch that is on without vacuum; null or none: part_bit off proves a release",
+    )
+    confirmed_ms: Settling = Field(default=50, description="part_bit for this long: confirmed")
+    lost_ms: Settling = Field(default=40, description="once confirmed: part_bit off for this long: lost")
+    gone_ms: Settling = Field(
+        default=100, description="part_bit off, and gone_bit on where it is named, for this long: gone"
     )

@@ -5,7 +5,9 @@ under the name of the kind, and a test that inherits `PhysicsConformance` of its
 """
 
 from ._cylinder import Cylinder
-from ._device import ACTUATOR, CHANGER, LEAKS, PRESSURE, Device, Plant
+from ._device import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, Device, Plant
+from ._fingers import Fingers
+from ._magnet import HoldingMagnet
 from ._parts import STEP_S, STEP_US, Model, Sensor, Supply, Valve
 from ._registry import physics_of
 from ._tool_changer import ToolChanger
@@ -15,11 +17,14 @@ __all__ = [
     "ACTUATOR",
     "CHANGER",
     "LEAKS",
+    "PARTS",
     "PRESSURE",
     "STEP_S",
     "STEP_US",
     "Cylinder",
     "Device",
+    "Fingers",
+    "HoldingMagnet",
     "Model",
     "Plant",
     "Sensor",

@@ -8,15 +8,16 @@ from typing import ClassVar, Self
 
 from ._parts import Model, Supply, Valve
 
-ACTUATOR, PRESSURE, LEAKS, CHANGER = "actuator", "pressure", "leaks", "changer"
-"""What the faults of a scenario ask for: it holds something, has a pressure sensor, can leak, is a tool changer."""
+ACTUATOR, PRESSURE, LEAKS, PARTS, CHANGER = "actuator", "pressure", "leaks", "parts", "changer"
+"""What the faults of a scenario ask for: it holds something, has a pressure sensor, can leak, may have no part to
+grip, is a tool changer."""
 
 
 class Device(Model):
     """A model behind a valve that a line switches.
 
     Attributes:
-        traits: which faults it can have: `ACTUATOR`, `PRESSURE`, `LEAKS`, `CHANGER`.
+        traits: which faults it can have: `ACTUATOR`, `PRESSURE`, `LEAKS`, `PARTS`, `CHANGER`.
         valve_us: the least and the longest dead time of its valve.
     """
 
@@ -43,6 +44,11 @@ class Device(Model):
         """Leak this much from now on, and more with each second of suction; only what `LEAKS` does."""
         if litres_min or grows_l_min_s:
             raise ValueError(f"{type(self).__name__} has no leak")
+
+    def meet(self, part: bool) -> None:
+        """Whether there is a part to grip from now on; only what has `PARTS` can do without."""
+        if not part:
+            raise ValueError(f"{type(self).__name__} does not know of parts")
 
     @property
     def draw_kpa(self) -> float:

@@ -13,6 +13,8 @@ GROUP = "end_effector_hal.physics"
 OWN = {
     "vacuum": "end_effector_lab.testbench.physics:VacuumCircuit",
     "cylinder": "end_effector_lab.testbench.physics:Cylinder",
+    "gripper": "end_effector_lab.testbench.physics:Fingers",
+    "magnet": "end_effector_lab.testbench.physics:HoldingMagnet",
 }
 
 

@@ -17,6 +17,8 @@ _SUCTION = 67.0 / 60.0 / VOLUME_L  # S0 / V, at atmosphere
 _ULTIMATE_KPA = ATMOSPHERE_KPA - 85.0  # the deepest vacuum, absolute
 _PER_L_MIN = ATMOSPHERE_KPA / LEAK_AT_KPA / 60.0 / VOLUME_L
 _STILL_KPA = 1e-7
+PART_KPA, PART_HYSTERESIS_KPA, GONE_KPA = 55.0, 5.0, 10.0
+"""Its switches: on with a part, off again so far below, and on without vacuum."""
 
 
 class VacuumCircuit(Device):
@@ -39,6 +41,7 @@ class VacuumCircuit(Device):
         self._lost = False
         self._absolute = ATMOSPHERE_KPA
         self._sensor = Sensor()
+        self._switch = False
 
     @property
     def vacuum_kpa(self) -> float:
@@ -51,7 +54,7 @@ class VacuumCircuit(Device):
 
     @property
     def bits(self) -> Mapping[str, bool]:
-        return {}
+        return {"part": self._switch, "gone": self.vacuum_kpa < GONE_KPA}
 
     @property
     def draw_kpa(self) -> float:
@@ -82,6 +85,7 @@ class VacuumCircuit(Device):
             low, high = (middle, high) if self._slope(middle) > 0 else (low, middle)
         self._absolute = high
         self._sensor.kpa = self.vacuum_kpa
+        self._switch = self.vacuum_kpa >= PART_KPA
 
     def step(self) -> None:
         self.valve.advance(self.now)
@@ -89,6 +93,7 @@ class VacuumCircuit(Device):
             self._leak_l_min += self._leak_grows * STEP_S
         self._absolute = min(self._absolute + self._slope(self._absolute) * STEP_S, ATMOSPHERE_KPA)
         self._sensor.follow(self.vacuum_kpa)
+        self._switch = self.vacuum_kpa >= PART_KPA - (PART_HYSTERESIS_KPA if self._switch else 0.0)
 
     def _slope(self, absolute: float) -> float:
         """kPa/s."""

@@ -14,11 +14,11 @@ from typing import Any, ClassVar
 
 from end_effector_hal.kinds import DeviceKind
 from end_effector_hal.kinds.conformance import FixedReadings
-from end_effector_hal.kinds.stanza import Actuator, Supply
+from end_effector_hal.kinds.stanza import Actuator, Supply, named
 from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import Evidence
 
-from ._device import LEAKS, PRESSURE, Device
+from ._device import LEAKS, PARTS, PRESSURE, Device
 from ._parts import STEP_US, Valve
 from ._parts import Supply as Air
 
@@ -44,6 +44,8 @@ class PhysicsConformance:
         part, values = self.part, {"supply": 600_000}
         seen: dict[str, Value] = {**values}
         for key in self.kind.channels:
+            if named(getattr(part, key.key)) is None:
+                continue
             if key.carries is Kind.BIT:
                 seen[getattr(part, key.key)] = device.bits[key.meaning]
             elif device.pressure_kpa is not None:
@@ -89,3 +91,5 @@ class PhysicsConformance:
         assert (device.pressure_kpa is not None) is (PRESSURE in self.physics.traits)
         if LEAKS in self.physics.traits:
             device.leak(4.0)
+        if PARTS in self.physics.traits:
+            device.meet(False)

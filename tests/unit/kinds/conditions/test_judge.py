@@ -78,6 +78,14 @@ def test_time_alone_makes_nothing_hold() -> None:
     assert judge.sample(Samples({"a": U}, arrived=False), 140_000) is None
 
 
+def test_a_look_without_a_frame_is_no_sample() -> None:
+    judge = ConditionJudge(Condition.model_validate({"on": "a", "samples": 3}))
+    looks = [
+        judge.sample(Samples({"a": T}, arrived=new), 0) for new in (True, False, False, True, False, True)
+    ]
+    assert looks == [F, F, F, F, F, T]
+
+
 LEAVES = st.sampled_from([{"on": "a"}, {"on": "b"}, {"on": "c"}])
 
 

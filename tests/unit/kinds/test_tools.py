@@ -1,0 +1,144 @@
+"""Tools of the kinds that switches prove, in virtual time against the testbench's physics."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import Status
+from end_effector_hal.description import examine_text
+from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence
+from tests.support.virtual_tool import VirtualTool
+
+TOOLS = Path(__file__).parent / "tools"
+GRIPPED, STAND_BY, GRIP_ERROR = (
+    EndEffectorState.GRIPPED,
+    EndEffectorState.STAND_BY,
+    EndEffectorState.GRIP_ERROR,
+)
+
+
+def ready(name: str, scenario: str = "nominal") -> VirtualTool:
+    tool = VirtualTool(load_tool(TOOLS / f"{name}.yaml"), scenario)
+    tool.run(1.0)
+    return tool
+
+
+def gripped(name: str, scenario: str = "nominal") -> VirtualTool:
+    tool = ready(name, scenario)
+    assert tool.command("grip").accepted
+    tool.run(4.0)
+    return tool
+
+
+@pytest.mark.parametrize("name", [each.stem for each in TOOLS.glob("*.yaml")])
+def test_it_grips_and_drops(name: str) -> None:
+    tool = gripped(name)
+    assert tool.status.ee == GRIPPED
+    assert tool.status.lift_allowed
+    assert tool.status.secure  # nothing is known that speaks against it
+    tool.command("drop")
+    tool.run(3.0)
+    assert tool.status.ee == STAND_BY
+    assert not any(tool.status.outputs)
+
+
+def test_fingers_that_close_on_nothing_are_not_confirmed_and_say_so() -> None:
+    tool = ready("gripper", "no-part:jaw")
+    tool.command("grip")
+    tool.run(1.0)
+    assert tool.status.ee == EndEffectorState.GRIPPING
+    assert tool.status.evidence == (Evidence.PARTIAL,)
+    assert "Jaw closed on nothing." in tool.status.alarms
+    tool.run(10.0)
+    assert tool.status.ee == STAND_BY
+    reason = "Jaw was not confirmed within 2 s in 3 attempts. Jaw closed on nothing."
+    assert tool.status.reason == reason
+    assert "Jaw closed on nothing." not in tool.status.alarms
+
+
+def test_fingers_whose_part_is_pulled_out_have_lost_it_and_stay_closed() -> None:
+    tool = gripped("gripper", "lost-after:jaw:3")
+    assert tool.status.ee == GRIP_ERROR
+    assert (tool.status.cause, tool.status.outputs) == (Cause.LOST, (True,))
+    assert tool.status.reason == "Jaw was lost: cylinder_retracted is off, cylinder_extended is on."
+
+
+def feed(tool: VirtualTool, seconds: float, **bits: bool) -> Status:
+    """What the switches show, whatever the physics is."""
+    sample = tool.bench.sample
+    tool.bench.sample = lambda at: {**sample(at), **bits}  # type: ignore[method-assign]
+    tool.run(seconds)
+    tool.bench.sample = sample  # type: ignore[method-assign]
+    return tool.status
+
+
+def test_both_end_switches_at_once_hold_what_is_held_and_refuse_a_grip() -> None:
+    tool = gripped("gripper")
+    status = feed(tool, 1.0, cylinder_extended=True, cylinder_retracted=True)
+    assert (status.ee, status.evidence, status.outputs) == (GRIPPED, (Evidence.UNKNOWN,), (True,))
+    assert not status.lift_allowed
+    assert any("The sensors of Jaw contradict each other" in alarm for alarm in status.alarms)
+    tool.run(2.0)
+    assert (tool.status.evidence, tool.status.lift_allowed) == ((Evidence.CONFIRMED,), True)
+    tool = ready("gripper")
+    feed(tool, 1.0, cylinder_extended=True, cylinder_retracted=True)
+    assert not tool.command("grip").accepted
+
+
+def test_a_switch_that_chatters_loses_nothing() -> None:
+    tool = gripped("vacuum_switch")
+    assert feed(tool, 0.02, in_stand=False).ee == GRIPPED
+    tool.run(1.0)
+    assert tool.status.ee == GRIPPED
+    assert feed(tool, 0.1, in_stand=False).ee == GRIP_ERROR
+    tool = gripped("gripper")
+    assert feed(tool, 0.02, cylinder_extended=True).ee == GRIPPED
+    assert feed(tool, 0.1, cylinder_extended=True).ee == GRIP_ERROR
+
+
+def test_a_magnet_that_is_switched_off_has_not_released_before_its_sensor_says_so() -> None:
+    tool = gripped("magnet")
+    tool.command("drop")
+    status = feed(tool, 3.0, cylinder_extended=True, cylinder_retracted=False)
+    assert (status.ee, status.outputs) == (EndEffectorState.RELEASE_ERROR, (False,))
+    # its part lies still in its place: neither gripped nor gone
+    assert feed(tool, 0.5, cylinder_extended=False, cylinder_retracted=False).evidence == (Evidence.PARTIAL,)
+
+
+def test_a_part_that_is_seen_between_open_fingers_is_not_gripped() -> None:
+    tool = ready("vacuum_switch")
+    assert feed(tool, 0.5, tool_present=True).evidence[2] is Evidence.GONE
+    assert tool.command("grip").accepted
+
+
+@pytest.mark.parametrize(
+    ("stanza", "fault"),
+    [
+        (
+            "{kind: gripper, line: A}",
+            "4:13: nothing proves that it has gripped, expected part_bit, or open_bit and closed_bit, or evidence",
+        ),
+        (
+            "{kind: gripper, line: A, open_bit: opened, closed_bit: none}",
+            "4:13: opened alone proves no part, expected part_bit, or open_bit and closed_bit, or evidence",
+        ),
+        (
+            "{kind: magnet, line: A, gone_bit: away}",
+            "4:13: nothing proves that it has gripped, expected part_bit, or evidence",
+        ),
+    ],
+)
+def test_what_nothing_could_prove_is_refused(stanza: str, fault: str) -> None:
+    text = f"name: t\nlink: {{port: /dev/ttyS0}}\nsequence: [it]\nactuators: {{it: {stanza}}}\n"
+    assert examine_text(text, "t.yaml").lines() == [f"t.yaml:{fault} [EE-225]"]
+
+
+@pytest.mark.parametrize("stanza", ["kind: gripper", "kind: magnet"])
+def test_evidence_of_its_own_is_enough(stanza: str) -> None:
+    evidence = "evidence: {confirmed: {on: locked}, gone: {on: unlocked}}"
+    actuator = f"{{{stanza}, line: A, {evidence}}}"
+    text = f"name: t\nlink: {{port: /dev/ttyS0}}\nsequence: [it]\nactuators: {{it: {actuator}}}\n"
+    assert examine_text(text, "t.yaml").lines() == []
