@@ -20,7 +20,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 from timed_automata.compiler import Values
-from timed_automata.explore.search._cycles import components
+from timed_automata.explore.search._cycles import components, strong
 from timed_automata.explore.states import StateRecord
 from timed_automata.network import Network, Process
 
@@ -48,18 +48,37 @@ class Stage:
     Attributes:
         level: of all of them.
         records: those with a zone, as they were found.
-        heap, waiting, still: what is to be expanded, for the search.
-        done: whether all of them have been.
+        still, waiting, heap: those that were found first in their discrete state and wait to be followed.
+        again, ordered: the others; in the order of the steps between discrete states once that is known.
+        order: of the records.
+        done: whether all is followed.
     """
 
-    __slots__ = ("done", "heap", "level", "records", "still", "waiting")
+    __slots__ = ("again", "done", "heap", "level", "order", "ordered", "records", "still", "waiting")
 
     def __init__(self, level: Level) -> None:
         self.level, self.done = level, False
         self.records: list[StateRecord] = []
-        self.heap: list[tuple[bool, int, bool, int, SearchNode]] = []
-        self.waiting: deque[SearchNode] = deque()
         self.still: deque[SearchNode] = deque()
+        self.waiting: deque[SearchNode] = deque()
+        self.heap: list[tuple[int, bool, int, SearchNode]] = []
+        self.again: list[SearchNode] = []
+        self.ordered: list[tuple[int, int, int, SearchNode]] = []
+        self.order: dict[StateRecord, int] = {}
+
+    def put_in_order(self) -> None:
+        """Number the records so that, but for cycles, each comes after all that lead to it."""
+        graph = {
+            record: [target for _, target, _ in record.steps if target.stage is self]
+            for record in self.records
+        }
+        for number, component in enumerate(strong(graph)):
+            for record in component:
+                self.order[record] = -number
+
+    def forget(self) -> None:
+        """Drop all of it: nothing leads here any more."""
+        self.done, self.records, self.order = True, [], {}
 
 
 class Stages:
