@@ -1,6 +1,6 @@
 """The properties that are decided by searches: queries, worst cases, coverage, divergence of time."""
 
-from ._coverage_report import CoverageReport, coverage_report, open_channels
+from ._coverage_report import Coverage, CoverageReport, open_channels
 from ._extremes import FoundExtreme, extreme_clock, extreme_integer
 from ._reachability import Reachability, answer, reachability, timelock
 from ._responses import BoundedResponse, LeadsTo, bounded, relaxed
@@ -9,6 +9,7 @@ from ._zeno import taken, zeno_cycle, zeno_run
 
 __all__ = [
     "BoundedResponse",
+    "Coverage",
     "CoverageReport",
     "Extreme",
     "FoundExtreme",
@@ -17,7 +18,6 @@ __all__ = [
     "Verdict",
     "answer",
     "bounded",
-    "coverage_report",
     "extreme_clock",
     "extreme_integer",
     "open_channels",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from timed_automata.document import DrawnEdge
 from timed_automata.explore.properties._zeno import Taken
-from timed_automata.explore.states import SymbolicSpace
+from timed_automata.explore.states import Action, StateRecord
 from timed_automata.language import names_in
 from timed_automata.network import Edge, Network, Process
 
@@ -26,29 +26,39 @@ class CoverageReport(NamedTuple):
     disabled: tuple[str, ...]
 
 
-def coverage_report(space: SymbolicSpace, arcs: Iterable[Taken]) -> CoverageReport:
-    """Compare what a whole search has met, and the transitions it has taken, with what the model has."""
-    network, actions = space.discrete.network, {move.action for _, _, move in arcs}
-    fired = {id(edge.drawn) for action in actions for edge in action.edges}
-    visited = {record.discrete.vector.locations for record in space.records if record.passed}
-    off = _statically_disabled(network)
-    reached = {
-        (process.template, at)
-        for locations in visited
-        for process, at in zip(network.processes, locations, strict=True)
-    }
-    locations = [
-        f"{process.template}.{location.name}"
-        for process in _one_of_each(network)
-        for location in process.locations
-        if (process.template, location.index) not in reached | off.locations
-    ]
-    idle = [(process, edge) for process, edge in _drawn(network) if id(edge.drawn) not in fired]
-    return CoverageReport(
-        tuple(locations),
-        tuple(_described(process, edge) for process, edge in idle if id(edge.drawn) not in off.edges),
-        tuple(_described(process, edge) for process, edge in idle if id(edge.drawn) in off.edges),
-    )
+class Coverage:
+    """What a search has met, part by part."""
+
+    def __init__(self) -> None:
+        self._visited: set[tuple[int, ...]] = set()
+        self._actions: set[Action] = set()
+
+    def add(self, records: Iterable[StateRecord], arcs: Iterable[Taken]) -> None:
+        """Note states that were met, and the transitions that were taken from them."""
+        self._visited |= {record.discrete.vector.locations for record in records if record.passed}
+        self._actions |= {move.action for _, _, move in arcs}
+
+    def report(self, network: Network) -> CoverageReport:
+        """Compare all of it with what the model has."""
+        fired = {id(edge.drawn) for action in self._actions for edge in action.edges}
+        off = _statically_disabled(network)
+        reached = {
+            (process.template, at)
+            for locations in self._visited
+            for process, at in zip(network.processes, locations, strict=True)
+        }
+        locations = [
+            f"{process.template}.{location.name}"
+            for process in _one_of_each(network)
+            for location in process.locations
+            if (process.template, location.index) not in reached | off.locations
+        ]
+        idle = [(process, edge) for process, edge in _drawn(network) if id(edge.drawn) not in fired]
+        return CoverageReport(
+            tuple(locations),
+            tuple(_described(process, edge) for process, edge in idle if id(edge.drawn) not in off.edges),
+            tuple(_described(process, edge) for process, edge in idle if id(edge.drawn) in off.edges),
+        )
 
 
 def _described(process: Process, edge: Edge) -> str:

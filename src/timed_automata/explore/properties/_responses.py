@@ -6,12 +6,11 @@ from dataclasses import replace
 
 from timed_automata.explore.properties._verdict import Extreme
 from timed_automata.explore.search import LassoSearch, Only, SearchNode, Start, Within, ZoneCondition
-from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
+from timed_automata.explore.states import SymbolicSpace
 from timed_automata.explore.zones import (
     INFINITY,
     NEVER,
     Limit,
-    Limits,
     at_most,
     below,
     constrained,
@@ -61,7 +60,7 @@ class BoundedResponse:
 
     def forget(self) -> None:
         """Drop the states that were seen; the results stay."""
-        self._cases = ZoneCondition(self.premise)
+        self._cases.forget()
 
     @property
     def holds(self) -> bool:
@@ -130,6 +129,8 @@ class LeadsTo:
     Attributes:
         limits: that the zones must keep.
         premise: p.
+        met: whether p held anywhere.
+        holds: whether q follows.
     """
 
     def __init__(self, network: Network, query: Query) -> None:
@@ -144,22 +145,25 @@ class LeadsTo:
         self._only = Only(ZoneCondition(first))
         self._within = Within(ZoneCondition(inside), ZoneCondition(outside))
         self._nodes: list[SearchNode] = []
+        self.met, self.holds = False, True
 
     def add(self, node: SearchNode) -> None:
         """Note a symbolic state in which p may hold."""
         self._nodes.append(node)
 
-    @property
-    def met(self) -> bool:
-        """Whether p held anywhere."""
-        return any(self._only(node.record, node.zone) for node in self._nodes)
+    def judge(self, space: SymbolicSpace) -> None:
+        """Look at what follows the states noted since the last time, and forget them.
 
-    def holds(self, discrete: DiscreteSpace, limits: Limits) -> bool:
-        """Whether q follows. Zones are too large here, never too small: False may be wrong, True is not."""
-        space = SymbolicSpace(discrete, limits, delays=False)
-        starts = (
+        Zones are too large here, never too small: that q follows is true, that it does not may be wrong.
+        """
+        starts = [
             Start(space.record(node.record.discrete), tuple(stay.zone), ())
             for node in self._nodes
             for stay in self._only(node.record, node.zone)
-        )
-        return LassoSearch(space, self._within).lasso(starts) is None
+        ]
+        self._nodes = []
+        self.met = self.met or bool(starts)
+        if self.holds and starts:
+            self.holds = LassoSearch(space, self._within).lasso(starts) is None
+        for condition in (self._only.inside, self._within.inside, self._within.outside):
+            condition.forget()

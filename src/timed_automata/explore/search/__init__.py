@@ -6,6 +6,7 @@ from ._cycles import components, shortest_cycle
 from ._deadlock import MOST_DOUBTS, Deadlocks
 from ._liveness import Lasso, LassoSearch, Start
 from ._reach import OutOfRangeError, Progress, Search, SearchNode, WidestFirst, without_collector
+from ._stages import Stage
 
 __all__ = [
     "MOST_DOUBTS",
@@ -20,6 +21,7 @@ __all__ = [
     "Progress",
     "Search",
     "SearchNode",
+    "Stage",
     "Start",
     "WidestFirst",
     "Within",

@@ -40,6 +40,11 @@ class ZoneCondition:
             self._known[record] = found
         return found
 
+    def forget(self) -> None:
+        """Drop what is known of records."""
+        self._known.clear()
+        self._deadlocks.forget()
+
     def part(self, record: StateRecord, zone: Zone) -> Zone | None:
         """A part of a zone in which the condition holds; None if there is none."""
         for constraints, deadlock in self.of(record):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 N = TypeVar("N", bound=Hashable)
@@ -11,12 +11,16 @@ L = TypeVar("L")
 
 
 def components(graph: Mapping[N, Sequence[N]]) -> list[list[N]]:
-    """The strongly connected components that have a cycle (Tarjan 1972, without recursion)."""
+    """The strongly connected components that have a cycle."""
+    return [found for found in strong(graph) if len(found) > 1 or found[0] in graph[found[0]]]
+
+
+def strong(graph: Mapping[N, Sequence[N]]) -> Iterator[list[N]]:
+    """All strongly connected components, each after those that it leads to (Tarjan 1972, without recursion)."""
     order: dict[N, int] = {}
     low: dict[N, int] = {}
     stack: list[N] = []
     on_stack: set[N] = set()
-    found: list[list[N]] = []
     for root in graph:
         if root in order:
             continue
@@ -45,9 +49,7 @@ def components(graph: Mapping[N, Sequence[N]]) -> list[list[N]]:
                     while not component or component[-1] != node:
                         component.append(stack.pop())
                         on_stack.discard(component[-1])
-                    if len(component) > 1 or node in graph[node]:
-                        found.append(component)
-    return found
+                    yield component
 
 
 def shortest_cycle(start: N, following: Callable[[N], Iterable[tuple[L, N]]]) -> list[L]:

@@ -25,6 +25,10 @@ class Deadlocks:
         self._ways: dict[StateRecord, tuple[Way, ...]] = {}
         self._known: dict[object, tuple[Way | None, bool]] = {}
 
+    def forget(self) -> None:
+        """Drop what is known of records."""
+        self._ways.clear()
+
     def ruled_out(self, record: StateRecord) -> bool:
         """Whether one transition is enabled, now or later, from every valuation that the invariant allows.
 

@@ -93,10 +93,10 @@ Arc = tuple[Action, "DiscreteState | None", RangeError | None]
 class DiscreteState:
     """A discrete state with its moves, and whether time may pass in it."""
 
-    __slots__ = ("_moves", "_packed", "_space", "_transitions", "delays", "invariant", "vector")
+    __slots__ = ("_moves", "_space", "_transitions", "delays", "invariant", "packed", "vector")
 
     def __init__(self, space: DiscreteSpace, vector: LocationVector, packed: bytes) -> None:
-        self._space, self.vector, self._packed = space, vector, packed
+        self._space, self.vector, self.packed = space, vector, packed
         self._moves: tuple[Move, ...] | None = None
         self.invariant = (
             vector.invariant if vector.invariant is not None else space.invariant(self.state, vector)
@@ -110,7 +110,7 @@ class DiscreteState:
     @property
     def state(self) -> State:
         """Locations and values."""
-        return State(self.vector.locations, self._space.packing.unpack(self._packed))
+        return State(self.vector.locations, self._space.packing.unpack(self.packed))
 
     @property
     def moves(self) -> tuple[Move, ...]:
@@ -121,7 +121,7 @@ class DiscreteState:
 
     def arcs(self) -> Iterator[Arc]:
         """The same, as plain tuples that are not kept: action, target and error of a move."""
-        space, vector, packed = self._space, self.vector, self._packed
+        space, vector, packed = self._space, self.vector, self.packed
         firings, transitions = space.firings, self._transitions
         self._transitions = None
         for edges, bounds, channel in transitions or space.semantics.transitions(self.state):
@@ -162,6 +162,11 @@ class DiscreteSpace:
 
     def __len__(self) -> int:
         return sum(len(vector.states) for vector in self._vectors.values())
+
+    def drop(self, state: DiscreteState) -> None:
+        """Drop a state; it is made again when it is met again."""
+        state.vector.states.pop(state.packed, None)
+        state.forget()
 
     def forget(self) -> None:
         """Drop all states."""

@@ -51,14 +51,16 @@ class StateRecord:
         form: of its zones.
         passed: nodes that wait or are done, for the user.
         note: for the user.
+        stage: for the user.
     """
 
-    __slots__ = ("_space", "_steps", "discrete", "form", "note", "passed")
+    __slots__ = ("_space", "_steps", "discrete", "form", "note", "passed", "stage")
 
     def __init__(self, space: SymbolicSpace, discrete: DiscreteState) -> None:
         self._space, self.discrete, self.form = space, discrete, space.form(discrete)
         self.passed: list[Any] = []
         self.note: Any = None
+        self.stage: Any = None
         self._steps: tuple[Any, ...] | None = None  # side by side: a tuple for each is most of all memory
 
     @property
@@ -122,6 +124,12 @@ class SymbolicSpace:
         for record in self._records.values():
             record.forget()
         self._records.clear()
+
+    def drop(self, record: StateRecord) -> None:
+        """Forget a record and its discrete state; they are made again when they are met again."""
+        self._records.pop(record.discrete, None)
+        self.discrete.drop(record.discrete)
+        record.forget()
 
     def form(self, discrete: DiscreteState) -> Form:
         """What the zones of a discrete state are like."""

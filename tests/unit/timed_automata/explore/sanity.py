@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from timed_automata import Network, Trace
 from timed_automata.explore import CoverageReport, Explorer
-from timed_automata.explore.properties import coverage_report, open_channels, taken
+from timed_automata.explore.properties import Coverage, open_channels, taken
 from timed_automata.explore.search import Search
 from timed_automata.explore.states import SymbolicSpace
 from timed_automata.explore.zones import Limits
@@ -43,9 +43,11 @@ def sanity_check(network: Network) -> SanityReport:
     search = Search(SymbolicSpace(explorer.discrete, Limits(network, symmetric=True)))
     for _ in search.nodes():
         pass
+    coverage = Coverage()
+    coverage.add(search.space.records, taken(search.space.records))
     return SanityReport(
         states=search.states,
-        coverage=coverage_report(search.space, list(taken(search.space.records))),
+        coverage=coverage.report(network),
         open_channels=tuple(open_channels(network)),
         deadlock=deadlock.trace,
         timelock=timelock.trace,

@@ -1,0 +1,165 @@
+"""How far a search has come: the progress measure of the sweep-line method.
+
+What a run has left behind for good needs no memory (Christensen, Kristensen, Mailund, *A Sweep-Line Method for State
+Space Exploration*, 2001). The measure is read off the network. A process that leaves a strongly connected component of
+its locations never comes back to it: the depth of a component among the others never falls along an edge, and rises
+where a component is left. The rank of a location vector is the sum over the processes. A variable is settled if no edge
+that a process can still take from where it is writes it.
+
+A stage is a component of each process, and the values that are settled there. A step stays in its stage or leads to a
+higher rank: what is settled keeps its value, and a variable becomes settled only where a component is left. So stages of
+equal rank do not reach each other, and a stage is never entered again when all of lower rank, and it itself, are done.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from graphlib import TopologicalSorter
+from operator import itemgetter
+from typing import TYPE_CHECKING, NamedTuple
+
+from timed_automata.compiler import Values
+from timed_automata.explore.search._cycles import components, strong
+from timed_automata.explore.states import StateRecord
+from timed_automata.network import Network, Process
+
+if TYPE_CHECKING:
+    from timed_automata.explore.search._reach import SearchNode
+
+
+class Level:
+    """A component of each process; one object for each combination that was met.
+
+    Attributes:
+        rank: the sum of the depths of the components.
+        settled: picks the values that do not change any more.
+    """
+
+    __slots__ = ("rank", "settled")
+
+    def __init__(self, rank: int, settled: Callable[[Values], object]) -> None:
+        self.rank, self.settled = rank, settled
+
+
+class Stage:
+    """States that only states of this stage, or of lower rank, lead to.
+
+    Attributes:
+        level: of all of them.
+        records: those with a zone, as they were found.
+        still, waiting, heap: those that were found first in their discrete state and wait to be followed.
+        again, ordered: the others; in the order of the steps between discrete states once that is known.
+        order: of the records.
+        done: whether all is followed.
+    """
+
+    __slots__ = ("again", "done", "heap", "level", "order", "ordered", "records", "still", "waiting")
+
+    def __init__(self, level: Level) -> None:
+        self.level, self.done = level, False
+        self.records: list[StateRecord] = []
+        self.still: deque[SearchNode] = deque()
+        self.waiting: deque[SearchNode] = deque()
+        self.heap: list[tuple[int, bool, int, SearchNode]] = []
+        self.again: list[SearchNode] = []
+        self.ordered: list[tuple[int, int, int, SearchNode]] = []
+        self.order: dict[StateRecord, int] = {}
+
+    def put_in_order(self) -> None:
+        """Number the records so that, but for cycles, each comes after all that lead to it."""
+        graph = {
+            record: [target for _, target, _ in record.steps if target.stage is self]
+            for record in self.records
+        }
+        for number, component in enumerate(strong(graph)):
+            for record in component:
+                self.order[record] = -number
+
+    def forget(self) -> None:
+        """Drop all of it: nothing leads here any more."""
+        self.done, self.records, self.order = True, [], {}
+
+
+class Stages:
+    """The stages of a network that were met."""
+
+    def __init__(self, network: Network) -> None:
+        self._network = network
+        self._regions = [_regions(process) for process in network.processes]
+        self._levels: dict[tuple[int, ...], Level] = {}
+        self._level_of: dict[object, Level] = {}  # a location vector
+        self._stages: dict[tuple[Level, object], Stage] = {}
+
+    def __len__(self) -> int:
+        return len(self._stages)
+
+    def of(self, record: StateRecord, before: Stage | None) -> Stage:
+        """The stage of a record that a step from the stage ``before`` leads to; None: nothing leads there."""
+        vector = record.discrete.vector
+        level = self._level_of.get(vector)
+        if level is None:
+            level = self._level_of[vector] = self._level(vector.locations)
+        if before is not None and before.level is level:
+            return before
+        key = level, level.settled(record.discrete.state.values)
+        stage = self._stages.get(key)
+        if stage is None:
+            stage = self._stages[key] = Stage(level)
+        return stage
+
+    def _level(self, locations: tuple[int, ...]) -> Level:
+        here = [regions[at] for regions, at in zip(self._regions, locations, strict=True)]
+        numbers = tuple(region.number for region in here)
+        level = self._levels.get(numbers)
+        if level is None:
+            written = frozenset[str]().union(*(region.written for region in here))
+            offsets = [
+                variable.offset + at
+                for variable in self._network.variables
+                if variable.name not in written
+                for at in range(variable.type.size)
+            ]
+            settled = itemgetter(*offsets) if offsets else _nothing
+            level = self._levels[numbers] = Level(sum(region.depth for region in here), settled)
+        return level
+
+
+def _nothing(_: Values) -> None:
+    """What is settled where nothing is."""
+
+
+class _Region(NamedTuple):
+    """A component of the locations of a process, and the variables that are written there and later."""
+
+    number: int
+    depth: int
+    written: frozenset[str]
+
+
+def _regions(process: Process) -> list[_Region]:
+    """The component of each location."""
+    edges = [edge for edge in process.edges if not edge.guard.never]
+    graph: dict[int, list[int]] = {at: [] for at in range(len(process.locations))}
+    for edge in edges:
+        graph[edge.source].append(edge.target)
+    number = list(graph)
+    for component in components(graph):
+        for at in component:
+            number[at] = component[0]
+    after: dict[int, set[int]] = {each: set() for each in number}
+    written: dict[int, set[str]] = {each: set() for each in number}
+    for edge in edges:
+        source, target = number[edge.source], number[edge.target]
+        written[source] |= edge.effects.writes
+        if source != target:
+            after[source].add(target)
+    last_first = list(TopologicalSorter(after).static_order())
+    depth = dict.fromkeys(last_first, 0)
+    for each in last_first:
+        written[each].update(*(written[other] for other in after[each]))
+    for each in reversed(last_first):
+        for other in after[each]:
+            depth[other] = max(depth[other], depth[each] + 1)
+    found = {each: _Region(each, depth[each], frozenset(written[each])) for each in after}
+    return [found[each] for each in number]
