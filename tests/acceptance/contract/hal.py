@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -154,7 +155,7 @@ class Hal:
     def connect(self) -> None:
         """Hear the state, and wait until the tool stands by and its actions are served."""
         self.states = self.driver.subscribe(
-            self.full("EndEffectorState"), "end_effector_msgs/EndEffectorState", latched=True
+            self.full("EndEffectorState"), "end_effector_msgs/EndEffectorState"
         )
         self.serve()
         self.rest()
@@ -162,10 +163,8 @@ class Hal:
     def serve(self) -> None:
         """Wait until every action is served."""
         for action in ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop"):
-            wait_until(
-                f"a server of {action}",
-                lambda action=action: self.driver.ask("served", action=self.full(action), kind=ACTION),
-            )
+            name = self.full(action)
+            wait_until(f"a server of {action}", partial(self.driver.ask, "served", action=name, kind=ACTION))
 
     def full(self, name: str) -> str:
         """The full name of something of this tool."""
