@@ -38,7 +38,7 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 
 test-ros2: ros2 ## the contract of the ROS interface, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
-	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2
+	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/contract tests/acceptance/ros2
 
 test-thinned: setup ## those of which `make test` runs representatives, and the packages of examples/
 	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m nightly

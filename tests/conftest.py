@@ -25,6 +25,7 @@ _TCP_LEFT_OPEN = (
 _LONGEST = (
     "ros 0",
     "ros 1",
+    "contract",
     "test_jaw",
     "test_contributing",
     "test_end_effector",
@@ -66,6 +67,8 @@ def _group(name: str) -> str:
     Nodes take a quarter of a processor also while nobody asks them: two sets of them, for as long as they are needed.
     """
     file = name.partition("::")[0]
+    if "acceptance/contract/" in file:
+        return "contract"
     return f"ros {crc32(file.encode()) % 2}" if "acceptance/ros1/" in file else Path(file).stem
 
 

@@ -69,7 +69,7 @@ def _converter(of: str, clock: Clock) -> Convert:
         return lambda values: [each(value) for value in values]
     if of == "std_msgs/Header":
         kind = message_class(of)
-        return lambda header: kind(stamp=_stamp(header, clock), frame_id=header.frame_id)
+        return lambda header: kind(stamp=_STAMPS.of(header, clock), frame_id=header.frame_id)
     if "/" in of:
         return RclpyMessageMaker(message_class(of), clock)
     if of == "octet":
@@ -86,14 +86,34 @@ def _text(text: str) -> str:
     return text
 
 
-def _stamp(header: MessageHeader, clock: Clock) -> Time:
-    """ROS time of a moment on the monotonic clock; now, where the header names none or time is simulated."""
-    before, now, after = time.monotonic_ns(), clock.now().nanoseconds, time.monotonic_ns()
-    simulated = clock.clock_type is ClockType.ROS_TIME and getattr(clock, "ros_time_is_active", False)
-    if header.at_us is not None and not simulated:
-        now -= max(0, (before + after) // 2 - 1000 * header.at_us)
-    seconds, nanoseconds = divmod(now, 1_000_000_000)
-    return Time(sec=seconds, nanosec=nanoseconds)
+class _Stamps:
+    """One stamp for all messages of a moment: so message_filters and a recording find what belongs together."""
+
+    def __init__(self) -> None:
+        self._last: tuple[int | None, Time] = (None, Time())
+
+    def of(self, header: MessageHeader, clock: Clock) -> Time:
+        """ROS time of a moment on the monotonic clock; now, where the header names none or time is simulated."""
+        if header.at_us is None or _is_simulated(clock):
+            return _time(clock.now().nanoseconds)
+        at_us, stamp = self._last
+        if header.at_us != at_us:
+            before, now, after = time.monotonic_ns(), clock.now().nanoseconds, time.monotonic_ns()
+            stamp = _time(now - max(0, (before + after) // 2 - 1000 * header.at_us))
+            self._last = header.at_us, stamp
+        return stamp
+
+
+_STAMPS = _Stamps()
+
+
+def _is_simulated(clock: Clock) -> bool:
+    return clock.clock_type is ClockType.ROS_TIME and getattr(clock, "ros_time_is_active", False)
+
+
+def _time(nanoseconds: int) -> Time:
+    seconds, rest = divmod(nanoseconds, 1_000_000_000)
+    return Time(sec=seconds, nanosec=rest)
 
 
 _PLAIN: dict[str, Convert] = {"string": _text, "double": float, "boolean": bool}
