@@ -178,8 +178,8 @@ def test_keys_that_were_added_later_change_no_fingerprint(changed: Callable[...,
     description = examine_text(changed(), "tool.yaml").description
     assert description is not None
     dumped = description.model_dump(mode="json", by_alias=True)["actuators"]
-    assert {"evidence", "part_bit", "confirmed_ms"} <= description.actuators["cup"].LATER
-    assert not dumped["cup"].keys() & description.actuators["cup"].LATER
+    assert {"evidence", "part_bit", "confirmed_ms"} <= set(description.actuators["cup"].LATER)
+    assert not dumped["cup"].keys() & set(description.actuators["cup"].LATER)
     assert "evidence" not in dumped["rod"]
     written = examine_text(changed(L9="    channel: none\n    part_bit: cup_on"), "tool.yaml").description
     assert written is not None
