@@ -12,9 +12,7 @@ from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
 from ._frame_judge import FrameJudge
-from ._readings import Readings
 from ._sensor_state import SensorState
-from ._supply_detector import SupplyDetector
 
 _EVIDENCE_CHANNELS = {
     Evidence.UNKNOWN: "stale",
@@ -60,36 +58,6 @@ class SensorSet:
         self._tool_events = {
             level: Event(f"tool_is[{int(level)}]", {"tool": int(level)}) for level in ToolEvidence
         }
-
-    @property
-    def readings(self) -> Readings:
-        """The newest reading of each channel."""
-        return self.now.readings
-
-    @property
-    def supply(self) -> SupplyDetector:
-        """The supply pressure."""
-        return self.now.supply
-
-    @property
-    def evidence(self) -> tuple[Evidence, ...]:
-        """Of each actuator, in sequence order."""
-        return self.now.evidence
-
-    @property
-    def tool(self) -> ToolEvidence:
-        """What the bits of the tool changer prove."""
-        return self.now.tool
-
-    @property
-    def nothing_gripped(self) -> bool:
-        """Whether nothing is gripped, as IL-01 asks it."""
-        return self.now.nothing_gripped
-
-    @property
-    def in_stand(self) -> bool:
-        """Whether the tool is in its stand, or there is none (IL-02)."""
-        return self.now.in_stand
 
     @property
     def events(self) -> tuple[Event, ...]:
