@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.sensing import SensorSet
+from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import ChangerFault, ChangerState, EndEffectorState, Evidence, display_name
 
 from ._status import Status
@@ -25,7 +25,7 @@ def explain_changer(description: Description, fault: int) -> str:
     return "The tool changer is not where it should be, as its sensors have it: lock it again, or reset."
 
 
-def feedback(description: Description, senses: SensorSet) -> str:
+def feedback(description: Description, senses: SensorState) -> str:
     """What speaks against it that nothing is gripped; empty: nothing does."""
     for name, level in zip(description.sequence, senses.evidence, strict=True):
         if level is Evidence.UNKNOWN:
@@ -37,7 +37,7 @@ def feedback(description: Description, senses: SensorSet) -> str:
     return ""
 
 
-def changer_refusal(description: Description, command: str, status: Status, senses: SensorSet) -> str:
+def changer_refusal(description: Description, command: str, status: Status, senses: SensorState) -> str:
     """Why ``lock``, ``unlock``, ``arm`` or ``reset`` is not taken now."""
     changer, state = description.tool_changer, status.changer
     if changer is None:
@@ -61,7 +61,9 @@ def _fault(description: Description, status: Status) -> str:
     return explain_changer(description, status.changer_fault)
 
 
-def _unlock_refusal(description: Description, changer: ToolChanger, status: Status, senses: SensorSet) -> str:
+def _unlock_refusal(
+    description: Description, changer: ToolChanger, status: Status, senses: SensorState
+) -> str:
     state, at_rest = status.changer, status.ee
     if state is not ChangerState.LOCKED:
         return f"An unlock is accepted when the tool changer is LOCKED; it is {state.name}."
@@ -77,7 +79,7 @@ def _unlock_refusal(description: Description, changer: ToolChanger, status: Stat
     return "The unlock is not taken now: the gripping program has not said yet that nothing is gripped."
 
 
-def _not_released(description: Description, changer: ToolChanger, senses: SensorSet) -> str:
+def _not_released(description: Description, changer: ToolChanger, senses: SensorState) -> str:
     if present := feedback(description, senses):
         return present
     below = [display_name(name) for name, part in description.ordered if kind_of(part).below_ambient]
@@ -86,7 +88,7 @@ def _not_released(description: Description, changer: ToolChanger, senses: Sensor
 
 
 def _arm_refusal(
-    description: Description, changer: ToolChanger, state: ChangerState, senses: SensorSet
+    description: Description, changer: ToolChanger, state: ChangerState, senses: SensorState
 ) -> str:
     if not description.interlocks.il_02:
         return "IL-02 is switched off in the description: an unlock needs no arming."

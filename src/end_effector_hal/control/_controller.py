@@ -85,7 +85,7 @@ class Controller:
         self._at, self._sensor_fault = at, sensor_fault
         self._statuses.found = dict(levels)
         self._statuses.know({})
-        down_us = self._senses.readings.down_us
+        down_us = self._senses.now.readings.down_us
         self._adopt_by = at + (max(FIRST_FRAME_US, down_us) if any(levels.values()) else down_us)
         return self._told(self._execution.start(at))
 
@@ -112,7 +112,7 @@ class Controller:
             for event in events:
                 statuses += self._receive(event, self._at, expired)
         if self._adopt_by is not None:
-            self._adopt_by = min(self._adopt_by, self._at + self._senses.readings.down_us)
+            self._adopt_by = min(self._adopt_by, self._at + self._senses.now.readings.down_us)
         released = self._senses.now.nothing_gripped
         events = self._senses.frame(frame)
         self._write_levels()
@@ -147,7 +147,7 @@ class Controller:
         statuses = self._due_before(at)
         reaction = self._execution.receive(Event(name), at)
         if not reaction.taken:
-            why = refusal(self._description, name, self.status(), self._senses, at)
+            why = refusal(self._description, name, self.status(), self._senses.now, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
         if name in ("grip", "drop"):
             self._statuses.blame(Cause.NONE, -1, self._at)
@@ -173,8 +173,10 @@ class Controller:
         if refused := no_maintenance(EndEffectorState(self._statuses.values["ee"]), held=self._statuses.held):
             return refused
         needs_lock = active and self._description.interlocks.il_05 and self._lock_fitted
-        if needs_lock and self._senses.tool is not ToolEvidence.LOCKED:
-            return f"IL-05: the tool is not proven to be locked (its sensors say {self._senses.tool.name})."
+        if needs_lock and self._senses.now.tool is not ToolEvidence.LOCKED:
+            return (
+                f"IL-05: the tool is not proven to be locked (its sensors say {self._senses.now.tool.name})."
+            )
         if active and self._description.interlocks.il_05 and self._statuses.values["unlock_valve"]:
             return "IL-05: the unlock output is active."
         return ""
@@ -252,7 +254,7 @@ class Controller:
         self._statuses.know({})
         # the level of an output that is pulsed is a record, or a guess: what the sensors prove is more
         pulsed = {line for line, each in self._description.opposites.items() if each.pulse_s is not None}
-        pairs = zip(self._description.ordered, self._senses.evidence, strict=True)
+        pairs = zip(self._description.ordered, self._senses.now.evidence, strict=True)
         gone = {part.line for (_, part), level in pairs if level is Evidence.GONE}
         parts = [part for _, part in self._description.ordered]
         adopted = {
@@ -261,7 +263,7 @@ class Controller:
         }
         changer = self._description.tool_changer
         if changer is not None:
-            locked = changer.line in pulsed and self._senses.tool is ToolEvidence.LOCKED
+            locked = changer.line in pulsed and self._senses.now.tool is ToolEvidence.LOCKED
             adopted["adopted_unlock"] = int(found.get(changer.line, False) and not locked)
             adopted["adopted_fault"] = int(self._sensor_fault)
         self._execution.write(adopted)  # before the event: whoever receives it asks for these levels

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import lost_words
-from end_effector_hal.sensing import SensorSet
+from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
 
 from ._changer_reasons import changer_refusal, feedback
 from ._status import Status
 
 
-def explain(description: Description, cause: int, cause_at: int, senses: SensorSet, at: int) -> str:
+def explain(description: Description, cause: int, cause_at: int, senses: SensorState, at: int) -> str:
     """Why a grip or a release ended as it did at ``at`` µs; empty for no cause."""
     name, actuator = description.ordered[cause_at] if cause_at >= 0 else ("", None)
     who = display_name(name) or "The grip"
@@ -57,7 +57,7 @@ def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
     return f"IL-12: maintenance is possible in STAND_BY only; the end-effector is {_name(state)}."
 
 
-def _present(description: Description, senses: SensorSet) -> str:
+def _present(description: Description, senses: SensorState) -> str:
     """Whose sensors show that something is gripped."""
     there = (Evidence.PARTIAL, Evidence.CONFIRMED)
     pairs = zip(description.sequence, senses.evidence, strict=True)
@@ -65,7 +65,7 @@ def _present(description: Description, senses: SensorSet) -> str:
     return f"{', '.join(names) or 'a sensor'} still show{'' if len(names) > 1 else 's'}"
 
 
-def refusal(description: Description, command: str, status: Status, senses: SensorSet, at: int) -> str:
+def refusal(description: Description, command: str, status: Status, senses: SensorState, at: int) -> str:
     """Why a command is not taken now."""
     state = status.ee
     if command == "grip":
@@ -83,7 +83,7 @@ def refusal(description: Description, command: str, status: Status, senses: Sens
     return f"{command!r} is not taken now."
 
 
-def _grip_refusal(description: Description, status: Status, senses: SensorSet, at: int) -> str:
+def _grip_refusal(description: Description, status: Status, senses: SensorState, at: int) -> str:
     locks = description.interlocks
     if locks.il_07 and not senses.readings.link_up(at):
         return f"IL-07: the {description.sensors} is not up."
@@ -99,7 +99,7 @@ def _grip_refusal(description: Description, status: Status, senses: SensorSet, a
     return "The grip is not taken now."
 
 
-def _no_air(description: Description, senses: SensorSet) -> str:
+def _no_air(description: Description, senses: SensorState) -> str:
     supply, kpa = description.supply, senses.supply.kpa
     if kpa is None:
         return "the supply pressure has no valid reading, or its switch shows no air."

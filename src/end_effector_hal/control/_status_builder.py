@@ -127,7 +127,7 @@ class StatusBuilder:
         if cause == Cause.KEPT:  # what it ended for is told already
             self._left = self._left or left_active(self._description, self._outputs)
         elif (cause, cause_at) != (self._cause, self._cause_at):
-            self._reason = explain(self._description, cause, cause_at, self._senses, at)
+            self._reason = explain(self._description, cause, cause_at, self._senses.now, at)
             self._cause, self._cause_at, self._left = cause, cause_at, ""
 
     @property

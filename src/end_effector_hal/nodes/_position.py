@@ -123,18 +123,18 @@ class PositionNode:
 
     def _proven_joints(self) -> dict[str, float]:
         """A joint whose position is not proven is left out: NaN ends in a broken transform, an old value in a lie."""
-        evidence = self._senses.evidence
+        evidence = self._senses.now.evidence
         found = {joint.name: joint.position(evidence) for joint in self._joints}
         found[self._grip_joint] = grip_position(evidence)
         return {name: position for name, position in found.items() if not isnan(position)}
 
     def _cylinder(self, index: int) -> Callable[[int], int]:
-        return lambda _at: _CYLINDER[self._senses.evidence[index]]
+        return lambda _at: _CYLINDER[self._senses.now.evidence[index]]
 
     def _tool_changer(self, changer: ToolChanger) -> Callable[[int], int]:
         def read(at: int) -> int:
-            locked = self._senses.readings.get(changer.locked_bit, at)
-            unlocked = self._senses.readings.get(changer.unlocked_bit, at)
+            locked = self._senses.now.readings.get(changer.locked_bit, at)
+            unlocked = self._senses.now.readings.get(changer.unlocked_bit, at)
             if locked is None or unlocked is None:
                 return ChangerPlace.UNKNOWN
             return _CHANGER[bool(locked), bool(unlocked)]
@@ -142,7 +142,7 @@ class PositionNode:
         return read
 
     def _stand(self, changer: ToolChanger) -> Callable[[int], int]:
-        return lambda at: tool_place(changer, self._senses.readings, at)
+        return lambda at: tool_place(changer, self._senses.now.readings, at)
 
     def _health(self) -> Health:
         values = {

@@ -60,7 +60,7 @@ class PressureNode:
                 return
             self._silent = False
             self._senses.frame(frame)
-            readings = self._senses.readings
+            readings = self._senses.now.readings
             self._publish_pressures(
                 frame.at,
                 lambda channel: readings.get(channel, frame.at) if readings.arrived(channel) else None,
@@ -70,7 +70,7 @@ class PressureNode:
         with self._lock:
             at = now_us()
             self._senses.advance(at)
-            if self._silent or self._senses.readings.fresh(at):
+            if self._silent or self._senses.now.readings.fresh(at):
                 return
             self._silent = True
             self._publish_pressures(at, lambda _: None)
@@ -88,7 +88,7 @@ class PressureNode:
     def _health(self) -> Health:
         health, at = self._reader.health, now_us()
         with self._lock:
-            up, notices = self._senses.readings.link_up(at), self._senses.notices(at, held=False)
+            up, notices = self._senses.now.readings.link_up(at), self._senses.notices(at, held=False)
         counters = {name: getattr(health, name) for name in ("opened", "bytes", "frames", "lost", "reboots")}
         errors = {f"errors, {kind}": count for kind, count in health.errors.items()}
         values = counters | errors

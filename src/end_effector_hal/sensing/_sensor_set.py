@@ -14,9 +14,7 @@ from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
 from ._frame_judge import FrameJudge
-from ._readings import Readings
 from ._sensor_state import SensorState
-from ._supply_detector import SupplyDetector
 
 _EVIDENCE_CHANNELS = {
     Evidence.UNKNOWN: "stale",
@@ -63,36 +61,6 @@ class SensorSet:
         self._tool_events = {
             level: Event(f"tool_is[{int(level)}]", {"tool": int(level)}) for level in ToolEvidence
         }
-
-    @property
-    def readings(self) -> Readings:
-        """The newest reading of each channel."""
-        return self.now.readings
-
-    @property
-    def supply(self) -> SupplyDetector:
-        """The supply pressure."""
-        return self.now.supply
-
-    @property
-    def evidence(self) -> tuple[Evidence, ...]:
-        """Of each actuator, in sequence order."""
-        return self.now.evidence
-
-    @property
-    def tool(self) -> ToolEvidence:
-        """What the bits of the tool changer prove."""
-        return self.now.tool
-
-    @property
-    def nothing_gripped(self) -> bool:
-        """Whether nothing is gripped, as IL-01 asks it."""
-        return self.now.nothing_gripped
-
-    @property
-    def in_stand(self) -> bool:
-        """Whether the tool is in its stand, or there is none (IL-02)."""
-        return self.now.in_stand
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -187,24 +155,18 @@ class SensorSet:
         before, self._noticed = self._noticed, self.notices(at, held=held)
         return self._noticed != before
 
-    def empty(self, index: int) -> str:
-        """That an actuator has gripped nothing, in words; empty: that is not proven."""
-        name, part = self._parts[index]
-        found = any(i == index and each.empty for i, each in self.now.by_conditions)
-        return f"{display_name(name)} {kind_of(part).empty}" if found else ""
-
     def _findings(self, at: int) -> Iterator[str]:
         """What is found by conditions, beside the evidence."""
         for index, detector in self.now.by_conditions:
-            name, carried = self._parts[index][0], self.readings.carried
+            name, carried = self._parts[index][0], self.now.readings.carried
             if detector.broken:
                 bits = sorted(each for each in self._channels[name] if carried.get(each) is Kind.BIT)
-                seen = shown(bits, self.readings, at)
+                seen = shown(bits, self.now.readings, at)
                 yield (
                     f"The sensors of {display_name(name)} contradict each other ({seen}): they prove nothing. "
                     "Is one broken, or wired wrongly?"
                 )
-            elif said := self.empty(index):
+            elif said := self.now.empty(index):
                 yield f"{said}."
 
     def _unknown(self) -> list[str]:

@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import detector_of, fault_of, is_guarded
+from end_effector_hal.kinds import detector_of, fault_of, is_guarded, kind_of
 from end_effector_hal.kinds.conditions import ConditionDetector
 from end_effector_hal.signals import PART, Frame, clone
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
@@ -51,6 +51,7 @@ class SensorState:
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.readings = Readings(description.freshness, carrier)
         self._rules = LinkRules(description, carrier, self.readings.stale_us)
+        self._parts = description.ordered
         self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
         self._guarded = tuple(
             (index, display_name(name))
@@ -117,6 +118,12 @@ class SensorState:
         return tuple(
             [(i, each) for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
         )
+
+    def empty(self, index: int) -> str:
+        """That an actuator has gripped nothing, in words; empty: that is not proven."""
+        name, part = self._parts[index]
+        found = any(i == index and each.empty for i, each in self.by_conditions)
+        return f"{display_name(name)} {kind_of(part).empty}" if found else ""
 
     @property
     def confirmed(self) -> bool:

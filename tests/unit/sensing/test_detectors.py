@@ -41,8 +41,8 @@ def feed() -> Feed:
 
 
 def test_everything_is_unknown_before_the_first_frame(feed: Feed) -> None:
-    assert feed.senses.evidence == (Evidence.UNKNOWN,) * 3
-    assert feed.senses.tool is ToolEvidence.UNCLEAR
+    assert feed.senses.now.evidence == (Evidence.UNKNOWN,) * 3
+    assert feed.senses.now.tool is ToolEvidence.UNCLEAR
     assert not feed.senses.conclusive
 
 
@@ -101,13 +101,13 @@ def test_of_one_frame_what_is_undone_is_told_before_what_is_confirmed(feed: Feed
 def test_a_reading_is_stale_after_150_ms_and_never_the_last_value(feed: Feed) -> None:
     feed.tool = True
     feed(12, bottom=-60_000)
-    assert feed.senses.evidence[0] is Evidence.CONFIRMED
+    assert feed.senses.now.evidence[0] is Evidence.CONFIRMED
     due = feed.senses.deadline(feed.at)
     assert due == feed.at + 150_000
     assert feed.senses.advance(due - 1) == []
     said = [event.channel for event in feed.senses.advance(due)]
     assert said == ["stale[0]", "stale[1]", "stale[2]", "tool_is[0]"]
-    assert feed.senses.evidence == (Evidence.UNKNOWN,) * 3
+    assert feed.senses.now.evidence == (Evidence.UNKNOWN,) * 3
 
 
 def test_an_invalid_channel_is_stale_alone_and_is_no_sample(feed: Feed) -> None:
@@ -115,7 +115,7 @@ def test_an_invalid_channel_is_stale_alone_and_is_no_sample(feed: Feed) -> None:
     feed(2, bottom=-60_000)
     assert feed(7, bottom=None) == []  # two samples and seven frames without one: not confirmed
     assert feed(bottom=None) == ["stale[0]"]
-    assert feed.senses.evidence == (Evidence.UNKNOWN, Evidence.GONE, Evidence.GONE)
+    assert feed.senses.now.evidence == (Evidence.UNKNOWN, Evidence.GONE, Evidence.GONE)
 
 
 def test_what_was_confirmed_before_a_silence_is_confirmed_again_and_not_lost(feed: Feed) -> None:
@@ -161,9 +161,9 @@ def test_bits_that_contradict_each_other_do_not_either(feed: Feed) -> None:
     feed.senses.advance(feed.at + 150_000)
     feed.at += 1_000_000
     feed(25, bottom=-80_000, unlocked=True)
-    assert feed.senses.evidence[0] is Evidence.PARTIAL
+    assert feed.senses.now.evidence[0] is Evidence.PARTIAL
     assert "confirmed[0]" in feed(1)
-    assert feed.senses.tool is ToolEvidence.FAULTY
+    assert feed.senses.now.tool is ToolEvidence.FAULTY
 
 
 def test_what_fell_during_a_silence_is_lost_at_the_first_samples(feed: Feed) -> None:
@@ -178,19 +178,19 @@ def test_lock_is_proven_by_both_bits_for_100_ms(feed: Feed) -> None:
     assert "tool_is[1]" not in feed(5)
     assert "tool_is[1]" in feed()
     feed(24, locked=False)
-    assert feed.senses.tool is ToolEvidence.LOCKED
+    assert feed.senses.now.tool is ToolEvidence.LOCKED
     assert feed(2, locked=False) == ["tool_is[3]"]
 
 
 def test_supply_refuses_under_400_kpa_with_hysteresis(feed: Feed) -> None:
     feed(supply=400_000)
-    assert feed.senses.supply.ok
+    assert feed.senses.now.supply.ok
     feed(supply=399_999)
-    assert not feed.senses.supply.ok
+    assert not feed.senses.now.supply.ok
     feed(supply=419_999)
-    assert not feed.senses.supply.ok
+    assert not feed.senses.now.supply.ok
     feed(supply=420_000)
-    assert feed.senses.supply.ok
+    assert feed.senses.now.supply.ok
 
 
 def test_booleans_of_the_prototype_work_under_the_same_rules() -> None:
@@ -202,8 +202,8 @@ def test_booleans_of_the_prototype_work_under_the_same_rules() -> None:
         "top": False,
         "cylinder_extended": False,
     }
-    assert feed.senses.readings.stale_us == 3_000_000
-    assert feed.senses.readings.down_us == 7_000_000
+    assert feed.senses.now.readings.stale_us == 3_000_000
+    assert feed.senses.now.readings.down_us == 7_000_000
     assert feed() == ["gone[0]", "gone[1]", "gone[2]"]
     assert feed(2, bottom=True) == ["partial[0]"]
     assert feed(bottom=True) == ["confirmed[0]"]

@@ -102,14 +102,16 @@ def test_one_channel_without_a_value_is_named(description: Description) -> None:
 def test_after_a_reboot_nothing_is_known_until_it_is_fresh(description: Description) -> None:
     raw = Raw(description)
     raw(20, bottom=-60_000)
-    assert raw.senses.evidence[0] is Evidence.CONFIRMED
+    assert raw.senses.now.evidence[0] is Evidence.CONFIRMED
     raw.seq = raw.uptime_ms = -1  # without any silence, and with readings that are still fresh
     raw(1)
-    assert raw.senses.evidence == (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE)
+    assert raw.senses.now.evidence == (Evidence.UNKNOWN, Evidence.PARTIAL, Evidence.GONE)
     raw(4)
-    assert raw.senses.evidence[0] is Evidence.UNKNOWN
+    assert raw.senses.now.evidence[0] is Evidence.UNKNOWN
     raw(1)
-    assert raw.senses.evidence[0] is Evidence.CONFIRMED  # 100 ms of the new life, in which the lock is proven
+    assert (
+        raw.senses.now.evidence[0] is Evidence.CONFIRMED
+    )  # 100 ms of the new life, in which the lock is proven
     assert raw.notices == ("The device that reads the sensors began anew: all was read anew.",)
 
 
@@ -121,8 +123,8 @@ def test_what_was_read_before_a_reboot_counts_no_more(
     raw(20, top=-60_000)
     raw.seq = raw.uptime_ms = lost_after_reboot
     raw(1, top=None)  # invalid at first: the reading of before is 20 ms old, and nothing
-    assert raw.senses.readings.get("top", raw.at) is None
-    assert raw.senses.evidence[2] is Evidence.UNKNOWN
+    assert raw.senses.now.readings.get("top", raw.at) is None
+    assert raw.senses.now.evidence[2] is Evidence.UNKNOWN
 
 
 def test_a_reboot_while_gripped_holds_and_is_told(description: Description) -> None:
@@ -146,7 +148,7 @@ def test_a_number_that_wraps_around_is_no_reboot(description: Description) -> No
         raw.seq, raw.uptime_ms = raw.seq % (1 << 16), raw.uptime_ms % (1 << 32)
         raw()
     assert raw.notices == ()
-    assert raw.senses.evidence[0] is Evidence.CONFIRMED
+    assert raw.senses.now.evidence[0] is Evidence.CONFIRMED
 
 
 # Values that cannot be
@@ -168,7 +170,7 @@ def test_what_cannot_be_is_invalid_and_said(
     raw(20, **{channel: possible})
     assert raw.notices == ()
     raw(1, **{channel: impossible})
-    assert raw.senses.readings.get(channel, raw.at) is None
+    assert raw.senses.now.readings.get(channel, raw.at) is None
     doubt, lacking = raw.notices
     assert doubt.startswith(f"The channel {channel} {what}")
     assert lacking == f"No valid reading of {channel}."
@@ -202,15 +204,15 @@ def test_a_sensor_that_does_not_move_by_a_count_is_frozen(description: Descripti
     raw = Raw(description)
     raw(21, bottom=-60_000)
     raw(100, noise=0)
-    assert raw.senses.evidence[0] is Evidence.CONFIRMED  # the first of them was a change: 1.98 s
+    assert raw.senses.now.evidence[0] is Evidence.CONFIRMED  # the first of them was a change: 1.98 s
     raw(1, noise=0)
-    assert raw.senses.evidence == (Evidence.UNKNOWN,) * 3
+    assert raw.senses.now.evidence == (Evidence.UNKNOWN,) * 3
     assert raw.notices[0].startswith(
         "The channel bottom has not moved by a single count: its sensor is frozen"
     )
-    assert not raw.senses.supply.ok
+    assert not raw.senses.now.supply.ok
     raw(3, noise=1)
-    assert raw.senses.evidence[0] is Evidence.CONFIRMED
+    assert raw.senses.now.evidence[0] is Evidence.CONFIRMED
     assert raw.notices == ()
 
 
@@ -240,7 +242,7 @@ def test_frozen_is_off_unless_declared_and_where_the_codec_counts_coarsely(descr
     for tool, codec in ((quiet, "ees1-ascii"), (description, "modbus-rtu-transmitters")):
         raw = Raw(tool, codec)
         raw(300, noise=0, bottom=-60_000)
-        assert raw.senses.evidence[0] is Evidence.CONFIRMED
+        assert raw.senses.now.evidence[0] is Evidence.CONFIRMED
 
 
 def test_a_silence_is_no_standing_still(description: Description) -> None:
@@ -248,7 +250,7 @@ def test_a_silence_is_no_standing_still(description: Description) -> None:
     raw(60, noise=0, bottom=-60_000)
     raw.at += 1_500_000
     raw(60, noise=0)
-    assert raw.senses.evidence[0] is Evidence.CONFIRMED
+    assert raw.senses.now.evidence[0] is Evidence.CONFIRMED
 
 
 def test_booleans_are_never_frozen(description: Description) -> None:
@@ -256,5 +258,5 @@ def test_booleans_are_never_frozen(description: Description) -> None:
     values = {"bottom": True, "top": True, "cylinder_extended": True, "locked": True, "unlocked": False}
     for second in range(1, 30):
         senses.frame(Frame(second * 1_000_000, None, None, values))
-    assert senses.evidence == (Evidence.CONFIRMED,) * 3
+    assert senses.now.evidence == (Evidence.CONFIRMED,) * 3
     assert senses.notices(29_000_000, held=True) == ()

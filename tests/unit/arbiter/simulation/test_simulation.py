@@ -17,7 +17,7 @@ from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from tests.unit.arbiter.simulation.simulation import Met, play, table
 from tests.unit.arbiter.simulation.world import FAULTS
 
-RUNS, PARTS = 2_000, 10
+RUNS, PARTS = 2_000, 16
 EACH = RUNS // PARTS
 """Of a part; `make test` plays one, `make test-thinned` the others, `make nightly` 100,000 with run.py."""
 
