@@ -79,12 +79,15 @@ NATIVE := $(shell dpkg --print-architecture 2>/dev/null)
 ARCH ?= $(NATIVE)
 IMAGE_LISTS := host-packages.txt $(if $(filter-out $(NATIVE),$(ARCH)),host-packages-emulated.txt)
 
-image: ## the container image, from Debian's archive, without a registry; ARCH=arm64: for the board
-	@for list in $(IMAGE_LISTS); do deploy/debian.sh deploy/container/$$list || exit; done
-	@deploy/container/image.sh $(ARCH)
+ROS ?= 1
+IMAGE := localhost/end-effector-hal$(if $(filter-out 1,$(ROS)),-ros$(ROS))
 
-test-image: setup image ## by hand: in that image, as its user: import, check, doctor, health, a grip; ARCH=arm64 too
-	@$(ROS_ENV) && EEHAL_IMAGE=localhost/end-effector-hal:$(ARCH) pytest -q --durations=0 --durations-min=1 tests/acceptance/image
+image: ## the container image, from Debian's archive, without a registry; ARCH=arm64: for the board; ROS=2: its wheels
+	@for list in $(IMAGE_LISTS); do deploy/debian.sh deploy/container/$$list || exit; done
+	@ROS=$(ROS) deploy/container/image.sh $(ARCH)
+
+test-image: setup image ## by hand: in that image, as its user: import, check, doctor, health, a grip; ARCH=arm64, ROS=2 too
+	@$(ROS_ENV) && EEHAL_IMAGE=$(IMAGE):$(ARCH) pytest -q --durations=0 --durations-min=1 tests/acceptance/image
 
 check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -97,11 +100,12 @@ check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelli
 test-dist: $(UV) ## wheel and sdist: built, installed into fresh environments, used outside of the checkout; a minute
 	@deploy/test-dist.sh
 
-bench: setup ## measure it: latencies against their floor, CPU, memory
-	@$(ROS_ENV) && python benchmarks/run.py
+# The runner needs no ROS: what is measured runs in the environments of both, in turns
+bench: setup ros2 ## measure it in turns, without ROS and through ROS 1 and 2: latencies against their floors, CPU, memory
+	@$(APART) $(BIN)/python benchmarks/run.py
 
-bench-ros2: ros2 ## the same without ROS and through ROS 2, in one run
-	@$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python benchmarks/run.py --parts core ros2-one ros2-five -o runs/bench-ros2.json
+bench-ros2: $(VENV)/.synced ros2 ## the same without ROS and through ROS 2
+	@$(APART) $(BIN)/python benchmarks/run.py --parts core ros2-one ros2-five -o runs/bench-ros2.json
 
 kill-matrix: setup ## kill, stop and end every process in the states that tell most (5 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run

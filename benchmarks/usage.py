@@ -30,6 +30,23 @@ class Usage:
     wakeups_per_s: float
     seconds: float
 
+    def joined(self, other: Usage | None) -> Usage:
+        """Both spans as one: memory is that of the larger."""
+        if other is None:
+            return self
+        seconds = self.seconds + other.seconds
+
+        def mean(name: str) -> float:
+            return float(getattr(self, name) * self.seconds + getattr(other, name) * other.seconds) / seconds
+
+        return Usage(
+            mean("cpu_percent"),
+            max(self.pss_kib, other.pss_kib),
+            max(self.rss_kib, other.rss_kib),
+            mean("wakeups_per_s"),
+            seconds,
+        )
+
 
 class Meter:
     """Begins to measure some processes.

@@ -21,9 +21,10 @@ from ._result import Result
 
 @dataclass(frozen=True)
 class Plan:
-    """Counts of one phase.
+    """Counts of one round.
 
     Attributes:
+        rounds: how often all parts are measured, one after the other, with processes of their own each time.
         blocks: pairs of product and floor.
         cycles: grips and drops in a block; each gives 4 reactions, 2 commands, 6 states.
         floor_s: length of a block of the floor, which makes 5 reactions and 5 commands a second.
@@ -31,6 +32,7 @@ class Plan:
         hold_s: how long processor time and memory are measured while gripped.
     """
 
+    rounds: int
     blocks: int
     cycles: int
     floor_s: float
@@ -38,8 +40,8 @@ class Plan:
     losses: int
 
 
-FULL = Plan(blocks=8, cycles=4, floor_s=5.0, hold_s=20.0, losses=20)
-QUICK = Plan(blocks=2, cycles=2, floor_s=3.0, hold_s=5.0, losses=5)
+FULL = Plan(rounds=4, blocks=2, cycles=4, floor_s=5.0, hold_s=10.0, losses=5)
+QUICK = Plan(rounds=2, blocks=1, cycles=3, floor_s=3.0, hold_s=5.0, losses=1)
 
 
 CYCLE_S = 2.0

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
+
+from environments import Environment
 
 from end_effector_lab.processes import Children
 
 START_S = 30.0
+HERE = Environment()
 BENCHMARKS = Path(__file__).parents[1]
 
 
@@ -21,7 +23,7 @@ class Driven:
         program: path under ``benchmarks``.
         arguments: of it.
         folder: receives its log.
-        env: added to its environment.
+        where: its interpreter and environment.
     """
 
     def __init__(
@@ -30,11 +32,11 @@ class Driven:
         program: str,
         arguments: Sequence[object],
         folder: Path,
-        env: Mapping[str, str] | None = None,
+        where: Environment = HERE,
     ) -> None:
         self._child = children.start(
-            program, [sys.executable, str(BENCHMARKS / program), *map(str, arguments)],
-            log=folder / f"{program.replace('/', '-')}.log", env=env, commands=True,
+            program, [where.python, str(BENCHMARKS / program), *map(str, arguments)],
+            log=folder / f"{program.replace('/', '-')}.log", env=where.env, commands=True,
         )  # fmt: skip
         self._done = self._failed = 0
         self.pid = self._child.pid

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Mapping
 from pathlib import Path
+
+from environments import Environment
 
 from end_effector_lab.processes import Children
 
@@ -21,33 +21,36 @@ class Floor:
         children: start its processes, and end them.
         place: for pty, socket and file.
         folder: receives logs and notes.
-        env: of ROS; None: the chain without ROS.
+        where: its interpreter and environment.
+        part: what it is the floor of.
     """
 
-    def __init__(
-        self, children: Children, place: Path, folder: Path, env: Mapping[str, str] | None = None
-    ) -> None:
+    def __init__(self, children: Children, place: Path, folder: Path, where: Environment, part: str) -> None:
         port, socket, lines = place / "floor-uart", place / "floor.sock", place / "floor-lines"
         self.notes = (folder / "floor-edges.jsonl", folder / "floor-states.jsonl")
         self._bench = Driven(children, "floor/testbench.py", [port, lines, self.notes[0]], folder)
         self._bench.wait_ready()
         start = children.start
-        python, floor = sys.executable, BENCHMARKS / "floor"
+        floor = BENCHMARKS / "floor"
 
         def process(name: str, *arguments: object) -> int:
-            command = [python, str(floor / f"{name}.py"), *map(str, arguments)]
-            return start(f"floor/{name}.py", command, log=folder / f"floor-{name}.log", env=env).pid
+            command = [where.python, str(floor / f"{name}.py"), *map(str, arguments)]
+            return start(f"floor/{name}.py", command, log=folder / f"floor-{name}.log", env=where.env).pid
 
         self.owner = process("owner", socket, lines)
         self.nodes: dict[str, int] = {}
-        if env is None:
-            self._client = Driven(children, "floor/tool.py", [port, socket, self.notes[1]], folder)
+        if part == "core":
+            self._client = Driven(children, "floor/tool.py", [port, socket, self.notes[1]], folder, where)
             self.nodes["tool"] = self._client.pid
         else:
-            self.nodes["unit"] = process("unit", socket)
-            self.nodes["main"] = process("main")
-            self.nodes["link"] = process("link", port)
-            self._client = Driven(children, "floor/client.py", [self.notes[1]], folder, env)
+            of = "" if part == "ros" else "ros2_"
+            if part == "ros2-one":
+                self.nodes["tool"] = process("ros2_tool", port, socket)
+            else:
+                self.nodes["unit"] = process(f"{of}unit", socket)
+                self.nodes["main"] = process(f"{of}main")
+                self.nodes["link"] = process(f"{of}link", port)
+            self._client = Driven(children, f"floor/{of}client.py", [self.notes[1]], folder, where)
         self._client.wait_ready()
         time.sleep(1.0)  # for every connection
 

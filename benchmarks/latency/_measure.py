@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+
+from environments import Environment, environment
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import RosError
@@ -26,35 +28,37 @@ START_S = 40.0
 def measure(
     description: Description, folder: Path, plan: Plan, say: Callable[[str], None], part: str
 ) -> Result:
-    """Measure an application with a line arbiter and a testbench; logs go to ``folder``.
+    """Measure an application with a line arbiter and a testbench, all of them new; logs go to ``folder``.
 
     Args:
         description: the tool.
         folder: of the logs.
         plan: how much.
         say: what is being done.
-        part: ``core``: ``EndEffector``; ``ros``: the nodes of ROS 1; ``ros2-one``, ``ros2-five``: those of ROS 2, held
-            against the floor without ROS.
+        part: ``core``: ``EndEffector``; ``ros``: the nodes of ROS 1; ``ros2-one``, ``ros2-five``: those of ROS 2.
     """
-    notes, env = folder / "states.jsonl", None
+    notes, where = folder / "states.jsonl", environment(part)
     with Hardware(description, folder) as hardware:
         children = hardware.children
         if part == "ros":
             master = Master(folder / "ros")
+            # the workspace is in its path
+            master.env = {**where.env, **master.env, "PATH": where.env["PATH"]}
+            where = where.with_env(master.env)
             master.start(children, folder / "roscore.log", patience_s=START_S)
-            env = master.env
-        floor = Floor(children, hardware.place, folder, env)
+        elif part != "core":
+            where = where.with_env(apart(folder / "ros"))
+        floor = Floor(children, hardware.place, folder, where, part)
         pids: dict[str, int] = {}
         if part == "ros":
-            start_nodes(hardware, master.env)
-            client = Driven(children, "latency/_action_client.py", [notes], folder, env)
+            start_nodes(hardware, where.env)
+            client = Driven(children, "latency/_action_client.py", [notes], folder, where)
         elif part == "core":
             client = Driven(children, "latency/_tool_client.py", [hardware.description_path, notes], folder)
             pids = {"tool": client.pid}
         else:
-            env = apart(folder / "ros")
-            pids = _start_ros2(hardware, ONE if part == "ros2-one" else FIVE, env)
-            client = Driven(children, "latency/_action_client_ros2.py", [notes], folder, env)
+            pids = _start_ros2(hardware, ONE if part == "ros2-one" else FIVE, where)
+            client = Driven(children, "latency/_action_client_ros2.py", [notes], folder, where)
         client.wait_ready()
         result = measure_blocks(hardware, floor, client, notes, plan, say)
         result.losses = measure_losses(hardware, client, Tail(notes), plan.losses, say)
@@ -63,11 +67,14 @@ def measure(
         return result
 
 
-def _start_ros2(hardware: Hardware, programs: Sequence[str], env: Mapping[str, str]) -> dict[str, int]:
+def _start_ros2(hardware: Hardware, programs: Sequence[str], where: Environment) -> dict[str, int]:
     arguments = ["--ros-args", "-p", f"description:={hardware.description_path.absolute()}"]
     started = {
         program: hardware.children.start(
-            program, [*PROGRAM, program, *arguments], log=hardware.folder / f"{program}.log", env=env
+            program,
+            [where.python, *PROGRAM[1:], program, *arguments],
+            log=hardware.folder / f"{program}.log",
+            env=where.env,
         )
         for program in programs
     }

@@ -1,4 +1,4 @@
-"""What a phase of the measurement gives."""
+"""What the rounds of one part give."""
 
 from __future__ import annotations
 
@@ -31,6 +31,16 @@ class Result:
     losses: Latencies = field(default_factory=dict)
     usage: Mapping[str, Usage] = field(default_factory=dict)
     floor_usage: Mapping[str, Usage] = field(default_factory=dict)
+
+    def add(self, other: Result) -> None:
+        """What a later round gave."""
+        self.product += other.product
+        self.floor += other.floor
+        self.left_out += other.left_out
+        for name, samples in other.losses.items():
+            self.losses[name] = [*self.losses.get(name, []), *samples]
+        self.usage = _together(self.usage, other.usage)
+        self.floor_usage = _together(self.floor_usage, other.floor_usage)
 
     def pooled(self, name: str) -> tuple[list[int], list[int]]:
         """All samples of the product, all of the floor."""
@@ -73,6 +83,10 @@ class Result:
             "ratio_of_medians": self.ratio(name),
             "block_ratios": self.block_ratios(name),
         }
+
+
+def _together(earlier: Mapping[str, Usage], later: Mapping[str, Usage]) -> Mapping[str, Usage]:
+    return {name: usage.joined(earlier.get(name)) for name, usage in later.items()}
 
 
 def _pool(blocks: Sequence[Latencies], name: str) -> list[int]:

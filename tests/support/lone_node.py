@@ -8,7 +8,7 @@ from typing import Any
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.interface import Action, Service, Topic
-from end_effector_hal.nodes.transport import UnknownSenders
+from end_effector_hal.nodes.transport import Frames, UnknownSenders
 from end_effector_hal.wires import now_us
 
 
@@ -30,6 +30,9 @@ class LoneTransport:
     def description(self) -> Description:
         return self._tool
 
+    def frames(self, description: Description) -> Frames:
+        return Frames(description)
+
     def publisher(self, topic: Topic) -> Callable[[Any], None]:
         return self.published.setdefault(topic.name, []).append
 
@@ -38,6 +41,9 @@ class LoneTransport:
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         self.ticks[rate_hz] = callback
+
+    def on_start(self, callback: Callable[[], None]) -> None:
+        callback()
 
     def on_close(self, callback: Callable[[], None]) -> None:
         self.closers.insert(0, callback)

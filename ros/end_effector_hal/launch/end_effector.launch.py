@@ -46,6 +46,12 @@ ARGUMENTS = (
         tuple(PROGRAMS),
         "one for all nodes, five as the paper draws them, or one below a managed node, to be configured and activated",
     ),
+    (
+        "prove",
+        "false",
+        SWITCH,
+        "managed: prove the tool when it is configured and `eehal verify` has kept no verdict",
+    ),
     ("arbiter", "true", SWITCH, "start the line arbiter too; false: it runs already (a system service)"),
     (
         "simulated",
@@ -88,6 +94,8 @@ def _processes(context):
     programs = [*PROGRAMS[given["processes"]], *(["data_logger"] if given["log_directory"] else [])]
     for program in programs:
         parameters = {"description": tool}
+        if given["processes"] == "managed":
+            parameters["prove"] = given["prove"]
         if given["log_directory"] and program in RECORDERS:
             parameters["directory"] = given["log_directory"]
             parameters |= {name: given[name] for name in ("segment_mb", "keep_mb")}

@@ -36,7 +36,6 @@ from .transport import (
     MessageHeader,
     NodeTransport,
     PositionMessage,
-    frame_from_message,
 )
 
 _CYLINDER = {
@@ -60,9 +59,9 @@ class PositionNode:
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
-        codec = carrier_of(description)
-        self._log, self._kinds = node.log, codec.channels
-        self._senses = SensorSet(description, codec)
+        self._log, self._frames = node.log, node.frames(description)
+        self._senses = SensorSet(description, carrier_of(description), self._frames.judge)
+        self._looked_us = 0
         self._lock = threading.Lock()
         order = {name: index for index, name in enumerate(description.sequence)}
         self._outputs = [
@@ -92,16 +91,20 @@ class PositionNode:
         publish_health(node, description.name, self._health)
 
     def _on_frame(self, message: FrameMessage) -> None:
-        frame = frame_from_message(message, self._kinds)
+        frame = self._frames.frame_of(message)
         with self._lock:
             if self._senses.accepts(frame, now_us()):
                 self._senses.frame(frame)
+                self._looked_us = frame.at
                 self._publish(frame.at, every=False)
 
     def _tick(self) -> None:
         with self._lock:
             at = now_us()
-            self._senses.advance(at)
+            due = self._senses.deadline(self._looked_us)
+            if due is not None and due <= at:
+                self._senses.advance(at)
+            self._looked_us = at
             self._publish(at, every=True)
 
     def _publish(self, at: int, *, every: bool) -> None:

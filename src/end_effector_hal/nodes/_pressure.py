@@ -8,7 +8,7 @@ from typing import Any
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.runtime import PredicatePublisher
-from end_effector_hal.sensing import FrameJudge, SensorSet
+from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth, LinkState
@@ -21,7 +21,6 @@ from .transport import (
     NodeTransport,
     PressureMessage,
     absolute_pa,
-    frame_to_message,
 )
 
 
@@ -40,8 +39,10 @@ class PressureNode:
         self._pressures: list[tuple[str, Callable[[Any], None]]] = [
             (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
         ]
-        judge = FrameJudge()
+        self._frames = node.frames(description)
+        judge = self._frames.judge
         self._senses = SensorSet(description, carrier_of(description), judge)
+        self._looked_us = 0
         self._lock = threading.Lock()
         self._silent = False
         self._predicates = PredicatePublisher(description, judge=judge)
@@ -50,16 +51,18 @@ class PressureNode:
         self._reader = SensorReader(description, on_frame=self._on_frame, on_change=self._on_change)
         publish_health(node, self._reader.where, self._health)
         node.on_close(self._reader.close)
-        self._reader.start()
         node.every(STATE_HZ, self._tick)
+        # all who look at the same frames begin with the same one: so that it is judged once
+        node.on_start(self._reader.start)
 
     def _on_frame(self, frame: Frame) -> None:
-        self._predicates.frame(frame, lambda frame: self._frame(frame_to_message(frame)))
+        self._predicates.frame(frame, lambda frame: self._frame(self._frames.message_of(frame)))
         with self._lock:
             if not self._senses.accepts(frame, now_us()):
                 return
             self._silent = False
             self._senses.frame(frame)
+            self._looked_us = frame.at
             readings = self._senses.now.readings
             self._publish_pressures(
                 frame.at,
@@ -69,7 +72,10 @@ class PressureNode:
     def _tick(self) -> None:
         with self._lock:
             at = now_us()
-            self._senses.advance(at)
+            due = self._senses.deadline(self._looked_us)
+            if due is not None and due <= at:
+                self._senses.advance(at)
+            self._looked_us = at
             if self._silent or self._senses.now.readings.fresh(at):
                 return
             self._silent = True

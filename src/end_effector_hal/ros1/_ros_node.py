@@ -24,6 +24,7 @@ from end_effector_hal.nodes.transport import (
     ClientGoal,
     CommandClient,
     Commander,
+    Frames,
     UnknownSenders,
 )
 from end_effector_hal.wires import be_steady, now_us
@@ -86,6 +87,10 @@ class RosNode:
         """The tool that ``~description`` or ``~profile`` names; raises DescriptionError."""
         assert self._tool is not None, "the table says which nodes have a description"
         return load_for_nodes(self._tool)
+
+    def frames(self, description: Description) -> Frames:
+        """A process has one node here."""
+        return Frames(description)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """A private parameter."""
@@ -169,6 +174,10 @@ class RosNode:
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call back at a rate, in a thread of its own."""
         self._tickers.append(Ticker(1 / rate_hz, callback, self.log))
+
+    def on_start(self, callback: Callable[[], None]) -> None:
+        """A process has one node here."""
+        callback()
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call back at the end, while the node can still publish; the last added comes first."""

@@ -135,6 +135,7 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         try:
             for name in self._names:
                 start_node(name, RclpyNode(name, group))
+            group.start()
             self._wait_until_ready(group, description, ready_s)
         except BaseException:
             self._end_group()

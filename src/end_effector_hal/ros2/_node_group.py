@@ -15,6 +15,7 @@ from rclpy.node import Node
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.process import Ticker
+from end_effector_hal.nodes.transport import Frames
 
 from ._process import Process
 from .connections import LocalBus
@@ -51,9 +52,11 @@ class NodeGroup:
         self.executor = SingleThreadedExecutor(context=process.context)
         self.workers = ThreadPoolExecutor(WORKERS, thread_name_prefix="service")
         self.bus = LocalBus(frozenset(names), _log)
+        self._frames: list[tuple[Description, Frames]] = []
         self._closing = self._closed = False
         self._nodes: list[Node] = []
         self._tickers: list[Ticker] = []
+        self._starters: list[Callable[[], None]] = []
         self._closers: list[Callable[[], None]] = []
         self._enders: list[Callable[[], None]] = []
         self._thread = threading.Thread(target=self._spin, name="ros2", daemon=True)
@@ -84,9 +87,26 @@ class NodeGroup:
         if not self._thread.is_alive():
             self._thread.start()
 
+    def frames(self, description: Description) -> Frames:
+        """What the nodes share that work with an equal description: each may have been given another one."""
+        for of, shared in self._frames:
+            if of == description:
+                return shared
+        self._frames.append((description, Frames(description)))
+        return self._frames[-1][1]
+
     def every(self, rate_hz: float, callback: Callable[[], None], log: logging.Logger) -> None:
         """Call back at a rate, in a thread of its own."""
         self._tickers.append(Ticker(1 / rate_hz, callback, log))
+
+    def on_start(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` when all nodes are there."""
+        self._starters.append(callback)
+
+    def start(self) -> None:
+        """All nodes are there."""
+        for callback in self._starters:
+            callback()
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while topics are open."""

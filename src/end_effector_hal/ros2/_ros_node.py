@@ -30,6 +30,7 @@ from end_effector_hal.nodes.transport import (
     ClientGoal,
     CommandClient,
     Commander,
+    Frames,
     UnknownSenders,
 )
 from end_effector_hal.wires import now_us
@@ -86,6 +87,10 @@ class RclpyNode:
             return self._group.description
         given = [self._parameters.get(each.name, "") for each in (DESCRIPTION, PROFILE)]
         return load_for_nodes(tool_path(*given, how=HOW))
+
+    def frames(self, description: Description) -> Frames:
+        """What the nodes of this group share."""
+        return self._group.frames(description)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """A parameter."""
@@ -222,6 +227,10 @@ class RclpyNode:
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call back at a rate, in a thread of its own."""
         self._group.every(rate_hz, callback, self.log)
+
+    def on_start(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` when all nodes of this group are there."""
+        self._group.on_start(callback)
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while topics are open."""

@@ -32,7 +32,7 @@ ROS_PACKAGES = (
 """What the nodes import of ROS 2."""
 
 
-_HAL = (PRESSURE, POSITION, GRIP, TOOL_CHANGE, HAL_MAIN)
+_HAL = (PRESSURE, GRIP, TOOL_CHANGE, POSITION, HAL_MAIN)
 MANAGED = "lifecycle_hal"
 PROGRAMS = {
     "hal": _HAL,
@@ -45,7 +45,8 @@ PROGRAMS = {
     "data_logger": (DATA_LOGGER,),
     "supervisor": (SUPERVISOR,),
 }
-"""The executables and their nodes. HALMain starts last and ends first: its clients hear from it that it ends.
+"""The executables and their nodes. Grip is the first that gets a frame: a line waits for it. HALMain starts last and
+ends first: its clients hear from it that it ends.
 
 Those of `MANAGED` work while its lifecycle node is active.
 """
@@ -83,6 +84,7 @@ def _run_nodes(names: Sequence[str], argv: Sequence[str]) -> int:
         code = None
         for name in names:
             code = start_node(name, RclpyNode(name, group))
+        group.start()
         return process.wait() if code is None else code
 
 

@@ -24,7 +24,9 @@ from end_effector_lab.demo._ros2 import FIVE, ONE, PROGRAM, apart
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import Child
 from tests.support.patience import PATIENCE_S, wait_until
+from tests.support.places import ROOT
 
+PACKAGE = ROOT / "ros" / "end_effector_hal"
 STROKE_MM = 80.0
 """Of the cylinder: the description of the paper's tool has none."""
 
@@ -225,6 +227,16 @@ def system(running: System) -> Iterator[System]:
     running.put_down()
 
 
-@pytest.fixture
-def python() -> str:
-    return sys.executable
+@pytest.fixture(scope="session")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The package of programs and launch files, where colcon installs it; run in the workspace, as a user does."""
+    space = tmp_path_factory.mktemp("ws")
+    (space / "src").mkdir()
+    (space / "src" / PACKAGE.name).symlink_to(PACKAGE)
+    env = {"ROS_VERSION": "2", "ROS_DISTRO": "jazzy", "AMENT_PREFIX_PATH": sys.prefix}
+    done = subprocess.run(
+        [Path(sys.executable).with_name("colcon"), "build"], cwd=space, env={**os.environ, **env},
+        capture_output=True, text=True, timeout=PATIENCE_S, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return space / "install" / PACKAGE.name

@@ -1,7 +1,7 @@
 """The package that `ros2 run` and `ros2 launch` find, built with colcon. There is no wheel of either program.
 
-What `colcon test` runs there (`ros/end_effector_hal/test`) needs `ros2 launch`; here the launch files are compared with
-the programs and parameters that there are, and each program is started as `ros2 run` does.
+The launch files are compared with the programs and parameters that there are, and each program is started as `ros2 run`
+does; `test_launch.py` runs them.
 """
 
 from __future__ import annotations
@@ -36,15 +36,10 @@ def run(*words: object, first_in_path: str = str(Path(sys.executable).parent), *
     return done.returncode, done.stdout
 
 
-@pytest.fixture(scope="module")
-def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where colcon installs the package; run in the folder of the workspace, as a user does."""
-    space = tmp_path_factory.mktemp("ws")
-    (space / "src").mkdir()
-    (space / "src" / "end_effector_hal").symlink_to(PACKAGE)
-    code, said = run("env", "-C", space, "colcon", "build")
-    assert code == 0, said
-    return space / "install" / "end_effector_hal"
+@pytest.fixture
+def prefix(installed: Path) -> Path:
+    """Where colcon has installed the package."""
+    return installed
 
 
 def test_colcon_installs_what_ros2_looks_for(prefix: Path) -> None:

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
 from end_effector_hal.description import Description
@@ -28,7 +27,6 @@ from end_effector_hal.nodes.transport import (
     MessageHeader,
     NodeTransport,
     StatusMessage,
-    frame_from_message,
 )
 from end_effector_hal.runtime import Program, open_program
 from end_effector_hal.vocabulary import Command, EndEffectorState
@@ -56,7 +54,7 @@ class ProgramNode(Generic[P]):
     ) -> None:
         self._program, self._node, self._log = program.NAME, node, node.log
         self._service = command
-        self._kinds = carrier_of(description).channels
+        self._frames = node.frames(description)
         self._publish = node.publisher(state)
         self._lines = StatusLines(description, self._program)
         self._since_us, self._count = now_us(), 0
@@ -66,7 +64,14 @@ class ProgramNode(Generic[P]):
         folder = node.parameter(DIRECTORY)
         traces = Path(folder).expanduser() if folder else None
         limits = recording_limits(node)
-        self.program = open_program(program, description, self._on_status, traces=traces, limits=limits)
+        self.program = open_program(
+            program,
+            description,
+            self._on_status,
+            traces=traces,
+            limits=limits,
+            judge=self._frames.judge,
+        )
         node.serve(command, self._on_command)
         node.every(STATE_HZ, self._repeat)
         publish_health(node, description.name, self._health)
@@ -75,14 +80,15 @@ class ProgramNode(Generic[P]):
         node.subscribe(SENSOR_FRAME, self._on_frame)
 
     def _on_frame(self, message: FrameMessage) -> None:
-        self.program.frame(frame_from_message(message, self._kinds))
+        self.program.frame(self._frames.frame_of(message))
 
     def _on_status(self, status: Status) -> None:
         with self._lock:
             self._count += 1
-            self._last = status_to_message(status, self._since_us, self._count)
-            self._last.alarms = (*status.alarms, *self._node.unknown_senders.alarms())
-            self._publish(self._last)
+            now = status_to_message(status, self._since_us, self._count)
+            now.alarms = (*status.alarms, *self._node.unknown_senders.alarms())
+            self._last = now
+            self._publish(now)
             before, self._alarms = self._alarms, status.alarms
         for line in self._lines.of(status):
             self._log.info("%s", line)
@@ -96,11 +102,9 @@ class ProgramNode(Generic[P]):
             return
         with self._lock:
             if self._last is not None:
-                self._last.header = MessageHeader()
                 alarms = (*self._alarms, *self._node.unknown_senders.alarms())
-                if alarms != tuple(self._last.alarms):
-                    self._count += 1
-                    self._last.alarms, self._last.count = alarms, self._count
+                self._count += alarms != tuple(self._last.alarms)
+                self._last = replace(self._last, header=MessageHeader(), alarms=alarms, count=self._count)
                 self._publish(self._last)
 
     def _on_command(self, request: Any) -> Answer:
@@ -138,8 +142,7 @@ class ProgramNode(Generic[P]):
         self.program.close("sigterm")
         with self._lock:
             if self._last is not None:
-                self._last.state, self._last.count = EndEffectorState.OFF, self._count + 1
-                self._publish(self._last)
+                self._publish(replace(self._last, state=EndEffectorState.OFF, count=self._count + 1))
 
     def _health(self) -> Health:
         status = self.program.status

@@ -1,7 +1,7 @@
 """What the nodes and a ROS generation agree upon: the protocol, the messages, and which of them are accepted."""
 
 from ._commander import CommandConnection, Commander
-from ._frames import AMBIENT_PA, absolute_pa, frame_from_message, frame_to_message
+from ._frames import AMBIENT_PA, Frames, absolute_pa, frame_from_message, frame_to_message
 from ._messages import (
     CommandMessage,
     CylinderPositionMessage,
@@ -42,6 +42,7 @@ __all__ = [
     "DiagnosticsMessage",
     "FeedbackMessage",
     "FrameMessage",
+    "Frames",
     "GripperMessage",
     "JointStateMessage",
     "KeyValueMessage",

@@ -1,15 +1,44 @@
-"""From sensor frames to messages and back."""
+"""From sensor frames to messages and back, once for all nodes of a process."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.description import Description
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Kind
 
 from ._messages import FrameMessage
 
 AMBIENT_PA = 101_325
 """FluidPressure is absolute, a frame is gauge: the standard atmosphere stands between them."""
+
+
+class Frames:
+    """Frames and their messages, for the nodes of one process that work with the same tool; thread-safe.
+
+    Those who get the same message get the same frame, so that ``judge`` judges it once.
+    """
+
+    def __init__(self, description: Description) -> None:
+        self.judge = FrameJudge()
+        self._kinds = carrier_of(description).channels
+        self._newest: tuple[object, Frame | None] = (None, None)
+
+    def message_of(self, frame: Frame) -> FrameMessage:
+        """The message of a frame that the link has brought."""
+        message = frame_to_message(frame)
+        self._newest = (message, frame)
+        return message
+
+    def frame_of(self, message: FrameMessage) -> Frame:
+        """The frame of a message, with the channels of the codec."""
+        known, frame = self._newest
+        if frame is None or message is not known:
+            frame = frame_from_message(message, self._kinds)
+            self._newest = (message, frame)
+        return frame
 
 
 def frame_to_message(frame: Frame) -> FrameMessage:

@@ -1,7 +1,7 @@
 """What a node needs of a ROS generation.
 
 Rule 1. A message that goes out is one of `_messages`. The transport makes the type of the table from it, field by
-field, and keeps nothing of it: the node may change it and publish it again.
+field. Nobody changes a message that was published: the nodes of this process may get it as it is.
 
 Rule 2. A message or a request that comes in is any object with the fields of its definition.
 
@@ -35,6 +35,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.interface import Action, Parameter, Service, Topic
 
+from ._frames import Frames
 from ._unknown_senders import UnknownSenders
 
 
@@ -117,6 +118,9 @@ class NodeTransport(Protocol):
     def description(self) -> Description:
         """The tool that the parameters name; raises DescriptionError."""
 
+    def frames(self, description: Description) -> Frames:
+        """What the nodes of this process that work with this tool share of its frames."""
+
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """A parameter of this node."""
 
@@ -165,6 +169,9 @@ class NodeTransport(Protocol):
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call ``callback`` at a rate; after a pause of the machine ticks are left out, not made up for."""
+
+    def on_start(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` when all nodes of this process are there."""
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while the node can still publish (rule 8)."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Collection
-from copy import copy
 from typing import Any
 
 from end_effector_hal.control import Answer
@@ -49,12 +48,12 @@ class LocalBus:
             self._call(callback, last)
 
     def deliver(self, topic: Topic, message: Any) -> None:
-        """Hand a copy of a message to every subscriber: its publisher may change it afterwards."""
+        """Hand a message to every subscriber."""
         if topic.latched:
             with self._lock:
-                self._last[topic.name] = copy(message)
+                self._last[topic.name] = message
         for callback in self._callbacks.get(topic.name, ()):
-            self._call(callback, copy(message))
+            self._call(callback, message)
 
     def serves(self, service: Service) -> bool:
         """Whether the server of a service runs here."""

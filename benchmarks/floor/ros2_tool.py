@@ -1,0 +1,42 @@
+"""The floor of the HAL in one process on ROS 2: pty and Unix socket without it, goals and states through it."""
+
+from __future__ import annotations
+
+import sys
+import threading
+
+import rclpy
+from end_effector_msgs.action import EndEffector
+from rclpy.action import ActionServer
+from rclpy.action.server import ServerGoalHandle
+from std_msgs.msg import String
+from wire import GO, Owner, read_frames, word_of
+
+
+def main(port: str, socket: str) -> None:
+    rclpy.init()
+    node, owner = rclpy.create_node("floor_tool"), Owner(socket)
+    publisher = node.create_publisher(String, "floor/state", 100)
+
+    def ask(word: bytes) -> None:
+        owner.ask(word)
+        publisher.publish(String(data=word.decode()))
+
+    def read() -> None:
+        for frame in read_frames(port):
+            if frame.startswith(GO):
+                ask(word_of(frame))
+
+    def execute(goal: ServerGoalHandle) -> EndEffector.Result:
+        ask(b"c%d" % int.from_bytes(bytes(goal.goal_id.uuid), "big"))
+        goal.succeed()
+        return EndEffector.Result()
+
+    server = ActionServer(node, EndEffector, "floor/goal", execute)
+    threading.Thread(target=read, daemon=True).start()
+    rclpy.spin(node)
+    server.destroy()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
