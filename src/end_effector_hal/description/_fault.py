@@ -118,9 +118,7 @@ class Fault:
     ) -> Fault:
         """A fault at a place, whose text is the offending text unless ``found`` is given."""
         found = place.text if found is None else found
-        return cls(
-            place.line, place.column, code, what, found, expected, hint, place.length, place.path
-        )
+        return cls(place.line, place.column, code, what, found, expected, hint, place.length, place.path)
 
     @property
     def message(self) -> str:

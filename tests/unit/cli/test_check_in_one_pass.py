@@ -55,7 +55,9 @@ def told(changes: dict[int, list[str]], folder: Path) -> str:
     return result.stderr.rstrip("\n")
 
 
-@pytest.mark.parametrize(("title", "changes", "expected"), [pytest.param(*each, id=each[0]) for each in cases()])
+@pytest.mark.parametrize(
+    ("title", "changes", "expected"), [pytest.param(*each, id=each[0]) for each in cases()]
+)
 def test_all_of_it_is_told_at_once(
     title: str,
     changes: dict[int, list[str]],

@@ -16,7 +16,9 @@ def test_the_workshop_has_it() -> None:
 
 
 def test_without_it_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_simulation, "_SIMULATION", Plugins("nothing.of.this", "simulation", {}, lambda it: it))
+    monkeypatch.setattr(
+        _simulation, "_SIMULATION", Plugins("nothing.of.this", "simulation", {}, lambda it: it)
+    )
     with pytest.raises(MissingExtraError) as refused, _simulation.simulated(load(profile_path())):
         pass
     assert str(refused.value) == (

@@ -161,7 +161,10 @@ def test_a_fourth_actuator_needs_no_bounds() -> None:
     Path("tool.yaml").write_text(description, encoding="utf-8")
     result = run("tool.yaml")
     assert result.exit_code == 0
-    assert "bounds that are not written are what the steps add up to: grip_s, release_s, cancel_s\n" in result.stdout
+    assert (
+        "bounds that are not written are what the steps add up to: grip_s, release_s, cancel_s\n"
+        in result.stdout
+    )
 
 
 def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() -> None:

@@ -13,7 +13,11 @@ from end_effector_hal.verification.proof import prove
 from tests.support.nightly import NIGHTLY
 from timed_automata import load_network
 
-HELD = ("gripping: {cancel: hold}", "gripping: {timeout: hold}", "gripping: {abort: hold, process_death: hold}")
+HELD = (
+    "gripping: {cancel: hold}",
+    "gripping: {timeout: hold}",
+    "gripping: {abort: hold, process_death: hold}",
+)
 SEEDS = range(60 if NIGHTLY else 6)
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8) if NIGHTLY else (1, 4, 5)
 
@@ -71,7 +75,12 @@ def test_they_are_never_less_than_the_worst_case_whatever_the_endings(seed: int,
 
 def test_what_is_written_is_required_as_it_stands(tmp_path: Path) -> None:
     shipped = load(profile_path()).durations
-    assert (shipped.grip_ms, shipped.release_ms, shipped.cancel_ms, shipped.computed) == (58_000, 6_200, 6_200, ())
+    assert (shipped.grip_ms, shipped.release_ms, shipped.cancel_ms, shipped.computed) == (
+        58_000,
+        6_200,
+        6_200,
+        (),
+    )
     text = profile_path().read_text(encoding="utf-8").replace("  release_s: 6.2\n", "")
     (tmp_path / "tool.yaml").write_text(text, encoding="utf-8")
     durations = load(tmp_path / "tool.yaml").durations
