@@ -1,4 +1,4 @@
-"""A description for tools that nobody has described yet: made of the stanzas of its kinds and the channels of a link."""
+"""A description for tools that nobody has described yet: of its kinds and the channels of a link."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from end_effector_hal.codecs import Codec, codec_names, get_codec, match_codec
-from end_effector_hal.description import did_you_mean, examine_text, schema_path
 from end_effector_hal.description import ToolChanger as ChangerStanza
+from end_effector_hal.description import did_you_mean, examine_text, schema_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import DeviceKind, get_kind
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator

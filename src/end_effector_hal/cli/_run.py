@@ -140,9 +140,9 @@ def command(
 ) -> None:
     """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, quit.
 
-    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate nothing must. A command followed by `&` goes on in the
-    background, so that it can be cancelled. Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the
-    description declares (`endings: sigterm`).
+    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate nothing must. A command
+    followed by `&` goes on in the background, so that it can be cancelled. Quitting releases nothing that is held;
+    Ctrl-C and SIGTERM do what the description declares (`endings: sigterm`).
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.recording import Recording, RecordingLimits
