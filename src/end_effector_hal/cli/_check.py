@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.description import Description, examine, profile_path
+from end_effector_hal.description import Description, Fault, examine, profile_path
 from end_effector_hal.errors import Diagnostic, ReportedError
 
 from ._excerpt import MarkedFault, marked
@@ -30,8 +30,8 @@ def command(file: Path | None, as_json: bool) -> None:
     """Check a description, its codec and its automata; FILE defaults to the shipped one.
 
     Every fault is a line on stderr, file:line:column: what (offending text), expected …; hint [code], and below it the
-    line of the file with the offending text marked; the exit code is 2. Without faults: a summary, what the link does
-    not carry, and times that it is too slow for.
+    line of the file with the offending text marked; the exit code is 2. Without faults: a summary, bounds that were
+    computed, what the link does not carry, and times that it is too slow for.
     """
     checked = check(file or profile_path())
     if as_json:
@@ -92,17 +92,18 @@ def check(path: Path) -> Checked:
     """
     examination = examine(path)
     faults, likely = list(examination.faults), examination.likely
-    match, automata = None, ()
+    match, automata = None, tuple[Diagnostic, ...]()
     if likely is not None and not examination.is_broken("link", "codec"):
         from end_effector_hal.codecs import match_codec
         from end_effector_hal.nodes.interface import name_faults
 
         match = match_codec(likely)
-        further = sorted((*match.faults, *name_faults(likely)))
+        further: list[Fault] = sorted((*match.faults, *name_faults(likely)))
         faults += [each for each in further if not examination.is_broken(*each.path)]
         # without a codec nothing is put together
-        if not any(each.code == "EE-226" for each in match.faults):
-            automata = _automata_faults(likely) if not examination.is_broken("automata") else ()
+        without_codec = any(each.code == "EE-226" for each in match.faults)
+        if not without_codec and not examination.is_broken("automata"):
+            automata = _automata_faults(likely)
     description = examination.description
     found = [marked(each, examination.name, examination.text) for each in sorted(set(faults))]
     found += [MarkedFault(each) for each in automata]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import click
@@ -15,22 +16,74 @@ from ._options import PathName, the_folder, write_whole
 
 @click.command(name="init")
 @click.argument("folder", type=PathName())
+@click.option("--actuators", metavar="NAME:KIND,...", help="Of the tool, in the order of a grip.")
+@click.option("--link", metavar="LINK", help="text, binary, modbus, or the name of a codec.  [default: text]")
+@click.option("--tool-changer/--no-tool-changer", default=None, help="Whether one is fitted.  [default: yes]")
+@click.option("--virtual", is_flag=True, help="On virtual lines and a pty in FOLDER, for `eehal testbench`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
-def command(folder: Path, as_json: bool) -> None:
-    """Write a description into FOLDER as a starting point: a copy of the paper's tool. Change it to fit yours.
+def command(
+    folder: Path,
+    actuators: str | None,
+    link: str | None,
+    tool_changer: bool | None,
+    virtual: bool,
+    as_json: bool,
+) -> None:
+    """Write a description into FOLDER as a starting point. Change it to fit your tool.
+
+    With --actuators it describes a tool of these, and `eehal check` and `eehal verify` accept it as it stands; what
+    else there is to say is asked for on a terminal, and taken by default elsewhere. Without, it is a copy of the
+    paper's tool.
 
     Beside it the schema that its first line names: an editor that knows the YAML language server completes and
     checks while you type. Nothing that is there already is touched.
     """
-    files = [the_folder(folder) / source.name for source in (profile_path(), schema_path())]
+    files = [folder / source.name for source in (profile_path(), schema_path())]
     for path in files:
         if path.exists():
             raise UsageError("This file is there already.", where=str(path), todo="Name another folder.")
-    for path, source in zip(files, (profile_path(), schema_path()), strict=True):
-        write_whole(path, source.read_bytes())
+    asking = sys.stdin.isatty() and not as_json
+    if actuators is None and (link is not None or tool_changer is not None or virtual):
+        if not asking:
+            raise UsageError(
+                "No actuators are named.", todo="Give --actuators, such as cups:vacuum,rod:cylinder."
+            )
+        actuators = _asked("Actuators, in the order of a grip (NAME:KIND,...)")
+    description = profile_path().read_bytes()
+    if actuators is not None:
+        description = _described(folder, actuators, link, tool_changer, virtual, asking).encode()
+    the_folder(folder)
+    for path, content in zip(files, (description, schema_path().read_bytes()), strict=True):
+        write_whole(path, content)
     if as_json:
         click.echo(json.dumps({"files": [str(path) for path in files]}, ensure_ascii=False))
         return
     for path in files:
         click.echo(str(path))
     click.echo(f"Next: edit {files[0]}, then `eehal check {files[0]}`.", err=True)
+    if actuators is not None:
+        click.echo(f"To try it without hardware: `eehal run --simulate {files[0]}`.", err=True)
+
+
+def _described(
+    folder: Path, actuators: str, link: str | None, tool_changer: bool | None, virtual: bool, asking: bool
+) -> str:
+    from ._new_tool import LINKS, link_codec, new_description, wanted_actuators
+
+    wanted = wanted_actuators(actuators)
+    if link is None:
+        link = _asked(f"Link ({', '.join(LINKS)}, or a codec)", "text") if asking else "text"
+    codec = link_codec(link)
+    if tool_changer is None:
+        tool_changer = not asking or click.confirm("Is a tool changer fitted?", default=True, err=True)
+    return new_description(
+        folder, wanted, codec, tool_changer=tool_changer, virtual=virtual, ask=_asked if asking else _refuse
+    )
+
+
+def _asked(what: str, default: str | None = None) -> str:
+    return str(click.prompt(what, default=default, err=True)).strip()
+
+
+def _refuse(what: str) -> str:
+    raise UsageError(f"This cannot be guessed: {what}.", todo="Call it on a terminal, where it asks.")

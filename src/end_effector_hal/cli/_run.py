@@ -110,6 +110,11 @@ RECORDING = "that records"
 @click.command("run")
 @click.argument("description", type=PathName())
 @click.option("--script", help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.")
+@click.option(
+    "--simulate",
+    is_flag=True,
+    help="Without hardware: virtual lines, with a testbench and a line arbiter of its own that end with it.",
+)
 @click.option("--record", type=PathName(), help="Folder for the recording of the run.")
 @click.option(
     "--segment-mb",
@@ -127,6 +132,7 @@ RECORDING = "that records"
 def command(
     description: Path,
     script: str | None,
+    simulate: bool,
     record: Path | None,
     segment_mb: float,
     keep_mb: float,
@@ -134,9 +140,9 @@ def command(
 ) -> None:
     """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, quit.
 
-    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run. A command followed by `&` goes on in the
-    background, so that it can be cancelled. Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the
-    description declares (`endings: sigterm`).
+    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate nothing must. A command
+    followed by `&` goes on in the background, so that it can be cancelled. Quitting releases nothing that is held;
+    Ctrl-C and SIGTERM do what the description declares (`endings: sigterm`).
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.recording import Recording, RecordingLimits
@@ -144,6 +150,7 @@ def command(
     from end_effector_hal.wires import be_steady
 
     from ._run import Changes, JsonLines, Words
+    from ._simulation import simulated
 
     limits = RecordingLimits.of_megabytes(segment_mb, keep_mb)
     orders = read_script(script) if script is not None else None
@@ -152,6 +159,9 @@ def command(
         _try_to_write(record)
     end_in_order()
     with ExitStack() as stack:
+        if simulate:
+            loaded = stack.enter_context(simulated(loaded))
+            click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
         tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits))
         if record is not None:
             _record(tool, stack.enter_context(Recording(record, loaded, limits=limits)))

@@ -27,6 +27,7 @@ class World:
         folder: receives the logs and the description that is used.
         own_wires: leave lines and link as they are; who stands at their other end plays the scenario.
         events: the testbench writes edges and frames into this file of the folder; empty: it does not.
+        outlives_us: the line arbiter goes on when this process is killed.
 
     Attributes:
         folder: of the run.
@@ -45,8 +46,10 @@ class World:
         *,
         own_wires: bool = False,
         events: str = "",
+        outlives_us: bool = True,
     ) -> None:
         self.folder, self._bench, self._own_wires, self._events = folder, bench, own_wires, events
+        self._outlives_us = outlives_us
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
         self.chip = self.place / "chip"
@@ -99,7 +102,7 @@ class World:
             [*EEHAL, "arbiter", path],
             log=self.folder / "owner.log",
             failed=ArbiterError,
-            outlives_us=True,
+            outlives_us=self._outlives_us,
         )
         self.arbiter.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

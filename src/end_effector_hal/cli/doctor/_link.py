@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import os
-import select
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from end_effector_hal.cli._hearing import OpenLink, open_link, why_no_frame
 from end_effector_hal.description import Description, Link, used_channels
 from end_effector_hal.errors import LinkError, ReportedError
 from end_effector_hal.wires import Holder, holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
-
-if TYPE_CHECKING:
-    from end_effector_hal.wires.link import GuardedDecoder
 
 LISTEN_US, ENOUGH = 2_000_000, 50
 OURS = ("eehal", "end_effector_hal", "pressure")
@@ -89,49 +86,39 @@ class Heard(NamedTuple):
     seconds: float = 0.0
 
 
-def _listen(description: Description, link: Link) -> CheckResult:
-    from end_effector_hal.codecs import codec_of, parity_of
-    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
-
+def _listen(description: Description, wire: Link) -> CheckResult:
+    port = wire.port
     try:
-        codec = codec_of(description)
-        baudrate = link.baudrate or codec.baudrate
-        with open_port(link.port, baudrate, parity=parity_of(codec)) as port:
-            calls = CodecCalls(link.port)
-            heard = _hear(port.fileno(), GuardedDecoder(codec, calls), max(LISTEN_US, 3 * codec.period_us))
+        with open_link(description) as link:
+            heard, name, codec = (
+                _hear(link, max(LISTEN_US, 3 * link.codec.period_us)),
+                link.name,
+                link.codec.name,
+            )
     except LinkError as error:
         if " is used by " in error.what:
-            return _say.warning(f"{link.port}: {error.what}", error.todo)
-        return _say.missing(f"{link.port}: {error.what}", error.todo)
+            return _say.warning(f"{port}: {error.what}", error.todo)
+        return _say.missing(f"{port}: {error.what}", error.todo)
     except ReportedError as error:
-        return _say.missing(f"{link.port}: {error.what}", error.todo)
+        return _say.missing(f"{port}: {error.what}", error.todo)
     except OSError as error:
-        return _say.missing(f"{link.port} was lost: {error.strerror or error}", "Is the device plugged in?")
+        return _say.missing(f"{port} was lost: {error.strerror or error}", "Is the device plugged in?")
     # what else a device sends, or has no sensor for, does not matter to this tool
     heard = heard._replace(
         invalid=tuple(each for each in heard.invalid if each in used_channels(description))
     )
-    return judged(f"{link.port}, {codec.name}, {baudrate} baud", heard, codec.name)
+    return judged(name, heard, codec)
 
 
-def _hear(fd: int, decoder: GuardedDecoder, listen_us: int) -> Heard:
+def _hear(link: OpenLink, listen_us: int) -> Heard:
     """For ``listen_us``, or until there are enough frames; raises OSError, LinkError when the port or codec fails."""
     from end_effector_hal.wires import now_us
 
     end = now_us() + listen_us
-    heard, before, first_us = Heard(b""), {}, 0
+    heard, before, first_us, decoder = Heard(b""), {}, 0, link.decoder
     while heard.frames < ENOUGH and (left := end - now_us()) > 0:
-        wait_s = left / 1e6
-        if decoder.asks:
-            os.write(fd, decoder.poll().data)
-            wait_s = min(wait_s, decoder.wait_s() or 0)
-        if not select.select([fd], [], [], wait_s)[0]:
-            continue
-        data = os.read(fd, 4096)
-        if not data:
-            raise OSError("end of file")
+        data, frames = link.hear(left / 1e6)
         at = now_us()
-        frames = decoder.feed(data)
         heard = heard._replace(data=heard.data + data)
         if not frames:
             continue
@@ -150,17 +137,9 @@ def _hear(fd: int, decoder: GuardedDecoder, listen_us: int) -> Heard:
 
 def judged(port: str, heard: Heard, codec: str) -> CheckResult:
     """Args: ``port``: how it is called; ``codec``: the one that was expected."""
-    if not heard.data:
-        return _say.missing(
-            f"{port}: silent", "Is the device powered, RX and TX not exchanged, the ground connected?"
-        )
-    if not heard.frames:
-        others = ", ".join(_fitting(heard.data, but=codec))
-        return _say.missing(
-            f"{port}: {len(heard.data)} bytes and no frame"
-            + (f"; they look like {others}" if others else ""),
-            f"Set link.codec: {others}." if others else "Baud rate, codec and voltage levels: do they fit?",
-        )
+    if not heard.data or not heard.frames:
+        what, todo = why_no_frame(heard.data, codec)
+        return _say.missing(f"{port}: {what}", todo)
     text = f"{port}: {heard.frames} frames"
     if heard.seconds:
         text += f", {(heard.frames - 1) / heard.seconds:.0f} per second"
@@ -171,22 +150,3 @@ def judged(port: str, heard: Heard, codec: str) -> CheckResult:
     if not faults:
         return _say.ok(text)
     return _say.warning(f"{text}; {', '.join(faults)}", "See to the cable, its ground and the sensors.")
-
-
-def _fitting(data: bytes, but: str) -> Iterator[str]:
-    """Codecs that find frames and little else in it."""
-    from end_effector_hal.codecs import codec_names, get_codec
-    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder
-
-    for name in codec_names():
-        if name == but:
-            continue
-        try:
-            decoder = GuardedDecoder(get_codec(name), CodecCalls(name))
-            frames, counters = decoder.feed(data), decoder.counters
-        except ReportedError:  # somebody else's, and broken
-            continue
-        if frames and counters.frames > sum(
-            count for kind, count in counters.errors.items() if kind != "noise"
-        ):
-            yield name

@@ -31,8 +31,8 @@ def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Descripti
     actuators = {name: each for name, each in tree["actuators"].items() if isinstance(each, dict)}
     for name, stanza in actuators.items():
         _fill(stanza, ("actuators", name), str(stanza["kind"]))
-    sequence = tree.get("sequence") if isinstance(tree.get("sequence"), list) else []
-    named = [name for name in map(str, sequence) if name in actuators]
+    sequence = tree.get("sequence")
+    named = [str(name) for name in sequence if str(name) in actuators] if isinstance(sequence, list) else []
     every = list(dict.fromkeys([*named, *actuators]))
     tree |= {"actuators": actuators, "sequence": every, "release_order": None}
     try:

@@ -1,0 +1,106 @@
+"""Hearing what comes over the link of a tool, without an arbiter and without moving a line."""
+
+from __future__ import annotations
+
+import os
+import select
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from end_effector_hal.errors import ReportedError
+
+if TYPE_CHECKING:
+    from end_effector_hal.codecs import Codec
+    from end_effector_hal.description import Description
+    from end_effector_hal.signals import Frame
+    from end_effector_hal.wires.link import GuardedDecoder
+
+CHUNK = 4096
+
+
+@dataclass(frozen=True)
+class OpenLink:
+    """The port of a link, and the decoder of what it delivers.
+
+    Attributes:
+        name: for a sentence: port, codec and baud rate.
+        codec: of the link.
+        decoder: a new one.
+        fd: of the port.
+    """
+
+    name: str
+    codec: Codec
+    decoder: GuardedDecoder
+    fd: int
+
+    def hear(self, longest_s: float) -> tuple[bytes, list[Frame]]:
+        """What comes within a time, and the frames that end in it; a codec that asks is let ask.
+
+        Raises:
+            OSError: the port is gone.
+            CodecFailure: the codec failed.
+        """
+        frames: list[Frame] = []
+        if self.decoder.asks:
+            polled = self.decoder.poll()
+            os.write(self.fd, polled.data)
+            frames += polled.frames
+            longest_s = min(longest_s, self.decoder.wait_s() or 0)
+        if not select.select([self.fd], [], [], longest_s)[0]:
+            return b"", frames
+        data = os.read(self.fd, CHUNK)
+        if not data:
+            raise OSError("end of file")
+        return data, [*frames, *self.decoder.feed(data)]
+
+
+@contextmanager
+def open_link(description: Description) -> Iterator[OpenLink]:
+    """The link of a tool, for as long as it is needed.
+
+    Raises:
+        LinkError: the port cannot be opened; LinkBusyError: somebody reads it.
+        UsageError: the codec cannot be loaded.
+    """
+    from end_effector_hal.codecs import codec_of, parity_of
+    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
+
+    codec, link = codec_of(description), description.link
+    assert link is not None, "codec_of raises"
+    baudrate = link.baudrate or codec.baudrate
+    with open_port(link.port, baudrate, parity=parity_of(codec)) as port:
+        decoder = GuardedDecoder(codec, CodecCalls(link.port))
+        yield OpenLink(f"{link.port}, {codec.name}, {baudrate} baud", codec, decoder, port.fileno())
+
+
+def fitting(data: bytes, but: str) -> Iterator[str]:
+    """Codecs that find frames and little else in what came; ``but``: the one that was expected."""
+    from end_effector_hal.codecs import codec_names, get_codec
+    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder
+
+    for name in codec_names():
+        if name == but:
+            continue
+        try:
+            decoder = GuardedDecoder(get_codec(name), CodecCalls(name))
+            frames, counters = decoder.feed(data), decoder.counters
+        except ReportedError:  # somebody else's, and broken
+            continue
+        if frames and counters.frames > sum(
+            count for kind, count in counters.errors.items() if kind != "noise"
+        ):
+            yield name
+
+
+def why_no_frame(data: bytes, codec: str) -> tuple[str, str]:
+    """What is wrong where bytes came or none, and no frame; and what to do."""
+    if not data:
+        return "silent", "Is the device powered, RX and TX not exchanged, the ground connected?"
+    others = ", ".join(fitting(data, but=codec))
+    return (
+        f"{len(data)} bytes and no frame" + (f"; they look like {others}" if others else ""),
+        f"Set link.codec: {others}." if others else "Baud rate, codec and voltage levels: do they fit?",
+    )

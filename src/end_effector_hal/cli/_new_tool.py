@@ -1,0 +1,259 @@
+"""A description for tools that nobody has described yet: of its kinds and the channels of a link."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from end_effector_hal.codecs import Codec, codec_names, get_codec, match_codec
+from end_effector_hal.description import ToolChanger as ChangerStanza
+from end_effector_hal.description import did_you_mean, examine_text, schema_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import DeviceKind, get_kind
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator
+from end_effector_hal.signals import Kind
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_WHAT = 34
+"""Column of the comments."""
+_TIMES = ("timeout_s", "reset_s", "attempts", "release_s")
+_CHANGER_BITS = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+_CODECS = {"text": "ees1-ascii", "binary": "ees1-cobs", "modbus": "modbus-rtu-transmitters"}
+"""Links by what they are for their user; the name of a codec is one as well."""
+LINKS = (*_CODECS, "none")
+
+Ask = Callable[[str], str]
+"""Asks the user; raises UsageError where there is none to ask."""
+
+
+@dataclass(frozen=True)
+class WantedActuator:
+    """One of the tool, in the order of a grip."""
+
+    name: str
+    kind: DeviceKind[Any]
+
+
+def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
+    """Of ``cups:vacuum,jaw:gripper``; raises UsageError."""
+    found: dict[str, WantedActuator] = {}
+    for each in text.split(","):
+        name, colon, kind = each.strip().partition(":")
+        if not colon:
+            raise UsageError(
+                f"{each.strip()!r} is no actuator.", todo="Write NAME:KIND, such as cups:vacuum,rod:cylinder."
+            )
+        if not _NAME.fullmatch(name):
+            raise UsageError(
+                f"{name!r} is no name of an actuator.", todo="Write lower-case letters, digits and '_'."
+            )
+        if name in found:
+            raise UsageError(f"Two actuators are named {name!r}.", todo="Give each a name of its own.")
+        found[name] = WantedActuator(name, get_kind(kind))
+    return tuple(found.values())
+
+
+def link_codec(link: str) -> Codec:
+    """The codec of a link: of one of `LINKS`, or of its own name; raises UsageError."""
+    if link == "none":
+        raise UsageError(
+            "A tool without a link cannot be described yet: its evidence would have to come from inputs of the board.",
+            todo=f"Give --link {', '.join(_CODECS)}, or the name of a codec.",
+        )
+    if link not in _CODECS and link not in codec_names():
+        known = [*_CODECS, *codec_names()]
+        meant = did_you_mean(link, known)
+        hint = f"{meant[0].upper()}{meant[1:]} " if meant else ""
+        raise UsageError(f"There is no link {link!r}.", todo=f"{hint}There are: {', '.join(known)}.")
+    return get_codec(_CODECS.get(link, link))
+
+
+def new_description(
+    folder: Path,
+    actuators: Sequence[WantedActuator],
+    codec: Codec,
+    *,
+    tool_changer: bool,
+    virtual: bool,
+    ask: Ask,
+) -> str:
+    """The text of a description that is valid as it stands.
+
+    Args:
+        folder: where it will stand; names the tool.
+        actuators: in the order of a grip.
+        codec: of the link that proves them.
+        tool_changer: whether one is fitted.
+        virtual: on virtual lines and a pty in the folder, for the testbench.
+        ask: for what a kind needs and nobody can guess.
+
+    Raises:
+        UsageError: the link carries too little, or the description would have a fault.
+    """
+    channels = _Channels(codec, tool_changer=tool_changer)
+    given = channels.given(actuators)
+    text = "\n".join(
+        [
+            *_head(folder, actuators, codec, virtual=virtual),
+            *(
+                line
+                for number, each in enumerate(actuators, start=1)
+                for line in _actuator(each, number, given[each.name], ask)
+            ),
+            *(_changer(len(actuators) + 1, codec) if tool_changer else ()),
+            *_supply(codec),
+            "",
+            "# bounds: grip_s, release_s and cancel_s are computed from the times above; write them to require less.",
+            "",
+        ]
+    )
+    _refuse_faulty(text, folder)
+    return text
+
+
+def _refuse_faulty(text: str, folder: Path) -> None:
+    """Whatever a kind of somebody else says of itself: nothing faulty is written."""
+    examination = examine_text(text, folder / "end_effector.yaml")
+    faults = list(examination.faults)
+    if examination.description is not None:
+        faults += match_codec(examination.description).faults
+    if faults:
+        raise UsageError(f"This tool cannot be described so: {faults[0].message}.")
+
+
+class _Channels:
+    """What a link carries and nobody has yet."""
+
+    def __init__(self, codec: Codec, *, tool_changer: bool) -> None:
+        self._codec = codec
+        own = {str(ChangerStanza.model_fields[key].default) for key in _CHANGER_BITS}
+        self._free = {
+            name: kind
+            for name, kind in codec.channels.items()
+            if name not in ("supply", "estop_ok") and (name not in own or not tool_changer)
+        }
+        self._meant = own
+
+    def given(self, actuators: Sequence[WantedActuator]) -> dict[str, dict[str, str]]:
+        """A channel or none for each key of each actuator; what is named alike goes first."""
+        found: dict[str, dict[str, str]] = {each.name: {} for each in actuators}
+        for exact in (True, False):
+            for each in actuators:
+                for asked in each.kind.channels:
+                    if asked.key not in found[each.name] and (
+                        channel := self._choose(
+                            each, asked.key, asked.carries, asked.bit_instead, exact=exact
+                        )
+                    ):
+                        del self._free[channel]
+                        found[each.name][asked.key] = channel
+        for each in actuators:
+            proofs = [asked.key for asked in each.kind.channels if asked.confirms]
+            if not any(key in found[each.name] for key in proofs):
+                raise UsageError(
+                    f"{self._codec.name} carries nothing more that could prove {each.name!r}, a {each.kind.name}.",
+                    todo="Name fewer actuators, or another --link: "
+                    f"{', '.join(each for each in codec_names() if each != self._codec.name)}.",
+                )
+            for asked in each.kind.channels:
+                found[each.name].setdefault(asked.key, NO_CHANNEL)
+        return found
+
+    def _choose(
+        self, each: WantedActuator, key: str, carries: Kind, bit_instead: bool, *, exact: bool
+    ) -> str | None:
+        usual = each.kind.stanza.model_fields[key]
+        names = [each.name, each.kind.name, "" if usual.is_required() else str(usual.default)]
+        if exact or carries is Kind.BIT:
+            return next((name for name in names if self._free.get(name) is carries), None)
+        switches = [name for name in self._free if bit_instead and not self._means_position(name)]
+        return next((name for name, kind in self._free.items() if kind is carries), None) or next(
+            (name for name in switches if self._free[name] is Kind.BIT), None
+        )
+
+    def _means_position(self, name: str) -> bool:
+        return name in self._meant or name.endswith(("_extended", "_retracted"))
+
+
+def _head(folder: Path, actuators: Sequence[WantedActuator], codec: Codec, *, virtual: bool) -> Iterator[str]:
+    place = folder.absolute()
+    yield f"# yaml-language-server: $schema={schema_path().name}"
+    yield "# Every key that is not written here has a default: docs/description.md, or `eehal schema`."
+    yield f"name: {_tool_name(place.name)}"
+    yield ""
+    yield "lines:"
+    if virtual:
+        yield _key("backend", "virtual", "no hardware: `eehal testbench` plays it")
+        yield _key("path", json.dumps(str(place / "chip"), ensure_ascii=False), "stands for the chip")
+    else:
+        yield _key("backend", "gpiod", "virtual: no hardware; `eehal run --simulate` does that")
+    yield ""
+    yield "link:"
+    port = json.dumps(str(place / "uart"), ensure_ascii=False) if virtual else "/dev/ttyS0"
+    yield _key(
+        "port", port, "made by the testbench" if virtual else "yours: the serial device of the sensors"
+    )
+    yield _key("codec", codec.name, "docs/codecs.md has the others")
+    yield _key("baudrate", str(codec.baudrate), "bits per second")
+    yield ""
+    yield (
+        f"sequence: [{', '.join(each.name for each in actuators)}]".ljust(_WHAT) + "# in the order of a grip"
+    )
+    yield ""
+    yield "actuators:"
+
+
+def _actuator(each: WantedActuator, number: int, channels: dict[str, str], ask: Ask) -> Iterator[str]:
+    fields = each.kind.stanza.model_fields
+    yield f"  {each.name}:"
+    yield _key("kind", each.kind.name, "", indent=4)
+    yield _key("line", f"LINE_{number}", "yours: its name as gpioinfo shows it", indent=4)
+    if "channel" not in channels and fields["channel"].is_required():
+        channels = {"channel": NO_CHANNEL, **channels}
+    for key, channel in channels.items():
+        yield _key(key, channel, _meaning(fields[key]), indent=4)
+    own = [key for key in fields if key not in Actuator.model_fields and key not in ("kind", *channels)]
+    for key in (*_TIMES, *own):
+        field = fields[key]
+        if field.is_required():
+            yield _key(key, ask(f"{each.name}: {key} ({_meaning(field)})"), _meaning(field), indent=4)
+        elif isinstance(field.default, int | float):
+            yield _key(key, json.dumps(field.default), _meaning(field), indent=4)
+
+
+def _changer(number: int, codec: Codec) -> Iterator[str]:
+    yield ""
+    yield "tool_changer:"
+    yield _key("line", f"LINE_{number}", "yours: active means unlock")
+    for key in _CHANGER_BITS:
+        field = ChangerStanza.model_fields[key]
+        carried = field.default if field.default in codec.channels else NO_CHANNEL
+        yield _key(key, carried, _meaning(field))
+
+
+def _supply(codec: Codec) -> Iterator[str]:
+    if codec.channels.get("supply") is not Kind.PRESSURE:
+        yield ""
+        yield "supply:"
+        yield _key("channel", NO_CHANNEL, "no sensor of the compressed air: a lack of it is not seen")
+
+
+def _meaning(field: FieldInfo) -> str:
+    return field.description or ""
+
+
+def _key(key: str, value: str, what: str, *, indent: int = 2) -> str:
+    line = f"{' ' * indent}{key}: {value}"
+    return f"{line.ljust(_WHAT - 1)} # {what}" if what else line
+
+
+def _tool_name(folder: str) -> str:
+    """A name made of that of a folder."""
+    name = re.sub(r"[^a-z0-9]+", "_", folder.lower()).strip("_")[:34]
+    return name if _NAME.fullmatch(name) else f"tool_{name}".rstrip("_")

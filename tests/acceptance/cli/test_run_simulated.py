@@ -1,0 +1,123 @@
+"""``eehal run --simulate``: a whole tool in one terminal, and nothing of it is left."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import mkdtemp
+
+import pytest
+
+from end_effector_hal.description import profile_path
+from end_effector_lab.processes import EEHAL
+from tests.support.patience import wait_until
+
+pytestmark = [pytest.mark.wall, pytest.mark.timeout(100)]
+LONG_S = 90.0
+
+
+class Started:
+    """The command, with the folder for everything temporary."""
+
+    def __init__(self, *options: str) -> None:
+        self.temporary = Path(mkdtemp(prefix="simulated-", dir="/tmp"))  # a socket's path is short
+        self.process = subprocess.Popen(
+            [*EEHAL, "run", "--simulate", str(profile_path()), *options],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "TMPDIR": str(self.temporary)},
+            start_new_session=True,
+        )
+
+    def read_until(self, beginning: str) -> None:
+        assert self.process.stdout is not None
+        said = []
+        for line in self.process.stdout:
+            said.append(line)
+            if line.startswith(beginning):
+                return
+        raise AssertionError(f"{beginning!r} was not said: {said}")
+
+    def others(self) -> list[str]:
+        """Testbench and arbiter: they name the description in the temporary folder."""
+        found = []
+        for each in Path("/proc").glob("[0-9]*/cmdline"):
+            try:
+                words = each.read_bytes().decode(errors="replace").split("\0")
+            except OSError:
+                continue
+            if any(str(self.temporary) in word for word in words):
+                found.append(" ".join(words))
+        return found
+
+
+@pytest.fixture
+def started(tmp_path: Path) -> Iterator[list[Started]]:
+    all_of_them: list[Started] = []
+    yield all_of_them
+    for each in all_of_them:
+        each.process.kill()
+        each.process.communicate()
+        shutil.rmtree(each.temporary, ignore_errors=True)
+
+
+def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_path: Path) -> None:
+    tool = Started("--script", "lock; grip; drop", "--record", str(tmp_path / "recorded"))
+    started.append(tool)
+    out, err = tool.process.communicate(timeout=LONG_S)
+    assert (tool.process.returncode, err) == (
+        0,
+        "Simulated: virtual lines and a testbench; nothing real moves.\n",
+    )
+    assert [line for line in out.splitlines() if "succeeded" in line] == [
+        "LOCK: succeeded",
+        "GRIP: succeeded",
+        "RELEASE: succeeded",
+    ]
+    assert (tool.others(), list(tool.temporary.iterdir())) == ([], [])
+    assert (tmp_path / "recorded" / "states.csv").exists()
+
+
+def test_commands_come_from_the_prompt(started: list[Started]) -> None:
+    tool = Started()
+    started.append(tool)
+    out, _ = tool.process.communicate("lock\nquit\n", timeout=LONG_S)
+    assert (tool.process.returncode, "LOCK: succeeded" in out) == (0, True)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_leaves_no_process_and_no_file(number: signal.Signals, started: list[Started]) -> None:
+    tool = Started("--script", "lock; grip; wait 600")
+    started.append(tool)
+    tool.read_until("GRIP: ")  # whether it succeeds on a busy machine is not asked here
+    assert len(tool.others()) == 2
+    # as a terminal does it: to the whole group, and by somebody who is impatient
+    for _ in range(2):
+        os.killpg(tool.process.pid, number)
+    tool.process.communicate(timeout=LONG_S)
+    assert tool.process.returncode == (130 if number is signal.SIGINT else 128 + number)
+    assert (tool.others(), list(tool.temporary.iterdir())) == ([], [])
+
+
+def test_who_is_killed_leaves_no_process(started: list[Started]) -> None:
+    tool = Started("--script", "lock; wait 600")
+    started.append(tool)
+    tool.read_until("LOCK")
+    tool.process.kill()
+    wait_until("testbench and arbiter end", lambda: tool.others() == [])
+
+
+def test_a_signal_while_it_starts(started: list[Started]) -> None:
+    tool = Started()
+    started.append(tool)
+    wait_until("the testbench is started", lambda: tool.others() != [])
+    tool.process.send_signal(signal.SIGTERM)
+    tool.process.communicate(timeout=LONG_S)
+    assert tool.process.returncode == 128 + signal.SIGTERM
+    assert (tool.others(), list(tool.temporary.iterdir())) == ([], [])

@@ -1,0 +1,135 @@
+"""``eehal init --actuators``: what it writes is accepted and proven as it stands, or it refuses in a sentence."""
+
+from __future__ import annotations
+
+import os
+import pty
+import subprocess
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.cli import _check, _new_tool
+from end_effector_hal.cli._main import eehal
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import load
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.verification.proof import prove
+from end_effector_lab.processes import EEHAL
+from timed_automata import load_network
+
+TOOLS = [
+    ("cup:vacuum", ()),
+    ("cups:vacuum,rod:cylinder", ()),
+    ("a:vacuum,rod:cylinder,b:vacuum", ("--link", "binary", "--no-tool-changer")),
+    ("a:vacuum,rod:cylinder", ("--link", "modbus", "--virtual")),
+    ("a:vacuum,b:vacuum", ("--link", "modbus-rtu-onrobot-vg", "--no-tool-changer")),
+    ("top:vacuum,other:vacuum,rod:cylinder", ("--link", "legacy-nibble", "--tool-changer")),
+]
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("actuators", "options"),
+    [*TOOLS[1:4], *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[4:])],
+)
+def test_it_is_checked_and_proven_without_an_edit(actuators: str, options: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(
+        eehal, ["init", "My 2nd Tool", "--actuators", actuators, *options], catch_exceptions=False
+    )
+    assert result.exit_code == 0
+    path = Path("My 2nd Tool/end_effector.yaml")
+    checked = _check.check(path)
+    assert checked.faults == ()
+    tool = load(path)
+    assert (tool.name, tool.source.parent.name) == ("my_2nd_tool", "My 2nd Tool")
+    assert [f"{name}:{part.kind}" for name, part in tool.ordered] == actuators.split(",")
+    assert (tool.tool_changer is None) is ("--no-tool-changer" in options)
+    assert (tool.lines.backend == "virtual") is ("--virtual" in options)
+    proof = prove(load_network(tool.automata_path, model_constants(tool)))
+    assert [finding.id for finding in proof.findings if not finding.holds] == []
+
+
+def test_a_channel_named_like_an_actuator_or_its_kind_is_its_own() -> None:
+    CliRunner().invoke(
+        eehal, ["init", "tool", "--actuators", "a:vacuum,b:vacuum,rod:cylinder"], catch_exceptions=False
+    )
+    tool = load(Path("tool/end_effector.yaml"))
+    assert {name: part.channel for name, part in tool.ordered} == {
+        "a": "bottom",
+        "b": "top",
+        "rod": "cylinder",
+    }
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            ["--actuators", "a:vacum"],
+            "there is no kind of actuator 'vacum'. Did you mean vacuum? There are: ",
+        ),
+        (["--actuators", "a"], "'a' is no actuator. Write NAME:KIND, such as cups:vacuum,rod:cylinder."),
+        (["--actuators", ""], "'' is no actuator. Write NAME:KIND"),
+        (["--actuators", "A:vacuum"], "'A' is no name of an actuator. Write lower-case letters"),
+        (["--actuators", "a:vacuum,a:cylinder"], "Two actuators are named 'a'. Give each a name of its own."),
+        (
+            ["--actuators", "time_s:vacuum"],
+            "This tool cannot be described so: this name means something else",
+        ),
+        (
+            ["--actuators", ",".join(f"v{n}:vacuum" for n in range(6))],
+            "ees1-ascii carries nothing more that could prove 'v3', a vacuum. Name fewer actuators, or another",
+        ),
+        (
+            ["--actuators", "a:vacuum", "--link", "modbuss"],
+            "There is no link 'modbuss'. Did you mean 'modbus'?",
+        ),
+        (["--actuators", "a:vacuum", "--link", "none"], "A tool without a link cannot be described yet: "),
+        (["--virtual"], "No actuators are named. Give --actuators, such as"),
+    ],
+)
+def test_what_cannot_be_described_is_one_sentence_and_no_folder(options: list[str], said: str) -> None:
+    result = CliRunner().invoke(eehal, ["init", "tool", *options])
+    assert isinstance(result.exception, ReportedError)
+    assert str(result.exception).startswith(said)
+    assert not Path("tool").exists()
+
+
+def test_on_a_terminal_it_asks_for_what_is_missing() -> None:
+    ours, theirs = pty.openpty()
+    with open(ours, "r+b", buffering=0) as terminal:
+        process = subprocess.Popen([*EEHAL, "init", "tool", "--actuators", "a:vacuum"], stdin=theirs,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+        os.close(theirs)
+        terminal.write(b"binary\nn\n")
+        _, asked = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert asked.startswith(
+        b"Link (text, binary, modbus, none, or a codec) [text]: Is a tool changer fitted? [Y/n]: "
+    )
+    tool = load(Path("tool/end_effector.yaml"))
+    assert (tool.link.codec, tool.tool_changer) == ("ees1-cobs", None)
+
+
+def test_a_key_that_nobody_can_guess_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kind of somebody else may need more than a line and a channel."""
+    vacuum = _new_tool.get_kind("vacuum")
+    stroke = vacuum.stanza.model_fields["confirmed_kpa"]
+    monkeypatch.setattr(stroke, "default", ...)
+    monkeypatch.setattr(type(stroke), "is_required", lambda field: field is stroke or field.default is ...)
+    asked = []
+
+    def ask(what: str) -> str:
+        asked.append(what)
+        return "61"
+
+    wanted = _new_tool.wanted_actuators("a:vacuum")
+    lines = list(_new_tool._actuator(wanted[0], 1, {"channel": "bottom"}, ask))
+    assert asked == ["a: confirmed_kpa (at least this far below ambient: confirmed)"]
+    assert any(line.startswith("    confirmed_kpa: 61 ") for line in lines)

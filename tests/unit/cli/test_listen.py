@@ -1,0 +1,135 @@
+"""``eehal listen``: what arrives, as lines, as JSON and as a table; nothing is disturbed."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import subprocess
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from end_effector_hal.cli import _listen
+from end_effector_hal.errors import LinkBusyError, LinkError, UsageError
+from end_effector_hal.wires.link import PtyPair, open_port
+from end_effector_lab.processes import EEHAL
+from tests.unit.cli.doctor.parts import Machine, Sender, frame
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Machine:
+    return Machine(tmp_path)
+
+
+def listen(machine: Machine, *options: str, seconds: str = "0.4") -> Result:
+    return CliRunner().invoke(
+        _listen.command, [str(machine.path), "--seconds", seconds, *options], catch_exceptions=True
+    )
+
+
+def told(result: Result) -> list[dict[str, object]]:
+    assert result.exit_code == 0, result.exception
+    return [json.loads(line) for line in result.stdout.splitlines()]
+
+
+def test_each_channel_and_each_evidence_is_told_once_while_nothing_changes(machine: Machine) -> None:
+    with PtyPair(machine.port) as wire, Sender(wire, frame):
+        events = told(listen(machine, "--json"))
+    channels = {each["channel"]: each for each in events if each["event"] == "channel"}
+    assert channels["bottom"] | {"time_s": 0, "rate_hz": 0} == {
+        "event": "channel",
+        "time_s": 0,
+        "channel": "bottom",
+        "raw": -70_000,
+        "value": -70.0,
+        "unit": "kPa",
+        "state": "fresh",
+        "rate_hz": 0,
+    }
+    assert sum(each["event"] == "channel" for each in events) == len(channels)
+    last = {each["actuator"]: each["evidence"] for each in events if each["event"] == "evidence"}
+    assert last["bottom_vacuum"] == "CONFIRMED"
+    assert last["top_vacuum"] == "GONE"
+
+
+def test_what_is_invalid_and_what_cannot_be_read_is_told(machine: Machine) -> None:
+    def message(number: int) -> bytes:
+        whole = frame(number, top=None)
+        return whole.replace(b"$EES1", b"$EES2") if number % 5 == 4 else whole
+
+    with PtyPair(machine.port) as wire, Sender(wire, message):
+        result = listen(machine)
+    assert " s  top is invalid\n" in result.stdout
+    assert " s  bottom -70.0 kPa (raw -70000)\n" in result.stdout
+    assert " format (newest bytes " in result.stdout
+
+
+def test_what_stops_is_stale_and_its_evidence_unknown(machine: Machine) -> None:
+    def message(number: int) -> bytes:
+        return frame(number) if number < 40 else b""
+
+    with PtyPair(machine.port) as wire, Sender(wire, message):
+        events = told(listen(machine, "--json", seconds="0.9"))
+    bottom = [each for each in events if each.get("channel") == "bottom"]
+    assert [each["state"] for each in bottom] == ["fresh", "stale"]
+    assert bottom[-1]["value"] is None
+    assert [each["evidence"] for each in events if each.get("actuator") == "bottom_vacuum"][-1] == "UNKNOWN"
+
+
+def test_on_a_terminal_it_is_a_table(machine: Machine) -> None:
+    ours, theirs = pty.openpty()
+    with PtyPair(machine.port) as wire, Sender(wire, frame), open(ours, "rb", buffering=0) as terminal:
+        command = [*EEHAL, "listen", str(machine.path), "--seconds", "0.5"]
+        process = subprocess.Popen(
+            command, stdout=theirs, env={**os.environ, "TERM": "xterm", "COLUMNS": "100"}
+        )
+        os.close(theirs)
+        shown = b""
+        while True:
+            try:
+                shown += (read := terminal.read(4096))
+            except OSError:
+                break
+            if not read:
+                break
+        assert process.wait(30) == 0
+    assert b"per second" in shown
+    assert b"-70.0 kPa" in shown
+    assert b"CONFIRMED" in shown
+
+
+def test_silence_and_another_codec_are_one_sentence(machine: Machine) -> None:
+    with PtyPair(machine.port) as wire:
+        silent = listen(machine, seconds="0.1").exception
+        with Sender(wire, lambda number: b"\x05"):
+            noise = listen(machine, seconds="0.5").exception
+    assert isinstance(silent, LinkError)
+    assert str(silent).startswith(f"{machine.port}, ees1-ascii, 115200 baud: silent. Is the device powered")
+    assert isinstance(noise, LinkError)
+    assert str(noise).endswith("they look like legacy-nibble. Set link.codec: legacy-nibble.")
+
+
+def test_a_link_that_somebody_reads_is_left_alone(machine: Machine) -> None:
+    with PtyPair(machine.port) as wire, open_port(str(machine.port), 115_200), Sender(wire, frame):
+        done = subprocess.run(
+            [*EEHAL, "listen", str(machine.path), "--seconds", "1"],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    assert (done.returncode, done.stdout) == (LinkBusyError.exit_code, "")
+    assert "two readers would steal each other's bytes." in done.stderr
+
+
+def test_a_port_that_is_not_there_is_one_sentence(machine: Machine) -> None:
+    error = listen(machine).exception
+    assert isinstance(error, LinkError)
+    assert str(error).startswith(f"{machine.port}: the port does not exist.")
+
+
+def test_a_recording_that_is_none(machine: Machine, tmp_path: Path) -> None:
+    error = listen(machine, "--suggest", str(tmp_path)).exception
+    assert isinstance(error, UsageError)
+    assert str(error).startswith(f"{tmp_path}: There is no states.csv here. Record a grip and a drop: ")
