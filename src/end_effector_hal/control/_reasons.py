@@ -86,7 +86,7 @@ def refusal(description: Description, command: str, status: Status, senses: Sens
 def _grip_refusal(description: Description, status: Status, senses: SensorState, at: int) -> str:
     locks = description.interlocks
     if locks.il_07 and not senses.readings.link_up(at):
-        return f"IL-07: the {description.sensors} is not up."
+        return f"IL-07: the {description.sensors_are('not up')}."
     present = feedback(description, senses)
     if locks.il_07 and present:
         return f"IL-07: {present}"

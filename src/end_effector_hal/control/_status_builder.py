@@ -191,7 +191,7 @@ class StatusBuilder:
     def _alarms(self) -> tuple[str, ...]:
         alarms = []
         if self.adopted and not self._link_up:
-            alarms.append(f"The {self._description.sensors} is down.")
+            alarms.append(f"The {self._description.sensors_are('down')}.")
         if self._latched:
             alarms.append(self.latched_error)
         if not self._grips and self.values["changer"] == ChangerState.FAULT:

@@ -55,7 +55,8 @@ def what_is_missing(description: Description, state: StateMessage | None) -> tup
     unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
     lacks: list[str] = []
     if not state.link_up:
-        lacks.append(f"no frame comes over the {description.sensors}")
+        silent = f"no frame comes over the {description.sensors}"
+        lacks.append(silent if description.link else "the inputs of the board are not read")
     elif state.state == EndEffectorState.OFF:
         lacks.append("its lines are not adopted")
     elif unknown:

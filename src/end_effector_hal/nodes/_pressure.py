@@ -1,9 +1,9 @@
-"""Node Pressure: reads the sensor link; publishes every frame, and its pressures in ROS's units."""
+"""Node Pressure: reads the sensor link and the inputs of the board; publishes every frame, and its pressures in Pa."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from end_effector_hal.codecs import carrier_of
@@ -11,6 +11,7 @@ from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires import now_us
+from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth, LinkState
 from end_effector_hal.wires.sensors import SensorReader
 
@@ -36,15 +37,16 @@ class PressureNode:
     def __init__(self, node: NodeTransport) -> None:
         description, self._log = node.description(), node.log
         self._frame = node.publisher(SENSOR_FRAME)
-        self._pressures: list[tuple[str, Callable[[Any], None]]] = [
-            (channel, node.publisher(topic)) for channel, topic in pressure_topics(description)
-        ]
+        self._pressures: dict[str, Callable[[Any], None]] = {
+            channel: node.publisher(topic) for channel, topic in pressure_topics(description)
+        }
         self._frames = node.frames(description)
         judge = self._frames.judge
         self._senses = SensorSet(description, carrier_of(description), judge)
         self._looked_us = 0
         self._lock = threading.Lock()
-        self._silent = False
+        self._unknown: set[str] = set()
+        """Pressures of which the last that was published is NaN."""
         self._predicates = PredicatePublisher(description, judge=judge)
         node.on_close(self._predicates.close)
         self._predicates.start()
@@ -60,14 +62,13 @@ class PressureNode:
         with self._lock:
             if not self._senses.accepts(frame, now_us()):
                 return
-            self._silent = False
             self._senses.frame(frame)
             self._looked_us = frame.at
             readings = self._senses.now.readings
-            self._publish_pressures(
-                frame.at,
-                lambda channel: readings.get(channel, frame.at) if readings.arrived(channel) else None,
-            )
+            for channel in self._pressures:
+                if channel in frame.values or channel not in readings.carried:
+                    value = readings.get(channel, frame.at) if readings.arrived(channel) else None
+                    self._publish_pressure(channel, value, frame.at)
 
     def _tick(self) -> None:
         with self._lock:
@@ -76,17 +77,23 @@ class PressureNode:
             if due is not None and due <= at:
                 self._senses.advance(at)
             self._looked_us = at
-            if self._silent or self._senses.now.readings.fresh(at):
-                return
-            self._silent = True
-            self._publish_pressures(at, lambda _: None)
+            readings = self._senses.now.readings
+            stale = readings.stale(at)
+            for channel in self._pressures.keys() - self._unknown:
+                if channel in stale or channel not in readings.carried:
+                    self._publish_pressure(channel, None, at)
 
-    def _publish_pressures(self, at_us: int, value: Callable[[str], Value]) -> None:
-        for channel, publish in self._pressures:
-            publish(PressureMessage(absolute_pa(value(channel)), MessageHeader(at_us, channel)))
+    def _publish_pressure(self, channel: str, value: Value, at_us: int) -> None:
+        (self._unknown.add if value is None else self._unknown.discard)(channel)
+        self._pressures[channel](PressureMessage(absolute_pa(value), MessageHeader(at_us, channel)))
 
-    def _on_change(self, health: LinkHealth) -> None:
-        if health.state is LinkState.DOWN:
+    def _on_change(self, health: LinkHealth | InputsHealth) -> None:
+        if isinstance(health, InputsHealth):
+            if health.error:
+                self._log.error("%s", health.error)
+            else:
+                self._log.info("the inputs of the board are read")
+        elif health.state is LinkState.DOWN:
             self._log.error("%s", health.error)
         else:
             self._log.info("the sensor link is %s", health.state.value)
@@ -94,16 +101,43 @@ class PressureNode:
     def _health(self) -> Health:
         health, at = self._reader.health, now_us()
         with self._lock:
-            up, notices = self._senses.now.readings.link_up(at), self._senses.notices(at, held=False)
-        counters = {name: getattr(health, name) for name in ("opened", "bytes", "frames", "lost", "reboots")}
-        errors = {f"errors, {kind}": count for kind, count in health.errors.items()}
-        values = counters | errors
-        if health.state is not LinkState.UP:
-            level = ERROR if health.state is LinkState.DOWN else WARN
-            return Health(level, health.error or f"The link is {health.state.value}.", values)
-        if not up:
-            return Health(ERROR, f"The port is open, but no frame comes ({_since(health, at)}).", values)
-        return Health(WARN if notices else OK, " ".join(notices) or "The link is up.", values)
+            readings, notices = self._senses.now.readings, self._senses.notices(at, held=False)
+            up = readings.link_up(at)
+        link, inputs = health.link, health.inputs
+        if link and inputs:  # which of them is silent
+            up = at - (link.last_frame or 0) < readings.down_us
+        told = [_of_link(link, at, notices, up=up)] if link else []
+        if inputs:
+            told.append(_of_inputs(inputs, () if link else notices, up=up or link is not None))
+        return told[0] if len(told) == 1 else _together(told)
+
+
+def _of_link(health: LinkHealth, at: int, notices: Sequence[str], *, up: bool) -> Health:
+    counters = {name: getattr(health, name) for name in ("opened", "bytes", "frames", "lost", "reboots")}
+    errors = {f"errors, {kind}": count for kind, count in health.errors.items()}
+    values = counters | errors
+    if health.state is not LinkState.UP:
+        level = ERROR if health.state is LinkState.DOWN else WARN
+        return Health(level, health.error or f"The link is {health.state.value}.", values)
+    if not up:
+        return Health(ERROR, f"The port is open, but no frame comes ({_since(health, at)}).", values)
+    return Health(WARN if notices else OK, " ".join(notices) or "The link is up.", values)
+
+
+def _of_inputs(health: InputsHealth, notices: Sequence[str], *, up: bool) -> Health:
+    values = {f"inputs, {name}": getattr(health, name) for name in ("opened", "frames", "edges", "lost")}
+    if health.error:
+        return Health(ERROR, health.error, values)
+    if not up:
+        return Health(ERROR, "The inputs of the board are not all read.", values)
+    return Health(WARN if notices else OK, " ".join(notices) or "The inputs of the board are read.", values)
+
+
+def _together(told: Sequence[Health]) -> Health:
+    """The worst, with the texts of all that are not well, or of all."""
+    level = max(each.level for each in told)
+    texts = [each.message for each in told if each.level == level]
+    return Health(level, " ".join(texts), {key: value for each in told for key, value in each.values.items()})
 
 
 def _since(health: LinkHealth, at: int) -> str:

@@ -80,11 +80,11 @@ class LinkRules:
                 doubts[channel] = why
             elif channel in self._frozen and self._frozen[channel].sample(value, frame.at):
                 doubts[channel] = _frozen(channel)
-        if not doubts:
-            self._doubts = {}
-            return Judged(frame, rebooted=rebooted)
         # A doubt is told in the words of its beginning: it does not flicker.
-        self._doubts = {channel: self._known(channel, why) for channel, why in doubts.items()}
+        kept = {channel: why for channel, why in self._doubts.items() if channel not in frame.values}
+        self._doubts = kept | {channel: self._known(channel, why) for channel, why in doubts.items()}
+        if not doubts:
+            return Judged(frame, rebooted=rebooted)
         values: Mapping[str, Value] = frame.values
         values = {channel: None if channel in doubts else value for channel, value in values.items()}
         return Judged(replace(frame, values=values), frozenset(doubts), rebooted)

@@ -76,7 +76,13 @@ def command(
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
-    from end_effector_lab.testbench import open_inputs, open_port, run_testbench, write_virtual_copy
+    from end_effector_lab.testbench import (
+        open_inputs,
+        open_port,
+        open_sensors,
+        run_testbench,
+        write_virtual_copy,
+    )
 
     loaded = load_tool(description or profile_path())
     if prepare is not None:
@@ -86,6 +92,7 @@ def command(
         loaded,
         open_inputs(lines, loaded, power_cycle=power_cycle),
         open_port(port, loaded, lines),
+        open_sensors(lines, loaded),
         scenario=scenario,
         seed=seed,
         verbose=verbose,

@@ -1,7 +1,8 @@
 """The simulated world on the other end of the wires: the paper's Raspberry Pi."""
 
 from ._bench import Bench, Noise
-from ._places import open_inputs, open_port
+from ._board_sensors import BoardSensors
+from ._places import open_inputs, open_port, open_sensors
 from ._ports import Port, PtyPort, SerialPort
 from ._records import Events, Record, edges_of
 from ._run import run_testbench
@@ -13,6 +14,7 @@ from ._virtual_copy import write_description, write_virtual_copy
 __all__ = [
     "FAULTS",
     "Bench",
+    "BoardSensors",
     "Effect",
     "Events",
     "Fault",
@@ -30,6 +32,7 @@ __all__ = [
     "edges_of",
     "open_inputs",
     "open_port",
+    "open_sensors",
     "parse_scenario",
     "run_testbench",
     "write_description",

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from end_effector_hal.codecs import codec_of, parity_of
-from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
+from pathlib import Path
 
+from end_effector_hal.codecs import board_inputs, codec_of, parity_of
+from end_effector_hal.description import Description, Inputs
+from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.inputs import input_lines, pulls_of
+
+from ._board_sensors import BoardSensors
 from ._ports import Port, PtyPort, SerialPort
 from ._scenario import TOOL_CHANGER
 from .inputs import GpioInputs, GpioSimInputs, LineInputs, QemuInputs, VirtioGpioInputs, VirtualInputs
@@ -35,16 +39,17 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
         UsageError: it cannot be used with this description.
     """
     lines, others = _lines(description), description.blow_off_lines.values()
+    pulled = pulls_of(input_lines(description))
     if text is None:
         if description.lines.backend != "virtual" or not description.lines.path:
             # Taking a HAL's own output lines as inputs would drop what they hold.
             raise UsageError(
                 "the description has no virtual lines; say where to see the lines.", todo=_CHOICES
             )
-        return VirtualInputs(description.lines.path, lines, power_cycle=power_cycle, others=others)
+        text = f"virtual:{description.lines.path}"
     kind, _, rest = text.partition(":")
     if kind == "virtual" and rest:
-        return VirtualInputs(rest, lines, power_cycle=power_cycle, others=others)
+        return VirtualInputs(rest, lines, power_cycle=power_cycle, others=others, pulled=pulled)
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
     if kind == "gpiod":
@@ -60,7 +65,35 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
     raise UsageError(f"lines cannot be seen at {text!r}.", todo=_CHOICES)
 
 
-def open_port(text: str | None, description: Description, lines: str | None) -> Port:
+def open_sensors(text: str | None, description: Description) -> BoardSensors | None:
+    """What plays the inputs of the board, if the tool has any; nothing is opened yet.
+
+    Args:
+        text: of the lines, as for `open_inputs`.
+        description: whose inputs they are.
+
+    Raises:
+        UsageError: inputs cannot be played there.
+    """
+    if board_inputs(description) is None:
+        return None
+    kind, _, path = text.partition(":") if text else ("virtual", "", description.lines.path or "")
+    if input_lines(description) and not (kind == "virtual" and path):
+        raise UsageError(
+            f"digital inputs of the board cannot be played at {text!r}.", todo="Expected: virtual:PATH."
+        )
+    if any(channel.analog for channel in description.channels.values()):
+        folder = description.inputs.iio if description.inputs else Inputs().iio
+        if Path(folder).is_relative_to("/sys"):
+            raise UsageError(
+                "analog inputs cannot be played in the kernel's own folder.",
+                where=description.where("inputs", "iio"),
+                todo="--prepare FOLDER writes a copy of the tool with a folder of its own.",
+            )
+    return BoardSensors(description, path)
+
+
+def open_port(text: str | None, description: Description, lines: str | None) -> Port | None:
     """The port that a text names; nothing is opened yet.
 
     Args:
@@ -71,7 +104,14 @@ def open_port(text: str | None, description: Description, lines: str | None) -> 
 
     Raises:
         UsageError: none is given and none is known.
+
+    Returns:
+        None: the tool has no sensor link.
     """
+    if description.link is None and board_inputs(description):
+        if text is not None:
+            raise UsageError(f"{description.name} has no sensor link: --port {text} means nothing.")
+        return None
     codec, link = codec_of(description), description.link
     baudrate, parity = (link and link.baudrate) or codec.baudrate, parity_of(codec)
     if text is not None:

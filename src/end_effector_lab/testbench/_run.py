@@ -16,6 +16,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.signals import Value
 
+from ._board_sensors import BoardSensors
 from ._commands import Commands, Voice, lines_of
 from ._ports import Port
 from ._records import Events, Record
@@ -28,7 +29,8 @@ _ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 def run_testbench(
     description: Description,
     inputs: LineInputs,
-    port: Port,
+    port: Port | None,
+    sensors: BoardSensors | None = None,
     *,
     scenario: str,
     seed: int,
@@ -52,18 +54,22 @@ def run_testbench(
         recorded = stack.enter_context(closing(Record(record))) if record else None
         mail = Mail(voice if verbose else None, written, recorded)
         stack.enter_context(_signals(mail.end))
-        with Testbench(description, inputs, port, scenario=scenario, seed=seed, watcher=mail) as bench:
-            hertz = 1e6 / bench.codec.period_us
-            voice.say(
-                f"ready: {description.name}, scenario {scenario}, lines {inputs.text}, port {port.text}, "
-                f"{bench.codec.name} at {hertz:g} Hz",
-                ready=description.name,
-                scenario=scenario,
-                lines=inputs.text,
-                port=port.text,
-                codec=bench.codec.name,
-                hertz=hertz,
-            )
+        with Testbench(
+            description, inputs, port, sensors, scenario=scenario, seed=seed, watcher=mail
+        ) as bench:
+            said = [f"ready: {description.name}, scenario {scenario}, lines {inputs.text}"]
+            fields: dict[str, object] = {
+                "ready": description.name,
+                "scenario": scenario,
+                "lines": inputs.text,
+            }
+            if port and bench.codec:
+                hertz = 1e6 / bench.codec.period_us
+                said.append(f"port {port.text}, {bench.codec.name} at {hertz:g} Hz")
+                fields |= {"port": port.text, "codec": bench.codec.name, "hertz": hertz}
+            if sensors:
+                said.append("inputs of the board")
+            voice.say(", ".join(said), **fields)
             commands = Commands(voice, bench.choose, mail.end)
             threading.Thread(target=_listen, args=(commands, mail), name="commands", daemon=True).start()
             mail.serve()

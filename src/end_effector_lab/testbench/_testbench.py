@@ -1,9 +1,9 @@
-"""The bench in real time: a thread that sees the lines, a thread that sends frames or answers requests."""
+"""The bench in real time: threads that see the lines, send frames or answer requests, and play inputs of the board."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from end_effector_hal.codecs import Codec, codec_of, is_polled
 from end_effector_hal.description import Description
@@ -11,6 +11,7 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.signals import Value
 
 from ._bench import Bench
+from ._board_sensors import BoardSensors
 from ._ports import Port
 from ._scenario import parse_scenario
 from ._sensor_board import SensorBoard, Sent
@@ -38,7 +39,8 @@ class Testbench:
     Args:
         description: of the tool; its link names the codec.
         inputs: where the lines are seen.
-        port: where the frames go.
+        port: where the frames go; None: the tool has no link.
+        sensors: on the inputs of the board, if it has any.
         scenario: what goes wrong.
         seed: of the chance in it.
         watcher: is told what happens.
@@ -54,25 +56,27 @@ class Testbench:
         self,
         description: Description,
         inputs: LineInputs,
-        port: Port,
+        port: Port | None,
+        sensors: BoardSensors | None = None,
         *,
         scenario: str = "nominal",
         seed: int = 0,
         watcher: Watcher | None = None,
         clock: Clock | None = None,
     ) -> None:
-        self._description, self._inputs, self._port = description, inputs, port
+        self._description, self._inputs, self._port, self._sensors = description, inputs, port, sensors
         self._clock = clock or clock_of(inputs)
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
-        self.codec: Codec = codec_of(description)
+        self.codec: Codec | None = codec_of(description) if port else None
         self._lock = threading.Lock()
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._frames, name="frames", daemon=True)
+        self._threads: list[threading.Thread] = []
 
     def start(self) -> None:
         """Begin; raises WireError if lines or port cannot be used."""
-        self._port.open()
+        if self._port:
+            self._port.open()
         try:
             with self._lock:  # an edge waits until there is a bench
                 levels = self._inputs.start(self._edge)
@@ -80,12 +84,22 @@ class Testbench:
                 self._bench = Bench(
                     self._description, self._scenario, self._seed, start=self._start, levels=levels
                 )
-                self._board = SensorBoard(self.codec, self._bench, self._description, self._start)
+            if self._sensors:
+                self._sensors.start()
+                self._sensors.play(self._bench.sample(self._start), silent=False)
         except BaseException:
             self._inputs.close()
-            self._port.close()
+            if self._port:
+                self._port.close()
             raise
-        self._thread.start()
+        if self._port and self.codec:
+            board = SensorBoard(self.codec, self._bench, self._description, self._start)
+            if is_polled(self.codec):
+                self._begin("frames", self._answer, board, self._port)
+            else:
+                self._begin("frames", self._send, board, self._port, self.codec)
+        if self._sensors:
+            self._begin("inputs", self._play, self._sensors)
 
     def choose(self, scenario: str) -> None:
         """Another scenario from now on; raises UsageError if it cannot be used, and goes on as before."""
@@ -97,8 +111,12 @@ class Testbench:
         """End; nothing is sent or told after it."""
         self._stop.set()
         self._inputs.close()
-        self._thread.join()
-        self._port.close()
+        for thread in self._threads:
+            thread.join()
+        if self._sensors:
+            self._sensors.close()
+        if self._port:
+            self._port.close()
 
     def __enter__(self) -> Testbench:
         self.start()
@@ -113,36 +131,52 @@ class Testbench:
             self._bench.line(name, level, at)
         self._watcher.line(name, level, at, seen)
 
-    def _frames(self) -> None:
-        try:
-            if is_polled(self.codec):
-                self._answer()
-            else:
-                self._send()
-        except ReportedError as error:
-            self._watcher.failed(error)
+    def _begin(self, name: str, work: Callable[..., None], *given: object) -> None:
+        """A thread; what ends it is told."""
 
-    def _send(self) -> None:
-        """Each frame has its own deadline from the start, so that no lateness adds up."""
-        period_us, due = self.codec.period_us, self._start
+        def run() -> None:
+            try:
+                work(*given)
+            except ReportedError as error:
+                self._watcher.failed(error)
+
+        thread = threading.Thread(target=run, name=name, daemon=True)
+        self._threads.append(thread)
+        thread.start()
+
+    def _ticks(self, period_us: int) -> Iterator[int]:
+        """Each has its own deadline from the start, so that no lateness adds up."""
+        due = self._start
         while not self._clock.wait(self._stop, due):
-            # Frames that the machine slept through are left out, and not counted: the wire lost nothing.
+            # What the machine slept through is left out, and not counted: the wire lost nothing.
             due += max(0, (self._clock.now_us() - due) // period_us) * period_us
-            with self._lock:
-                sent = self._board.frame(due)
-            self._put(sent)
+            yield due
             due += period_us
 
-    def _answer(self) -> None:
-        while not self._stop.is_set():
-            request = self._port.receive(RECEIVE_S)
+    def _send(self, board: SensorBoard, port: Port, codec: Codec) -> None:
+        for due in self._ticks(codec.period_us):
             with self._lock:
-                sent = self._board.answer(request, self._clock.now_us()) if request else None
-            if sent is not None:
-                self._put(sent)
+                sent = board.frame(due)
+            self._put(sent, port)
 
-    def _put(self, sent: Sent) -> None:
+    def _answer(self, board: SensorBoard, port: Port) -> None:
+        while not self._stop.is_set():
+            request = port.receive(RECEIVE_S)
+            with self._lock:
+                sent = board.answer(request, self._clock.now_us()) if request else None
+            if sent is not None:
+                self._put(sent, port)
+
+    def _put(self, sent: Sent, port: Port) -> None:
         at = self._clock.now_us()  # before the write: a reader may have it before the write returns
         if sent.data:
-            at += self._port.send(sent.data)
+            at += port.send(sent.data)
         self._watcher.frame(at, sent.seq, sent.values, bool(sent.data))
+
+    def _play(self, sensors: BoardSensors) -> None:
+        for seq, due in enumerate(self._ticks(sensors.period_us)):
+            with self._lock:
+                values, silent = self._bench.sample(due), self._bench.silent(due)
+            sensors.play(values, silent=silent)
+            if self._port is None:
+                self._watcher.frame(due, seq, values, not silent)

@@ -9,6 +9,7 @@ from ruamel.yaml import YAML
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.runtime import wired_lines
+from end_effector_hal.wires.inputs import input_lines, pulls_of
 from end_effector_hal.wires.lines import VirtualChip
 
 NAME = "end_effector.yaml"
@@ -30,7 +31,8 @@ def write_virtual_copy(description: Description, folder: Path) -> Path:
         raise UsageError(f"Cannot be made: {error.strerror}.", where=str(folder)) from None
     virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
     write_description(virtual, folder / NAME, "the same tool on virtual lines and a pty")
-    VirtualChip.create(folder / "chip", wired_lines(virtual), exist_ok=True)
+    pulls = pulls_of(input_lines(virtual))
+    VirtualChip.create(folder / "chip", [*wired_lines(virtual), *pulls], pulls, exist_ok=True)
     return folder / NAME
 
 

@@ -104,7 +104,8 @@ def run(
     clock, port, log = Clock(frames, late_us), port or Port(), Log()
     bench = Testbench(description, inputs or Inputs(), port, watcher=log, clock=clock, **options)
     bench.start()
-    bench._thread.join(30)
+    for thread in bench._threads:
+        thread.join(30)
     bench.close()
     assert port.closed
     return port, log

@@ -2,6 +2,8 @@
 
 from ._channels import (
     Channel,
+    DigitalInput,
+    Inputs,
     LinkFrame,
     ModbusFrame,
     RecordFrame,
@@ -16,8 +18,10 @@ from ._stanzas import EStop, Freshness, Link, ToolChanger
 __all__ = [
     "Channel",
     "Description",
+    "DigitalInput",
     "EStop",
     "Freshness",
+    "Inputs",
     "Link",
     "LinkFrame",
     "ModbusFrame",

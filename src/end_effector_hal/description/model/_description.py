@@ -116,7 +116,14 @@ class Description(Part):
     @property
     def sensors(self) -> str:
         """What brings the readings, for a sentence: ``sensor link /dev/ttyUSB0``, or ``inputs of the board``."""
-        return f"sensor link {self.link.port}" if self.link else "inputs of the board"
+        if self.link is None:
+            return "inputs of the board"
+        also = any(channel.on_board for channel in self.channels.values())
+        return f"sensor link {self.link.port}" + (" or the inputs of the board" if also else "")
+
+    def sensors_are(self, what: str) -> str:
+        """``sensor link /dev/ttyUSB0 is down``, or ``inputs of the board are down``."""
+        return f"{self.sensors} {'is' if self.link else 'are'} {what}"
 
     @property
     def ordered(self) -> tuple[tuple[str, Actuator], ...]:
@@ -173,10 +180,15 @@ class Description(Part):
     def with_virtual(
         self, lines_path: str | Path, port: str, socket: str | Path | None = None
     ) -> Description:
-        """The same tool on virtual lines and another serial port."""
+        """The same tool on virtual lines, another serial port, and analog inputs in a folder beside the lines."""
         lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
-        link = self.link and self.link.model_copy(update={"port": port})
-        return self.model_copy(update={"lines": lines, "link": link})
+        changed: dict[str, object] = {"lines": lines}
+        if self.link:
+            changed["link"] = self.link.model_copy(update={"port": port})
+        if any(channel.analog for channel in self.channels.values()):
+            iio = str(Path(lines_path).with_name("iio"))
+            changed["inputs"] = (self.inputs or Inputs()).model_copy(update={"iio": iio})
+        return self.model_copy(update=changed)
 
     def with_socket(self, socket: str | Path) -> Description:
         """The same tool with its line arbiter at another socket."""

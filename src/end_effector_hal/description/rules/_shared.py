@@ -26,7 +26,9 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     opposing: list[Keys] = [("actuators", name, kind.opposing) for name, kind in kinds if kind.opposing]
     opposing += [(*stanza, "opposite") for stanza in (*changer, *actuators)]
     opposing = [each for each in opposing if facts.written(*each)]
-    yield from _second(facts, "line", _claims([*changer, *actuators, *opposing], "line"))
+    digital: list[Keys] = [("channels", name, "digital") for name in facts.names("channels")]
+    digital = [each for each in digital if isinstance(facts.get(*each), dict)]
+    yield from _second(facts, "line", _claims([*changer, *actuators, *opposing, *digital], "line"))
     yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))
     yield from _second(facts, "bit", tuple(bits))
     yield from _second(facts, "service", _claims([*changer, *actuators], "service"))
@@ -47,7 +49,7 @@ def _second(facts: Facts, what: str, claims: tuple[Keys, ...]) -> Iterator[Fault
             owners[value] = path
             continue
         owner = owners[value]
-        device = owner[1] if owner[0] == "actuators" else owner[0]
+        device = owner[1] if owner[0] in ("actuators", "channels") else owner[0]
         written = f"{path[-1]}: {value}" + ("" if facts.written(*path) else " (default)")
         place, sentence = facts.places.value(*path), f"{what} {value!r} already belongs to {str(device)!r}"
         yield Fault.at(place, "EE-221", sentence, found=written, expected=f"a {what} of its own")

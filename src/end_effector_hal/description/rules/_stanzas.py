@@ -21,6 +21,7 @@ def rule_faults(facts: Facts) -> Iterator[Fault]:
         yield from _names(facts, "release_order")
         yield from _unreleased(facts)
     yield from _unread(facts)
+    yield from _board_units(facts)
     yield from _reserved(facts)
     yield from _endings(facts)
     yield from _files(facts)
@@ -29,7 +30,7 @@ def rule_faults(facts: Facts) -> Iterator[Fault]:
 def _unread(facts: Facts) -> Iterator[Fault]:
     """Nothing brings a reading."""
     if facts.written("link"):
-        if facts.get("link") is None and ("link",) not in facts.broken:
+        if facts.get("link") is None and not facts.names("channels") and ("link",) not in facts.broken:
             place = facts.places.value("link")
             yield Fault.at(place, "EE-207", "'link' has no value", found="", expected="keys with values")
         return
@@ -37,6 +38,24 @@ def _unread(facts: Facts) -> Iterator[Fault]:
         return
     expected = "link: the sensor link, or channels: inputs of the board"
     yield Fault.at(facts.places.key(), "EE-206", "key 'link' is missing", found="", expected=expected)
+
+
+def _board_units(facts: Facts) -> Iterator[Fault]:
+    """An analog input measures something, a digital one is a bit."""
+    for name in facts.names("channels"):
+        keys = ("channels", name)
+        if _given(facts, *keys, "analog") and not facts.written(*keys, "unit"):
+            what, expected = f"key 'unit' is missing in channel {name!r}", "unit: kPa, bar, ..."
+            yield Fault.at(
+                facts.places.key(*keys, "analog"), "EE-206", what, expected=expected, hint="see scale"
+            )
+        if _given(facts, *keys, "digital") and _given(facts, *keys, "unit"):
+            what, expected = f"channel {name!r} is a digital input", "no unit: it is a bit"
+            yield Fault.at(facts.places.value(*keys, "unit"), "EE-205", what, expected=expected)
+
+
+def _given(facts: Facts, *path: str) -> bool:
+    return facts.written(*path) and facts.get(*path) is not None
 
 
 def _names(facts: Facts, key: str) -> Iterator[Fault]:

@@ -21,6 +21,7 @@ from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState, Command
 from end_effector_hal.wires import now_us
+from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
 from end_effector_hal.wires.sensors import SensorReader
 
@@ -34,7 +35,7 @@ RESET_S = 5.0
 
 
 class EndEffector:
-    """Both programs of a tool, its link and its lines.
+    """Both programs of a tool, its sensors and its lines.
 
     The line arbiter (``eehal arbiter``) is a process of its own and must run: it is what stands between a crash
     of this process and a dropped part.
@@ -96,7 +97,7 @@ class EndEffector:
         return tool
 
     def start(self) -> None:
-        """Start reading and adopt; raises LinkBusyError when somebody else reads the sensor link."""
+        """Start reading and adopt; raises LinkBusyError or LineBusyError when somebody else reads its sensors."""
         self._reader.start()
         self._predicates.start()
         for unit in self._units:
@@ -129,9 +130,14 @@ class EndEffector:
         return self._merged(grip, max(grip.at, change.at))
 
     @property
-    def link(self) -> LinkHealth:
-        """How the sensor link is, with its counters."""
-        return self._reader.health
+    def link(self) -> LinkHealth | None:
+        """How the sensor link is, with its counters; None: the tool has none."""
+        return self._reader.health.link
+
+    @property
+    def inputs(self) -> InputsHealth | None:
+        """How the inputs of the board are, with their counters; None: no channel comes from one."""
+        return self._reader.health.inputs
 
     def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
         """Have every status, in order; called in a thread of its own.
@@ -158,7 +164,7 @@ class EndEffector:
             lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)
         )
         if not ready:
-            lacks = missing(self.description, self._grip.status, self._change.status, self.link)
+            lacks = missing(self.description, self._grip.status, self._change.status, self._reader.health)
             raise NotReadyError(
                 f"{self.description.name} is not ready after {timeout_s:g} s: {'; '.join(lacks)}.",
                 todo="eehal doctor says what this machine lacks.",

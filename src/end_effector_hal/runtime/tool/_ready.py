@@ -9,6 +9,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
 from end_effector_hal.wires.link import LinkHealth, LinkState
+from end_effector_hal.wires.sensors import SensorHealth
 
 
 def gripper_ready(status: Status) -> bool:
@@ -28,23 +29,33 @@ def changer_is_sensed(description: Description) -> bool:
     return changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
 
 
-def missing(description: Description, grip: Status, change: Status, link: LinkHealth) -> Iterator[str]:
+def missing(description: Description, grip: Status, change: Status, sensors: SensorHealth) -> Iterator[str]:
     """What a tool that is not ready lacks, each a clause."""
     if grip.ee == EndEffectorState.OFF:
         yield "its lines are not adopted"
     if not grip.link_up:
-        yield _silence(description.sensors, link)
+        yield from _silence(description, sensors)
     elif Evidence.UNKNOWN in grip.evidence:
         pairs = zip(description.sequence, grip.evidence, strict=True)
         unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
         yield f"its sensors say nothing of {', '.join(unknown)}"
     if not changer_ready(description, change):
         yield "its sensors do not say whether the tool is locked"
-    said = [alarm for alarm in (*grip.alarms, *change.alarms) if "sensor link" not in alarm]
+    said = [alarm for alarm in (*grip.alarms, *change.alarms) if description.sensors not in alarm]
     yield from (alarm.rstrip(".") for alarm in dict.fromkeys(said))
 
 
-def _silence(sensors: str, link: LinkHealth) -> str:
+def _silence(description: Description, sensors: SensorHealth) -> Iterator[str]:
+    if (link := sensors.link) is not None:
+        yield _silent_link(f"sensor link {description.link.port}" if description.link else "", link)
+    if (inputs := sensors.inputs) is not None:
+        if inputs.error:
+            yield f"the inputs of the board are not read: {inputs.error.rstrip('.')}"
+        elif link is None:
+            yield "the inputs of the board have not been read"
+
+
+def _silent_link(sensors: str, link: LinkHealth) -> str:
     if link.error:
         return f"the sensor link is down: {link.error.rstrip('.')}"
     if link.state is LinkState.UP:

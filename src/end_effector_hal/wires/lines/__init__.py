@@ -1,9 +1,9 @@
 """Lines: binary outputs. The `gpiod` back-end drives real ones, `virtual` those of a chip in a file."""
 
-from ._backend import LineBackend, LineHandover
+from ._backend import LineBackend, LineHandover, line_not_found
 from ._chip_log import ChipLog, ChipState, Edge, LineState
-from ._gpiod import CONSUMER, GpiodLines, find_chips, line_infos, load_gpiod, open_chip
-from ._virtual import VirtualChip, VirtualLines, read_chip
+from ._gpiod import CONSUMER, GpiodLines, busy, find_chips, find_lines, line_infos, load_gpiod, open_chip
+from ._virtual import Pull, VirtualChip, VirtualLines, VirtualPins, read_chip
 from ._watcher import ChipWatcher
 
 __all__ = [
@@ -16,10 +16,15 @@ __all__ = [
     "LineBackend",
     "LineHandover",
     "LineState",
+    "Pull",
     "VirtualChip",
     "VirtualLines",
+    "VirtualPins",
+    "busy",
     "find_chips",
+    "find_lines",
     "line_infos",
+    "line_not_found",
     "load_gpiod",
     "open_chip",
     "read_chip",

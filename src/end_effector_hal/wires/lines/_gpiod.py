@@ -43,7 +43,7 @@ class GpiodLines:
         """Claim and adopt; see `LineBackend.request`."""
         self._gpiod = load_gpiod()
         by_chip: dict[str, dict[str, int]] = {}
-        for name, (chip, offset) in self._find(names).items():
+        for name, (chip, offset) in find_lines(self._gpiod, self._pattern, names).items():
             by_chip.setdefault(chip, {})[name] = offset
         self._names = [_stored_name(chip, offsets) for chip, offsets in by_chip.items()]
         for name in set(self._stored).difference(self._names):
@@ -95,26 +95,6 @@ class GpiodLines:
         value = self._gpiod.line.Value
         return value.ACTIVE if level else value.INACTIVE
 
-    def _find(self, names: Sequence[str]) -> dict[str, tuple[str, int]]:
-        """Chip and offset of each name; on other boards the same names stand on other chips."""
-        found: dict[str, list[tuple[str, int]]] = {}
-        chips = find_chips(self._gpiod, self._pattern)
-        for path in chips:
-            with open_chip(self._gpiod, path) as chip:
-                for offset, info in enumerate(line_infos(chip)):
-                    found.setdefault(info.name, []).append((path, offset))
-        missing = [name for name in names if name not in found]
-        if missing:
-            raise line_not_found(missing, list(found), looked_at=chips)
-        for name in names:
-            if len(found[name]) > 1:
-                places = " and ".join(f"{path} line {offset}" for path, offset in found[name])
-                raise LineNotFoundError(
-                    f"the line name {name} is ambiguous: {places}.",
-                    todo="Give the lines unique names in the device tree.",
-                )
-        return {name: found[name][0] for name in names}
-
     def _claimed(self, name: str, chip: str, offsets: Mapping[str, int]) -> Any:
         if name in self._stored:
             from end_effector_hal.wires.lines._held_request import HeldRequest  # on Linux only
@@ -150,22 +130,47 @@ class GpiodLines:
                 if request is not None:
                     request.release()
                 if error.errno == errno.EBUSY:
-                    raise LineBusyError(
-                        f"{self._holders(chip, offsets)}.", where=path, todo=stop_holders()
-                    ) from error
+                    raise busy(chip, path, offsets) from error
                 raise WireError(f"the lines cannot be claimed: {error.strerror}.", where=path) from error
             return request
-
-    def _holders(self, chip: Any, offsets: Mapping[str, int]) -> str:
-        infos = {name: chip.get_line_info(offset) for name, offset in offsets.items()}
-        held = [
-            f"{name} is held by {info.consumer or 'the kernel'}" for name, info in infos.items() if info.used
-        ]
-        return ", ".join(held) or "a line is held by another program"
 
 
 def _stored_name(chip: str, offsets: Mapping[str, int]) -> str:
     return ".".join([Path(chip).name, *map(str, offsets.values())])
+
+
+def find_lines(gpiod: Any, pattern: str, names: Sequence[str]) -> dict[str, tuple[str, int]]:
+    """Chip and offset of each name; on other boards the same names stand on other chips.
+
+    Raises:
+        LineNotFoundError: a name is missing or ambiguous.
+        WireError: there is no chip, or it cannot be opened.
+    """
+    found: dict[str, list[tuple[str, int]]] = {}
+    chips = find_chips(gpiod, pattern)
+    for path in chips:
+        with open_chip(gpiod, path) as chip:
+            for offset, info in enumerate(line_infos(chip)):
+                found.setdefault(info.name, []).append((path, offset))
+    missing = [name for name in names if name not in found]
+    if missing:
+        raise line_not_found(missing, list(found), looked_at=chips)
+    for name in names:
+        if len(found[name]) > 1:
+            places = " and ".join(f"{path} line {offset}" for path, offset in found[name])
+            raise LineNotFoundError(
+                f"the line name {name} is ambiguous: {places}.",
+                todo="Give the lines unique names in the device tree.",
+            )
+    return {name: found[name][0] for name in names}
+
+
+def busy(chip: Any, path: str, offsets: Mapping[str, int]) -> LineBusyError:
+    """Says which of the lines of a chip somebody else has, and who."""
+    infos = {name: chip.get_line_info(offset) for name, offset in offsets.items()}
+    held = [f"{name} is held by {info.consumer or 'the kernel'}" for name, info in infos.items() if info.used]
+    text = ", ".join(held) or "a line is held by another program"
+    return LineBusyError(f"{text}.", where=path, todo=stop_holders())
 
 
 def load_gpiod() -> Any:

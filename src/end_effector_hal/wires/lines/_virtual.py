@@ -11,7 +11,7 @@ from end_effector_hal.errors import WireError
 from end_effector_hal.wires._claim import Claim
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.lines._backend import line_not_found
-from end_effector_hal.wires.lines._chip_log import ChipLog, ChipState, Edge, header, record
+from end_effector_hal.wires.lines._chip_log import ChipLog, ChipState, Edge, LineState, header, record
 
 Pull = Literal["up", "down"]
 
@@ -110,6 +110,60 @@ def _same(fd: int, path: Path) -> bool:
 def read_chip(path: str | Path) -> ChipState:
     """Direction and level of each line of the virtual chip at ``path``; see `VirtualChip.read`."""
     return VirtualChip(path).read()
+
+
+class VirtualPins:
+    """The far end of the inputs of a virtual chip: whoever drives them.
+
+    Args:
+        path: the file of the chip; it must exist when they are driven.
+        clock: µs, stamps the records.
+    """
+
+    def __init__(self, path: str | Path, *, clock: Callable[[], int] = now_us) -> None:
+        self._path, self._clock = Path(path), clock
+        self._log, self._fd, self._read = ChipLog(), -1, 0
+
+    def drive(self, levels: Mapping[str, bool]) -> None:
+        """Give some lines these levels, at once; a line that the chip drives is no input, and left alone.
+
+        Raises:
+            WireError: there is no chip, or it cannot be written.
+        """
+        try:
+            lines = self._lines()
+            at, pid = self._clock(), os.getpid()
+            changed = [
+                record(Edge(at, name, "in", level, pid))
+                for name, level in levels.items()
+                if name in lines and lines[name].direction == "in" and lines[name].level != level
+            ]
+            if changed:  # what somebody's death has torn ends with the first byte
+                os.write(self._fd, b"\n" + b"".join(changed))
+        except OSError as error:
+            raise WireError(
+                f"the virtual chip cannot be driven: {error.strerror}.",
+                where=str(self._path),
+                todo="Start `eehal testbench` anew: it makes the chip.",
+            ) from error
+
+    def close(self) -> None:
+        """Drive nothing any more; the levels stay."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+    def _lines(self) -> Mapping[str, LineState]:
+        """As they are now, of the chip that stands there now; raises OSError."""
+        if self._fd >= 0 and not _same(self._fd, self._path):
+            self.close()
+        if self._fd < 0:
+            self._fd = os.open(self._path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+            self._log, self._read = ChipLog(), 0
+        while data := os.pread(self._fd, 1 << 16, self._read):
+            self._log.feed(data)
+            self._read += len(data)
+        return self._log.state.lines
 
 
 STORED_NAME = "virtual-chip"

@@ -1,5 +1,5 @@
-"""Everything that brings readings of a tool: its sensor link, the inputs of its board."""
+"""What brings the readings of a tool: its sensor link, the inputs of its board, or both."""
 
-from ._reader import SensorReader
+from ._reader import SensorHealth, SensorReader
 
-__all__ = ["SensorReader"]
+__all__ = ["SensorHealth", "SensorReader"]

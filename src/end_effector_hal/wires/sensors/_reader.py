@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from end_effector_hal.codecs import codec_of
+from end_effector_hal.codecs import board_inputs, codec_of
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
+from end_effector_hal.wires.inputs import InputsHealth, InputsReader
 from end_effector_hal.wires.link import LinkHealth, LinkReader
 
 
+@dataclass(frozen=True, slots=True)
+class SensorHealth:
+    """A snapshot of each source; None: the tool has none."""
+
+    link: LinkHealth | None
+    inputs: InputsHealth | None
+
+
 class SensorReader:
-    """Frames of the sensor link, if there is one.
+    """Frames of the sensor link, of the inputs of the board, or of both.
 
     Both callbacks come from threads of the reader, one call at a time, and must not block for long.
 
@@ -30,34 +39,55 @@ class SensorReader:
         self,
         description: Description,
         on_frame: Callable[[Frame], None],
-        on_change: Callable[[LinkHealth], None] | None = None,
+        on_change: Callable[[LinkHealth | InputsHealth], None] | None = None,
     ) -> None:
         link = description.link
         self.where = link.port if link else description.sensors
         """Where the readings come from, for people."""
-        self._on_frame = on_frame
-        self._lock = threading.Lock()
+        self._on_frame, self._on_change = on_frame, on_change
+        self._lock, self._change_lock = threading.Lock(), threading.Lock()
         self._last = 0
-        self._link = LinkReader(
-            self.where,
-            codec_of(description),
-            link.baudrate if link else None,
-            on_frame=self._deliver,
-            on_change=on_change,
+        inputs = board_inputs(description)
+        codec = codec_of(description) if link or not inputs else None
+        self._link = (
+            LinkReader(link.port, codec, link.baudrate, self._deliver, self._changed)
+            if link and codec
+            else None
         )
+        self._inputs = InputsReader(description, self._deliver, self._changed) if inputs else None
 
     def start(self) -> None:
-        """Begin; raises LinkBusyError when somebody else reads the sensor link."""
-        self._link.start()
+        """Begin.
+
+        Raises:
+            LinkBusyError: somebody else reads the sensor link.
+            LineBusyError: somebody else has an input line.
+        """
+        if self._link:
+            self._link.start()
+        if self._inputs:
+            try:
+                self._inputs.start()
+            except BaseException:
+                self.close()
+                raise
 
     def close(self) -> None:
         """End; nothing is delivered after it."""
-        self._link.close()
+        for source in (self._link, self._inputs):
+            if source:
+                source.close()
 
     @property
-    def health(self) -> LinkHealth:
+    def health(self) -> SensorHealth:
         """As it is now; for any thread."""
-        return self._link.health
+        link, inputs = self._link, self._inputs
+        return SensorHealth(link.health if link else None, inputs.health if inputs else None)
+
+    def _changed(self, health: LinkHealth | InputsHealth) -> None:
+        if self._on_change:
+            with self._change_lock:
+                self._on_change(health)
 
     def _deliver(self, frame: Frame) -> None:
         with self._lock:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from end_effector_hal.errors import LineNotFoundError, WireError
-from end_effector_hal.wires.lines import ChipWatcher, Edge, VirtualChip
+from end_effector_hal.wires.lines import ChipWatcher, Edge, Pull, VirtualChip
 
 from ._inputs import OnEdge
 
@@ -21,13 +21,20 @@ class VirtualInputs:
         names: the lines.
         power_cycle: make the chip anew even if there is one.
         others: further lines of a chip that is made; nothing hangs on them.
+        pulled: further lines of it which the chip reads, and how it holds them.
     """
 
     def __init__(
-        self, path: str | Path, names: Iterable[str], *, power_cycle: bool = False, others: Iterable[str] = ()
+        self,
+        path: str | Path,
+        names: Iterable[str],
+        *,
+        power_cycle: bool = False,
+        others: Iterable[str] = (),
+        pulled: Mapping[str, Pull] | None = None,
     ) -> None:
         self._path, self._names, self._power_cycle = Path(path), tuple(names), power_cycle
-        self._others = tuple(others)
+        self._others, self._pulled = tuple(others), dict(pulled or {})
         self._watcher: ChipWatcher | None = None
 
     @property
@@ -43,9 +50,14 @@ class VirtualInputs:
                 where=str(self._path),
                 todo="Give another path.",
             ) from error
-        chip = VirtualChip.create(self._path, [*self._names, *self._others], exist_ok=not self._power_cycle)
+        chip = VirtualChip.create(
+            self._path,
+            [*self._names, *self._others, *self._pulled],
+            self._pulled,
+            exist_ok=not self._power_cycle,
+        )
         lines = chip.read().lines
-        if missing := [name for name in self._names if name not in lines]:
+        if missing := [name for name in (*self._names, *self._pulled) if name not in lines]:
             raise LineNotFoundError(
                 f"the virtual chip has no line {', '.join(missing)}, only {', '.join(lines)}.",
                 where=str(self._path),

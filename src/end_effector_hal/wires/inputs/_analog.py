@@ -1,0 +1,147 @@
+"""Analog inputs through Linux IIO: text files in sysfs, or a folder with the same files.
+
+The value of a channel is ``(raw + offset) * scale`` in the unit of its driver: mV of a voltage, kPa of a pressure.
+Source: Documentation/ABI/testing/sysfs-bus-iio of Linux.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from end_effector_hal.description import Channel
+from end_effector_hal.errors import WireError
+from end_effector_hal.signals import Value
+from end_effector_hal.vocabulary import hint
+from end_effector_hal.wires._backoff import Backoff
+from end_effector_hal.wires._clock import now_us
+
+LONGEST = 64
+"""Bytes of a number, at most."""
+
+
+class AnalogReader:
+    """Reads channels, each by a few files; whatever is wrong with them makes a value invalid and is told.
+
+    Args:
+        folder: of the devices.
+        channels: those that are analog, by name.
+        clock: µs.
+    """
+
+    def __init__(
+        self, folder: str | Path, channels: Mapping[str, Channel], clock: Callable[[], int] = now_us
+    ) -> None:
+        self._folder, self._channels = Path(folder), channels
+        self._devices: dict[str, Path] = {}
+        self._searches = {part.analog.device: Backoff(clock) for part in channels.values() if part.analog}
+        self.errors: dict[str, str] = {}
+        """Why a channel has no value, by its name; sentences."""
+
+    def read(self, name: str) -> Value:
+        """The value of a channel now; None: it has none."""
+        channel = self._channels[name]
+        analog = channel.analog
+        if analog is None:
+            return None
+        try:
+            device = self._device(analog.device)
+            if device is None:
+                return None
+            count, measured = _number(device, analog.channel)
+        except (OSError, ValueError) as error:
+            self._devices.pop(analog.device, None)  # it may come back under another number
+            self.errors[name] = f"{name} cannot be read: {_why(error)}"
+            return None
+        self.errors.pop(name, None)
+        return None if count in channel.invalid else channel.value(measured)
+
+    def _device(self, name: str) -> Path | None:
+        """Its folder; None: it is looked for again later."""
+        if name not in self._devices:
+            search = self._searches[name]
+            if not search.is_due():
+                return None
+            search.failed()
+            self._devices[name] = find_device(self._folder, name)
+            search.worked()
+        return self._devices[name]
+
+
+def find_device(folder: Path, name: str) -> Path:
+    """The folder of a device by its file ``name`` or ``label``, or by the folder's own name; raises WireError."""
+    try:
+        devices = sorted(each for each in folder.iterdir() if each.is_dir())
+    except OSError as error:
+        raise WireError(
+            f"there are no analog inputs: {error.strerror}.",
+            where=str(folder),
+            todo="The kernel needs CONFIG_IIO and a driver of the converter; inputs: iio: names another folder.",
+        ) from error
+    names = {each: [each.name, _text(each / "name"), _text(each / "label")] for each in devices}
+    found = [each for each in devices if name in names[each]]
+    if len(found) > 1:
+        places = " and ".join(each.name for each in found)
+        raise WireError(f"{places} are both called {name}.", where=str(folder), todo=f"Name {found[0].name}.")
+    if not found:
+        known = [each for of_one in names.values() for each in of_one if each]
+        todo = f"There are {', '.join(known)}." if known else "The driver of the converter has found none."
+        raise WireError(f"there is no analog device {name}{hint(name, known)}.", where=str(folder), todo=todo)
+    return found[0]
+
+
+def _number(device: Path, channel: str) -> tuple[float, float]:
+    """The count of a channel, and what it means in the unit of the driver."""
+    stem = re.sub(r"\d+", "", channel)  # in_voltage_scale counts for each in_voltage0, in_voltage1
+    try:
+        count = _finite(device / f"in_{channel}_raw")
+    except FileNotFoundError:
+        processed = device / f"in_{channel}_input"
+        if not processed.exists():
+            raise
+        value = _finite(processed)
+        return value, value
+    offset, scale = (
+        next(
+            (_finite(file) for each in (channel, stem) if (file := device / f"in_{each}_{kind}").exists()),
+            otherwise,
+        )
+        for kind, otherwise in (("offset", 0.0), ("scale", 1.0))
+    )
+    return count, (count + offset) * scale
+
+
+def _finite(path: Path) -> float:
+    text = _read(path)
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ValueError(f"{path} says {text[:20]!r}, and that is no number.")
+    return number
+
+
+def _read(path: Path) -> str:
+    """The beginning of a file; a pipe in its place does not hold the reader up."""
+    fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        return os.read(fd, LONGEST).decode("ascii", errors="replace").strip()
+    finally:
+        os.close(fd)
+
+
+def _text(path: Path) -> str:
+    try:
+        return _read(path)
+    except OSError:
+        return ""
+
+
+def _why(error: Exception) -> str:
+    if isinstance(error, WireError) or not isinstance(error, OSError):
+        return str(error)
+    return f"{error.filename or 'its file'}: {error.strerror or error}."
