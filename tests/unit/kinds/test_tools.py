@@ -9,6 +9,7 @@ import pytest
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Status
 from end_effector_hal.description import examine_text
+from end_effector_hal.errors import DescriptionError
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence
 from tests.support.virtual_tool import VirtualTool
 
@@ -134,6 +135,35 @@ def test_a_part_that_is_seen_between_open_fingers_is_not_gripped() -> None:
 def test_what_nothing_could_prove_is_refused(stanza: str, fault: str) -> None:
     text = f"name: t\nlink: {{port: /dev/ttyS0}}\nsequence: [it]\nactuators: {{it: {stanza}}}\n"
     assert examine_text(text, "t.yaml").lines() == [f"t.yaml:{fault} [EE-225]"]
+
+
+BITS = "locked, unlocked, tool_present, in_stand, cylinder_extended, cylinder_retracted, estop_ok"
+
+
+@pytest.mark.parametrize(
+    ("stanza", "fault"),
+    [
+        (
+            "{kind: magnet, line: A, part_bit: lockd}",
+            f"4:51: ees1-ascii carries no 'lockd' (lockd), expected a bit of ees1-ascii: {BITS}; "
+            "did you mean 'locked'? if there is no such sensor, write part_bit: none",
+        ),
+        (
+            "{kind: vacuum, line: A, channel: none, part_bit: top}",
+            "4:66: 'top' is a pressure (part_bit: top), expected a bit",
+        ),
+        (
+            "{kind: gripper, line: A, open_bit: locked, closed_bit: unlocked, settle_ms: 5000}",
+            "4:13: 'it' can never be confirmed: it takes 5 s (ees1-ascii), expected less than timeout_s = 5",
+        ),
+    ],
+)
+def test_what_the_link_cannot_prove_is_refused(stanza: str, fault: str, tmp_path: Path) -> None:
+    path = tmp_path / "t.yaml"
+    path.write_text(f"name: t\nlink: {{port: /dev/ttyS0}}\nsequence: [it]\nactuators: {{it: {stanza}}}\n")
+    with pytest.raises(DescriptionError) as caught:
+        load_tool(path)
+    assert caught.value.faults == [f"{path}:{fault} [EE-225]"]
 
 
 @pytest.mark.parametrize("stanza", ["kind: gripper", "kind: magnet"])

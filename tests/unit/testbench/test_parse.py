@@ -61,6 +61,7 @@ def test_reads(verdin: Description, text: str, expected: Scenario) -> None:
         ("fails-once:cylinda", "no actuator is named 'cylinda'. Did you mean 'cylinder'?"),
         ("fails-once", "names no actuator. There are: tool_changer, bottom_vacuum, cylinder, top_vacuum."),
         ("leak:cylinder", "cylinder cannot have this fault"),
+        ("no-part:cylinder", "cylinder cannot have this fault"),
         ("lost-after:tool_changer:1", "tool_changer cannot have this fault"),
         ("locked-shows:cylinder:1", "cylinder cannot have this fault"),
         ("locked-shows:tool_changer", "needs a number. Expected: bit, a whole number from 0 to 1."),

@@ -24,6 +24,22 @@ def switched_on(leak_l_min: float = 0.0) -> VacuumCircuit:
     return circuit
 
 
+def test_its_switches_are_those_of_a_part_and_of_no_vacuum() -> None:
+    circuit, seen = switched_on(), list[dict[str, bool]]()
+
+    def watch(seconds: float) -> None:
+        for at in range(circuit.now, circuit.now + round(seconds * 1e6), STEP_US):
+            circuit.advance(at)
+            if dict(circuit.bits) not in seen[-1:]:
+                seen.append(dict(circuit.bits))
+
+    watch(2.0)
+    circuit.command(False, circuit.now)
+    watch(2.0)
+    places = [(each["part"], each["gone"]) for each in seen]
+    assert places == [(False, True), (False, False), (True, False), (False, False), (False, True)]
+
+
 @pytest.mark.parametrize(
     ("leak_l_min", "kpa", "seconds"),
     [(0, 55, 0.33), (0, 75, 0.95), (4, 55, 0.38), (4, 75, None), (20, 55, None)],

@@ -143,7 +143,7 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
         ("actuators", name) for name, each in description.ordered if not can_be_confirmed(each, codec)
     }
     for use in uses(description):
-        told = use.stanza[:2] in unproven if use.condition else not use.bit and use.stanza in unproven
+        told = not use.bit and not use.condition and use.stanza in unproven
         if told or use.channel in codec.channels:
             continue
         kind = Kind.BIT if use.bit else Kind.PRESSURE

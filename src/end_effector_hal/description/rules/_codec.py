@@ -23,7 +23,6 @@ from ._channels import (
     provers,
     too_soon,
     unwired,
-    uses,
 )
 
 
@@ -43,11 +42,9 @@ def _unproven(
     description: Description, codec: CodecChannels, name: str, actuator: Actuator
 ) -> Iterator[Fault]:
     kind = kind_of(actuator)
-    if not can_be_confirmed(actuator, codec):
+    # what conditions ask for and nothing carries is told channel by channel
+    if not kind.conditions(actuator) and not can_be_confirmed(actuator, codec):
         what = f"{codec.codec} carries nothing that could confirm {name!r}"
-        if actuator.evidence is not None:
-            yield _unknowable(description, codec, name, actuator, what)
-            return
         proof = next(each for each in kind.channels if each.confirms)
         place = description.place("actuators", name, proof.key)
         meant = codec.of(proof.carries) or (codec.of(Kind.BIT) if proof.bit_instead else ())
@@ -67,19 +64,6 @@ def _unproven(
             what = f"{name!r} can never be confirmed: {samples} samples take {number(least_s)} s"
             expected = f"less than timeout_s = {number(actuator.timeout_s)}"
             yield Fault.at(place, "EE-225", what, found=codec.codec, expected=expected)
-
-
-def _unknowable(
-    description: Description, codec: CodecChannels, name: str, actuator: Actuator, what: str
-) -> Fault:
-    """Its evidence asks for channels that nothing carries: the first of them stands for all."""
-    missing = next(
-        use for use in uses(description)
-        if use.condition and use.stanza[:2] == ("actuators", name) and use.channel not in codec.channels
-    )  # fmt: skip
-    known = codec.of(Kind.BIT if missing.bit else Kind.PRESSURE)
-    place, hint = description.place(*missing.stanza, missing.key), did_you_mean(missing.channel, known)
-    return Fault.at(place, "EE-225", what, expected=provers(description, codec, name), hint=hint)
 
 
 def _lasts_too_long(

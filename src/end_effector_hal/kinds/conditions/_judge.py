@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from itertools import count
 from typing import ClassVar
 
 from end_effector_hal.kinds.stanza import Condition
 from end_effector_hal.signals import PART, ChannelReadings, Streak
+
+_Asked = Callable[["_Sample"], bool | None]
+
+
+class _Sample:
+    """What a condition is asked of: readings at a time, and the streaks of those that must last."""
+
+    __slots__ = ("arrived", "at", "readings", "seen_at", "streaks")
+
+    def __init__(
+        self, readings: ChannelReadings, at: int, arrived: bool, seen_at: int, streaks: list[Streak]
+    ) -> None:
+        self.readings, self.at, self.arrived = readings, at, arrived
+        self.seen_at, self.streaks = seen_at, streaks
 
 
 class ConditionJudge:
@@ -19,68 +34,71 @@ class ConditionJudge:
     MEMORY: ClassVar = {"_streaks": PART, "_at": int}
 
     def __init__(self, condition: Condition) -> None:
-        self._condition = condition
+        numbers = count()
+        self._asked = _compiled(condition, numbers)
         self._channels = condition.channels
-        self._streaks = [Streak() for _ in range(_lasting(condition))]
+        self._streaks = [Streak() for _ in range(next(numbers))]
         self._at = 0
 
     def sample(self, readings: ChannelReadings, at: int) -> bool | None:
         """Whether it holds at ``at`` µs."""
-        arrived = any(map(readings.arrived, self._channels))
+        arrived = True in map(readings.arrived, self._channels)
         if arrived:
             self._at = at
-        return self._holds(self._condition, readings, at, arrived, iter(self._streaks))
+        return self._asked(_Sample(readings, at, arrived, self._at, self._streaks))
 
     def forget(self) -> None:
         """What has held until now counts no longer."""
         for streak in self._streaks:
             streak.take(False, self._at)
 
-    def _holds(
-        self, this: Condition, readings: ChannelReadings, at: int, arrived: bool, streaks: Iterator[Streak]
-    ) -> bool | None:
-        # every part is looked at, also where one decides: each has a memory of its own
-        value = _joined(this, [self._holds(each, readings, at, arrived, streaks) for each in this.parts])
-        if not this.parts:
-            value = _read(this, readings, at)
-        if not _lasts(this):
-            return value
-        streak = next(streaks)
-        if arrived or value is None:
-            streak.take(value is True, at)
-        if value is None:
-            return None
-        return streak.samples >= this.samples and streak.lasted(self._at, this.for_ms * 1000)
+
+def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
+    """A function of a sample: conditions are looked at with each frame, and never change."""
+    at_once = _joined(this, [_compiled(each, numbers) for each in this.parts]) if this.parts else _read(this)
+    if this.for_ms == 0 and this.samples == 1:
+        return at_once
+    index, samples, us = next(numbers), this.samples, this.for_ms * 1000
+
+    def lasts(sample: _Sample) -> bool | None:
+        value, streak = at_once(sample), sample.streaks[index]
+        if sample.arrived or value is None:
+            streak.take(value is True, sample.at)
+        return None if value is None else streak.samples >= samples and streak.lasted(sample.seen_at, us)
+
+    return lasts
 
 
-def _read(this: Condition, readings: ChannelReadings, at: int) -> bool | None:
-    value = readings.get(this.on or this.channel, at)
-    if value is None:
-        return None
-    if this.on is not None:
-        return bool(value)
-    if isinstance(value, bool):
-        return None  # a bit has no pressure
-    kpa = value / 1000
-    if this.between_kpa is not None:
-        low, high = this.between_kpa
-        return low <= kpa <= high
-    return kpa < this.below_kpa if this.below_kpa is not None else kpa > (this.above_kpa or 0.0)
-
-
-def _joined(this: Condition, values: list[bool | None]) -> bool | None:
-    """Kleene's three-valued logic."""
+def _joined(this: Condition, parts: list[_Asked]) -> _Asked:
+    """Kleene's three-valued logic. Every part is asked, also where one decides: each has a memory of its own."""
     if this.not_ is not None:
-        return None if values[0] is None else not values[0]
+        (part,) = parts
+        return lambda sample: None if (value := part(sample)) is None else not value
     decides = not this.all  # true decides `any`, false decides `all`
-    if decides in values:
-        return decides
-    return None if None in values else not decides
+
+    def joined(sample: _Sample) -> bool | None:
+        values = [part(sample) for part in parts]
+        return decides if decides in values else None if None in values else not decides
+
+    return joined
 
 
-def _lasts(this: Condition) -> bool:
-    return this.for_ms > 0 or this.samples > 1
+def _read(this: Condition) -> _Asked:
+    channel = this.on or this.channel
+    if this.on is not None:
+        return lambda sample: (
+            None if (value := sample.readings.get(channel, sample.at)) is None else bool(value)
+        )
+    low, high = this.between_kpa or (None, None)
+    below, above = this.below_kpa, this.above_kpa
 
+    def passes(sample: _Sample) -> bool | None:
+        value = sample.readings.get(channel, sample.at)
+        if value is None or isinstance(value, bool):
+            return None  # a bit has no pressure
+        kpa = value / 1000
+        if low is not None and high is not None:
+            return low <= kpa <= high
+        return kpa < below if below is not None else above is not None and kpa > above
 
-def _lasting(this: Condition) -> int:
-    return _lasts(this) + sum(map(_lasting, this.parts))
+    return passes

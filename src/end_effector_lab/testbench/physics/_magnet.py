@@ -52,7 +52,7 @@ class HoldingMagnet(Device):
 
     def meet(self, part: bool) -> None:
         self._part = part
-        self._holds = self._holds and part
+        self._holds = part and (self._holds or self.field >= _HOLDS)
 
     def settle(self, active: bool) -> None:
         self.valve.is_open = active

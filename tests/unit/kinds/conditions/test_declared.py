@@ -86,8 +86,8 @@ def test_only_what_its_conditions_ask_for_is_used(tool: Callable[[str], Descript
         (
             "      confirmed: {on: cylinder_extendet}\n      gone: {on: cylinder_retracted}\n",
             [
-                "12:23: ees1-ascii carries nothing that could confirm 'rod' (cylinder_extendet), expected "
-                "a free channel of ees1-ascii: cylinder, top, supply or extended_bit: cylinder_extended; "
+                "12:23: ees1-ascii carries no 'cylinder_extendet' (cylinder_extendet), expected a bit of ees1-ascii: "
+                "locked, unlocked, tool_present, in_stand, cylinder_extended, cylinder_retracted, estop_ok; "
                 "did you mean 'cylinder_extended'? [EE-225]"
             ],
         ),
