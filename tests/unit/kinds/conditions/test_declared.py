@@ -149,7 +149,7 @@ class Bits:
             self.at += PERIOD
             values = {"bottom": 0, "cylinder_extended": extended, "cylinder_retracted": retracted}
             self.senses.frame(Frame(self.at, None, None, values))
-        return self.senses.evidence[1]
+        return self.senses.now.evidence[1]
 
     @property
     def notices(self) -> tuple[str, ...]:
