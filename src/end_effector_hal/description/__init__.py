@@ -20,6 +20,8 @@ from .model import (
     TextValue,
     ToolChanger,
     camel_case,
+    mask_shift,
+    raw_limits,
     socket_path,
 )
 from .reading import examine, examine_text, load
@@ -47,8 +49,10 @@ __all__ = [
     "examine_text",
     "load",
     "markdown",
+    "mask_shift",
     "not_fitted",
     "profile_path",
+    "raw_limits",
     "run_directory",
     "schema",
     "schema_path",

@@ -79,6 +79,7 @@ CODES = {
     "EE-224": "the automata file is missing",
     "EE-225": "no wire carries a channel, or the codec cannot prove an actuator",
     "EE-226": "unknown codec",
+    "EE-227": "channels and the frame of the link do not go together",
 }
 
 

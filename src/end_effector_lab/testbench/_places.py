@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.codecs import codec_of, parity_of
+from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 
@@ -72,8 +72,8 @@ def open_port(text: str | None, description: Description, lines: str | None) -> 
     Raises:
         UsageError: none is given and none is known.
     """
-    codec, link = codec_of(description), description.link
-    baudrate, parity = (link and link.baudrate) or codec.baudrate, parity_of(codec)
+    link = description.link
+    baudrate, parity = line_of(link, codec_of(description))
     if text is not None:
         kind, _, rest = text.partition(":")
         return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate, parity)

@@ -90,13 +90,13 @@ class Heard(NamedTuple):
 
 
 def _listen(description: Description, link: Link) -> CheckResult:
-    from end_effector_hal.codecs import codec_of, parity_of
+    from end_effector_hal.codecs import codec_of, line_of
     from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
 
     try:
         codec = codec_of(description)
-        baudrate = link.baudrate or codec.baudrate
-        with open_port(link.port, baudrate, parity=parity_of(codec)) as port:
+        baudrate, parity = line_of(link, codec)
+        with open_port(link.port, baudrate, parity=parity) as port:
             calls = CodecCalls(link.port)
             heard = _hear(port.fileno(), GuardedDecoder(codec, calls), max(LISTEN_US, 3 * codec.period_us))
     except LinkError as error:
@@ -111,7 +111,7 @@ def _listen(description: Description, link: Link) -> CheckResult:
     heard = heard._replace(
         invalid=tuple(each for each in heard.invalid if each in used_channels(description))
     )
-    return judged(f"{link.port}, {codec.name}, {baudrate} baud", heard, codec.name)
+    return judged(f"{link.port}, {codec.name}, {baudrate} baud", heard, "" if link.frame else codec.name)
 
 
 def _hear(fd: int, decoder: GuardedDecoder, listen_us: int) -> Heard:
@@ -149,7 +149,7 @@ def _hear(fd: int, decoder: GuardedDecoder, listen_us: int) -> Heard:
 
 
 def judged(port: str, heard: Heard, codec: str) -> CheckResult:
-    """Args: ``port``: how it is called; ``codec``: the one that was expected."""
+    """Args: ``port``: how it is called; ``codec``: the one that was expected, empty where the frame is declared."""
     if not heard.data:
         return _say.missing(
             f"{port}: silent", "Is the device powered, RX and TX not exchanged, the ground connected?"
@@ -159,7 +159,9 @@ def judged(port: str, heard: Heard, codec: str) -> CheckResult:
         return _say.missing(
             f"{port}: {len(heard.data)} bytes and no frame"
             + (f"; they look like {others}" if others else ""),
-            f"Set link.codec: {others}." if others else "Baud rate, codec and voltage levels: do they fit?",
+            f"Set link.codec: {others}."
+            if others
+            else f"Baud rate, parity, {'codec' if codec else 'link.frame'} and voltage levels: do they fit?",
         )
     text = f"{port}: {heard.frames} frames"
     if heard.seconds:

@@ -4,21 +4,36 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from end_effector_hal.codecs._codec import Codec
+from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine
+from end_effector_hal.codecs.described._text import DescribedText
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
 
+BAUDRATE, MODBUS_BAUDRATE = 115_200, 9_600
 
-def described_codec(description: Description) -> Codec:
+
+def described_codec(description: Description) -> DescribedCodec:
     """The codec that ``link: frame`` and the channels of a description declare.
 
     Raises:
-        UsageError: this format cannot be read yet.
+        UsageError: this format cannot be read.
     """
+    link = description.link
+    assert link is not None
+    assert link.frame is not None
+    frame = link.frame
+    channels = {name: each for name, each in description.channels.items() if each.source == frame.format}
+    line = SerialLine(
+        link.baudrate or (BAUDRATE if frame.modbus is None else MODBUS_BAUDRATE),
+        link.parity or "N",
+        link.period_ms and 1000 * link.period_ms,
+    )
+    if frame.text is not None:
+        return DescribedText(frame.text, channels, line)
     raise UsageError(
-        "a declared frame cannot be read yet.",
+        "a declared frame of this format cannot be read yet.",
         where=description.where("link", "frame"),
         todo="Name a codec: docs/codecs.md lists them.",
     )

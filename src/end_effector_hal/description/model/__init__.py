@@ -1,6 +1,7 @@
 """What an end-effector is made of: frozen, typed stanzas."""
 
 from ._channels import (
+    HEXADECIMAL,
     Channel,
     LinkFrame,
     ModbusFrame,
@@ -9,11 +10,14 @@ from ._channels import (
     RegisterValue,
     TextFrame,
     TextValue,
+    mask_shift,
+    raw_limits,
 )
 from ._description import Description, camel_case, socket_path
 from ._stanzas import EStop, Freshness, Link, ToolChanger
 
 __all__ = [
+    "HEXADECIMAL",
     "Channel",
     "Description",
     "EStop",
@@ -28,5 +32,7 @@ __all__ = [
     "TextValue",
     "ToolChanger",
     "camel_case",
+    "mask_shift",
+    "raw_limits",
     "socket_path",
 ]

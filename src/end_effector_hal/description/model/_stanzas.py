@@ -102,6 +102,10 @@ class Link(Freshness):
 
     LATER = ("parity", "period_ms", "frame")
 
+    def superseded(self) -> tuple[str, ...]:
+        """A declared frame has no codec."""
+        return ("codec",) if self.frame else ()
+
     port: Word = Field(min_length=1, description="serial device")
     baudrate: int | None = Field(
         default=None, ge=300, le=4_000_000, description="bits per second; default: that of the codec"

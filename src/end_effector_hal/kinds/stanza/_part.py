@@ -44,4 +44,10 @@ class Part(BaseModel):
         for key in self.LATER:
             if not content.get(key):
                 content.pop(key, None)
+        for key in self.superseded():
+            content.pop(key, None)
         return content
+
+    def superseded(self) -> tuple[str, ...]:
+        """Keys that another one stands for: not even their defaults are told."""
+        return ()

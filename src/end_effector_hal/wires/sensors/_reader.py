@@ -44,6 +44,7 @@ class SensorReader:
             link.baudrate if link else None,
             on_frame=self._deliver,
             on_change=on_change,
+            parity=link.parity if link else None,
         )
 
     def start(self) -> None:
