@@ -23,6 +23,7 @@ from .model import (
     mask_shift,
     raw_limits,
     socket_path,
+    type_bits,
 )
 from .reading import examine, examine_text, load
 from .rules import CodecChannels, not_fitted, slow, unproven, used_channels
@@ -60,6 +61,7 @@ __all__ = [
     "slow",
     "socket_path",
     "tool_path",
+    "type_bits",
     "unproven",
     "used_channels",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from end_effector_hal._extras import missing_extra
 from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine
 from end_effector_hal.codecs.described._text import DescribedText
 from end_effector_hal.errors import UsageError
@@ -32,6 +33,12 @@ def described_codec(description: Description) -> DescribedCodec:
     )
     if frame.text is not None:
         return DescribedText(frame.text, channels, line)
+    if frame.modbus is not None:
+        try:
+            from end_effector_hal.codecs.described._modbus import DescribedModbus
+        except ModuleNotFoundError as error:
+            raise missing_extra("a Modbus frame needs", error) or error from None
+        return DescribedModbus(frame.modbus, channels, line)
     raise UsageError(
         "a declared frame of this format cannot be read yet.",
         where=description.where("link", "frame"),

@@ -12,6 +12,7 @@ from ._channels import (
     TextValue,
     mask_shift,
     raw_limits,
+    type_bits,
 )
 from ._description import Description, camel_case, socket_path
 from ._stanzas import EStop, Freshness, Link, ToolChanger
@@ -35,4 +36,5 @@ __all__ = [
     "mask_shift",
     "raw_limits",
     "socket_path",
+    "type_bits",
 ]

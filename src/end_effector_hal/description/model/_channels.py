@@ -39,23 +39,17 @@ Bytes = Annotated[int, Field(ge=0, le=255)]
 HEXADECIMAL = r"^([0-9A-Fa-f]{2}){1,8}$"
 Hexadecimal = Annotated[str, Field(pattern=HEXADECIMAL)]
 
-BITS: dict[str, int] = {
-    "uint8": 8,
-    "int8": 8,
-    "uint16": 16,
-    "int16": 16,
-    "uint32": 32,
-    "int32": 32,
-    "float32": 32,
-}
-"""Width of each value type."""
+
+def type_bits(value_type: str) -> int:
+    """Width of a value type on the wire."""
+    return int(value_type.lstrip("uintfloa"))
 
 
 def raw_limits(value_type: str, bitmask: int | None = None) -> tuple[int, int] | None:
     """The lowest and the highest raw value of a type, or of some bits of it; None: of a floating one."""
     if value_type == "float32":
         return None
-    bits = BITS[value_type] if bitmask is None else mask_width(bitmask)
+    bits = type_bits(value_type) if bitmask is None else mask_width(bitmask)
     half = 1 << (bits - 1)
     return (0, 2 * half - 1) if value_type.startswith("u") else (-half, half - 1)
 
@@ -249,6 +243,9 @@ class ModbusFrame(Part):
 
     timeout_ms: Annotated[int, Field(ge=1, le=5000)] = Field(
         default=30, description="longest wait for an answer"
+    )
+    gap: Annotated[int, Field(ge=0, le=64)] = Field(
+        default=8, description="channels with at most so many other registers between them are read together"
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model import Channel, LinkFrame, raw_limits
+from end_effector_hal.description.model import Channel, LinkFrame, raw_limits, type_bits
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 
 CODE = "EE-227"
@@ -255,7 +255,7 @@ def _record_place(facts: Facts, path: Keys) -> Iterator[Fault]:
     )
     if first is None or value_type is None:
         return
-    size = _bits(value_type) // 8
+    size = type_bits(value_type) // 8
     if length is not None and first + size > length:
         what = f"the record ends before this {value_type}"
         expected = (
@@ -264,10 +264,6 @@ def _record_place(facts: Facts, path: Keys) -> Iterator[Fault]:
         yield Fault.at(facts.places.value(*path, "byte"), "EE-208", what, expected=expected)
     if size == 1 and _says(facts, *path, "byte_order"):
         yield _fault(facts, (*path, "byte_order"), f"{value_type} is a single byte", "no byte_order")
-
-
-def _bits(value_type: str) -> int:
-    return int("".join(each for each in value_type if each.isdigit()))
 
 
 def _register_place(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -280,7 +276,7 @@ def _register_place(facts: Facts, path: Keys) -> Iterator[Fault]:
     yield from _mask(facts, path)
     if value_type is None:
         return
-    wide = _bits(value_type) == 32
+    wide = type_bits(value_type) == 32
     if not wide and _says(facts, *path, "word_order"):
         yield _fault(facts, (*path, "word_order"), f"{value_type} is a single register", "no word_order")
     if wide and facts.get(*path, "address") == 0xFFFF:
@@ -396,7 +392,7 @@ def _bits_of(facts: Facts, path: Keys) -> Iterator[tuple[Any, ...]]:
     value_type, mask = facts.get(*path, "value_type"), facts.get(*path, "bitmask")
     if value_type is None or (limits is None and value_type != "float32"):
         return
-    width, unit = _bits(value_type), 8 if source == "record" else 16
+    width, unit = type_bits(value_type), 8 if source == "record" else 16
     order = facts.get(*path, "byte_order" if source == "record" else "word_order")
     for bit in range(width):
         if mask is None or mask >> bit & 1:

@@ -15,16 +15,18 @@ channels:
 {channels}
 sequence: [cups]
 actuators:
-  cups: {{kind: vacuum, line: GPIO5, channel: cup}}
+  cups: {{kind: vacuum, line: GPIO5, channel: {first}}}
 supply: {{channel: none}}
 """
 
 
 def tool(frame: str, *channels: str, link: str = "") -> Description:
-    """A tool with this frame, these channels (one called ``cup``) and more keys of its link."""
+    """A tool with this frame, these channels (the first for the actuator) and more keys of its link."""
     lines = [f"frame: {frame}", *link.splitlines()]
     text = TOOL.format(
-        link="\n".join(f"  {each}" for each in lines), channels="\n".join(f"  {each}" for each in channels)
+        link="\n".join(f"  {each}" for each in lines),
+        channels="\n".join(f"  {each}" for each in channels),
+        first=channels[0].partition(":")[0],
     )
     examination = examine_text(text, "tool.yaml")
     assert examination.description is not None, examination.lines()
