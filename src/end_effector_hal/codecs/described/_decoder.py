@@ -31,5 +31,6 @@ class DescribedDecoder:
         values: dict[str, Value] = {}
         for field, raw in zip(fields, raws, strict=True):
             values |= field.values(raw)
+        self.errors["range"] += any(field.implausible(raw) for field, raw in zip(fields, raws, strict=True))
         self.frames += 1
         return Frame(at, None, None, values)

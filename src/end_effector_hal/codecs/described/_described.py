@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from end_effector_hal._extras import missing_extra
 from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine
+from end_effector_hal.codecs.described._record import DescribedRecord
 from end_effector_hal.codecs.described._text import DescribedText
-from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
@@ -19,7 +19,7 @@ def described_codec(description: Description) -> DescribedCodec:
     """The codec that ``link: frame`` and the channels of a description declare.
 
     Raises:
-        UsageError: this format cannot be read.
+        MissingExtraError: Modbus needs a package that is not installed.
     """
     link = description.link
     assert link is not None
@@ -39,8 +39,5 @@ def described_codec(description: Description) -> DescribedCodec:
         except ModuleNotFoundError as error:
             raise missing_extra("a Modbus frame needs", error) or error from None
         return DescribedModbus(frame.modbus, channels, line)
-    raise UsageError(
-        "a declared frame of this format cannot be read yet.",
-        where=description.where("link", "frame"),
-        todo="Name a codec: docs/codecs.md lists them.",
-    )
+    assert frame.record is not None
+    return DescribedRecord(frame.record, channels, line)

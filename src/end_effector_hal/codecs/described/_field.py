@@ -27,6 +27,13 @@ class Field:
         """What a raw value means; None: there is none."""
         return {name: None if raw is None else each.value(raw) for name, each in self.channels.items()}
 
+    def implausible(self, raw: float | None) -> bool:
+        """Whether no sensor means this; not where the device says that it has no value."""
+        return raw is not None and any(
+            raw == raw and raw not in each.invalid and each.value(raw) is None
+            for each in self.channels.values()
+        )
+
     def raw(self, values: Mapping[str, Value]) -> float | None:
         """What a device sends for these values; None: it has no way to say that it has none.
 

@@ -51,13 +51,20 @@ class RegisterField:
 
     def values(self, words: Sequence[int]) -> dict[str, Value]:
         """What the registers mean."""
+        return self._field.values(self._raw(words))
+
+    def implausible(self, words: Sequence[int]) -> bool:
+        """Whether no sensor means them."""
+        return self._field.implausible(self._raw(words))
+
+    def _raw(self, words: Sequence[int]) -> float:
         mine = words[self._at : self._at + self._size]
         if self._type is None:
-            return self._field.values(mine[0])
+            return mine[0]
         word = 0
         for each in reversed(mine) if self._little else mine:
             word = word << 16 | each
-        return self._field.values(self._type.raw(word))
+        return self._type.raw(word)
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
         """Write what a device shows; False: it has no way to say that it has no value."""

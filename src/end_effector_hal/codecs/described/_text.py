@@ -161,10 +161,10 @@ class TextDecoder(DescribedDecoder):
         if len(raws) < len(layout.places) or all(raw is None for raw in raws):
             self.errors["format"] += 1
             return None
-        if wrong := sum(
+        unread = any(
             raw is None and text not in (b"", NO_VALUE) for raw, text in zip(raws, texts, strict=True)
-        ):
-            self.errors["range"] += wrong
+        )
+        self.errors["value"] += unread
         return self._frame(at, layout.fields, raws)
 
 

@@ -96,7 +96,7 @@ class ModbusMaster:
             return {name: None for part in read.registers for name in part.channels}
         words = adu.words_of(read, answer)
         values = {name: value for part in read.registers for name, value in part.values(words).items()}
-        self.errors["range"] += sum(value is None for value in values.values())
+        self.errors["range"] += sum(part.implausible(words) for part in read.registers)
         return values
 
     def _end(self, at: int) -> tuple[Frame, ...]:

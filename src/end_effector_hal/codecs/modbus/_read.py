@@ -30,6 +30,10 @@ class Readout(Protocol):
         """What they mean; None: no value that the device can mean."""
         ...
 
+    def implausible(self, words: Sequence[int]) -> bool:
+        """Whether the device cannot mean them."""
+        ...
+
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
         """Write what a device shows; False: it can only refuse, as there is no value."""
         ...
@@ -72,6 +76,10 @@ class Register:
     def values(self, words: Sequence[int]) -> dict[str, Value]:
         """Gauge Pa, or None: no value that the device can mean."""
         return {self.channel: self.value(words[self.word])}
+
+    def implausible(self, words: Sequence[int]) -> bool:
+        """Whether the device cannot mean them."""
+        return self.value(words[self.word]) is None
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
         """The bits of a register; False: there is no value."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -101,8 +103,15 @@ def test_a_wrong_checksum_is_counted_as_one() -> None:
     line = codec.encode(Frame(0, None, None, {"cup": -78_250}))
     decoder = codec.decoder()
     assert decoder.feed(line.replace(b"78", b"87"), 0) == []
-    assert decoder.errors == {"crc": 1, "noise": 0}
+    assert decoder.errors == Counter(crc=1)
     assert decoder.feed(line.lower(), 0)
+
+
+def test_what_is_counted() -> None:
+    decoder = PLAIN.decoder()
+    for line in (b"7,9999,part=1\n", b"7,1051,part=1\n", b"7,hello,part=1\n"):
+        assert len(decoder.feed(line, 0)) == 1
+    assert decoder.errors == Counter(range=1, value=1)
 
 
 def test_a_line_that_never_ends_is_given_up_and_the_next_one_read() -> None:
