@@ -8,6 +8,9 @@ import pytest
 
 from end_effector_hal.codecs import match_codec
 from end_effector_hal.description import examine_text
+from end_effector_hal.errors import LinkBusyError
+from end_effector_hal.wires.link import _reader
+from end_effector_hal.wires.sensors import SensorReader
 
 TEXT = "frame: {text: {}}"
 CUP = "cup: {text: {field: 1}, unit: kPa}"
@@ -137,3 +140,24 @@ def test_a_recorded_description_can_be_read_again() -> None:
         assert again.lines() == []
         assert again.description is not None
         assert again.description.fingerprint() == tool.fingerprint()
+
+
+def test_the_port_is_opened_as_the_link_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[tuple[str, int, str]] = []
+
+    def open_port(path: str, baudrate: int, *, parity: str) -> None:
+        opened.append((path, baudrate, parity))
+        raise LinkBusyError("the port is used by a test.")
+
+    monkeypatch.setattr(_reader, "open_port", open_port)
+    for link in ("frame: {text: {}}", "frame: {text: {}}, baudrate: 9600, parity: E", "parity: O"):
+        channel = "channels: {cup: {text: {field: 1}, unit: kPa}}\n" if "frame" in link else ""
+        text = f"name: tool\nsequence: [a]\n{channel}link: {{port: p, {link}}}\n"
+        examination = examine_text(
+            text + "actuators: {a: {kind: vacuum, line: A, channel: cup}}\nsupply: {channel: none}\n",
+            "tool.yaml",
+        )
+        assert examination.description is not None, examination.lines()
+        with pytest.raises(LinkBusyError):
+            SensorReader(examination.description, lambda frame: None)._link.start(patience_s=0)
+    assert opened == [("p", 115_200, "N"), ("p", 9_600, "E"), ("p", 115_200, "O")]
