@@ -158,7 +158,7 @@ def _actuators(description: Description) -> Table:
 
 def _rest(description: Description) -> Iterator[str]:
     """Tool changer and wires, a line each."""
-    from end_effector_hal.codecs import board_inputs, codec_of
+    from end_effector_hal.codecs import board_inputs, codec_of, line_of
 
     link, lines = description.link, description.lines
     if changer := description.tool_changer:
@@ -169,7 +169,9 @@ def _rest(description: Description) -> Iterator[str]:
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
     if link is not None:
         codec = codec_of(description)
-        yield f"link      {link.port}, {codec.name}, {link.baudrate or codec.baudrate} baud"
+        baudrate, parity = line_of(link, codec)
+        own = f" 8{parity}1" if link.frame or link.parity else ""
+        yield f"link      {link.port}, {codec.name}, {baudrate} baud{own}"
     if inputs := board_inputs(description):
         yield f"inputs    {', '.join(inputs.channels)}, each {inputs.period_us / 1000:g} ms"
     yield f"automata  {description.automata_path}"

@@ -65,13 +65,13 @@ def open_link(description: Description) -> Iterator[OpenLink]:
         LinkError: the port cannot be opened; LinkBusyError: somebody reads it.
         UsageError: the codec cannot be loaded.
     """
-    from end_effector_hal.codecs import codec_of, parity_of
+    from end_effector_hal.codecs import codec_of, line_of
     from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
 
     codec, link = codec_of(description), description.link
     assert link is not None, "codec_of raises"
-    baudrate = link.baudrate or codec.baudrate
-    with open_port(link.port, baudrate, parity=parity_of(codec)) as port:
+    baudrate, parity = line_of(link, codec)
+    with open_port(link.port, baudrate, parity=parity) as port:
         decoder = GuardedDecoder(codec, CodecCalls(link.port))
         yield OpenLink(f"{link.port}, {codec.name}, {baudrate} baud", codec, decoder, port.fileno())
 
@@ -96,11 +96,11 @@ def fitting(data: bytes, but: str) -> Iterator[str]:
 
 
 def why_no_frame(data: bytes, codec: str) -> tuple[str, str]:
-    """What is wrong where bytes came or none, and no frame; and what to do."""
+    """What is wrong where bytes came or none, and no frame; and what to do. ``codec``: empty where it is declared."""
     if not data:
         return "silent", "Is the device powered, RX and TX not exchanged, the ground connected?"
     others = ", ".join(fitting(data, but=codec))
-    return (
-        f"{len(data)} bytes and no frame" + (f"; they look like {others}" if others else ""),
-        f"Set link.codec: {others}." if others else "Baud rate, codec and voltage levels: do they fit?",
-    )
+    what = f"{len(data)} bytes and no frame" + (f"; they look like {others}" if others else "")
+    if others:
+        return what, f"Set link.codec: {others}."
+    return what, f"Baud rate, parity, {'codec' if codec else 'link.frame'} and voltage levels: do they fit?"

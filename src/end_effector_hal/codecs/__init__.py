@@ -6,7 +6,7 @@ the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformanc
 """
 
 from ._answers import Counters, counters_of, frame_fault, weight
-from ._carrier import Carrier, board_inputs, carrier_of, codec_of, period_of, sources_of
+from ._carrier import Carrier, board_inputs, carrier_of, codec_of, line_of, period_of, sources_of
 from ._codec import (
     Codec,
     Decoder,
@@ -48,6 +48,7 @@ __all__ = [
     "frame_fault",
     "get_codec",
     "is_polled",
+    "line_of",
     "load_tool",
     "match_codec",
     "parity_of",

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from end_effector_hal.codecs._codec import Codec, resolution_of
+from end_effector_hal.codecs._codec import Codec, parity_of, resolution_of
 from end_effector_hal.codecs._registry import get_codec
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Kind
 
 if TYPE_CHECKING:
-    from end_effector_hal.description import Description
+    from end_effector_hal.description import Description, Link
 
-INPUTS = "inputs"
-"""The name of what the inputs of the board bring."""
+INPUTS = "the board"
+"""For a sentence: what brings the inputs of the board."""
 PERIOD_MS = 20
 
 
@@ -105,6 +105,12 @@ def codec_of(description: Description) -> Codec:
         raise UsageError(error.what, where=description.where("link", "codec"), todo=error.todo) from error
 
 
+def line_of(link: Link | None, codec: Codec) -> tuple[int, str]:
+    """Baud rate and parity of a link: those that it gives, or those of its codec."""
+    own = codec.baudrate, parity_of(codec)
+    return (link.baudrate or own[0], link.parity or own[1]) if link else own
+
+
 def board_inputs(description: Description) -> BoardInputs | None:
     """What comes from the inputs of the board; None: nothing does."""
     found = {name: each for name, each in description.channels.items() if each.on_board}
@@ -131,7 +137,7 @@ def carrier_of(description: Description) -> Carrier:
         FrameSource(frozenset(inputs.channels), inputs.period_us),
     )
     return SeveralSources(
-        f"{codec.name} and {INPUTS}",
+        f"{codec.name} with {INPUTS}",
         channels,
         max(source.period_us for source in sources),
         max(resolution_of(codec), inputs.resolution_pa),

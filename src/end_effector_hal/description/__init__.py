@@ -22,7 +22,10 @@ from .model import (
     TextValue,
     ToolChanger,
     camel_case,
+    mask_shift,
+    raw_limits,
     socket_path,
+    type_bits,
 )
 from .reading import examine, examine_text, load
 from .rules import CodecChannels, not_fitted, slow, unproven, used_channels
@@ -51,8 +54,10 @@ __all__ = [
     "examine_text",
     "load",
     "markdown",
+    "mask_shift",
     "not_fitted",
     "profile_path",
+    "raw_limits",
     "run_directory",
     "schema",
     "schema_path",
@@ -60,6 +65,7 @@ __all__ = [
     "slow",
     "socket_path",
     "tool_path",
+    "type_bits",
     "unproven",
     "used_channels",
 ]

@@ -87,6 +87,7 @@ CODES = {
     "EE-225": "no wire carries a channel, or the codec cannot prove an actuator",
     "EE-226": "unknown codec",
     "EE-227": "a condition that cannot be meant",
+    "EE-228": "channels and the frame of the link do not go together",
 }
 
 

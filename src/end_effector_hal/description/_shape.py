@@ -111,11 +111,12 @@ class Facts:
         value: Any = self.tree
         for key in path:
             if not isinstance(value, dict) or key not in value:
-                return self._default(path)
+                return self.default(path)
             value = value[key]
         return value
 
-    def _default(self, path: Keys) -> Any:
+    def default(self, path: Keys) -> Any:
+        """What a key says that is not written."""
         stanza = stanza_at(path[:-1], self._kind(path))
         found = fields_of(stanza).get(str(path[-1])) if stanza else None
         return None if found is None or found.is_required() else found.default

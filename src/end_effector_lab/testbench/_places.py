@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from end_effector_hal.codecs import board_inputs, codec_of, parity_of
+from end_effector_hal.codecs import board_inputs, codec_of, line_of
 from end_effector_hal.description import Description, Inputs
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.inputs import input_lines, pulls_of
@@ -112,8 +112,8 @@ def open_port(text: str | None, description: Description, lines: str | None) -> 
         if text is not None:
             raise UsageError(f"{description.name} has no sensor link: --port {text} means nothing.")
         return None
-    codec, link = codec_of(description), description.link
-    baudrate, parity = (link and link.baudrate) or codec.baudrate, parity_of(codec)
+    link = description.link
+    baudrate, parity = line_of(link, codec_of(description))
     if text is not None:
         kind, _, rest = text.partition(":")
         return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate, parity)

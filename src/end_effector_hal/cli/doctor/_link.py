@@ -93,7 +93,7 @@ def _listen(description: Description, wire: Link) -> CheckResult:
             heard, name, codec = (
                 _hear(link, max(LISTEN_US, 3 * link.codec.period_us)),
                 link.name,
-                link.codec.name,
+                "" if wire.frame else link.codec.name,
             )
     except LinkError as error:
         if " is used by " in error.what:
@@ -136,7 +136,7 @@ def _hear(link: OpenLink, listen_us: int) -> Heard:
 
 
 def judged(port: str, heard: Heard, codec: str) -> CheckResult:
-    """Args: ``port``: how it is called; ``codec``: the one that was expected."""
+    """Args: ``port``: how it is called; ``codec``: the one that was expected, empty where the frame is declared."""
     if not heard.data or not heard.frames:
         what, todo = why_no_frame(heard.data, codec)
         return _say.missing(f"{port}: {what}", todo)

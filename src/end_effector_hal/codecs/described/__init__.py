@@ -1,5 +1,6 @@
 """Codecs that a description declares: `link: {frame: …}` with `channels`, instead of the name of a codec."""
 
+from ._codec import DescribedCodec
 from ._described import described_codec
 
-__all__ = ["described_codec"]
+__all__ = ["DescribedCodec", "described_codec"]

@@ -4,21 +4,40 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from end_effector_hal.codecs._codec import Codec
-from end_effector_hal.errors import UsageError
+from end_effector_hal._extras import missing_extra
+from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine
+from end_effector_hal.codecs.described._record import DescribedRecord
+from end_effector_hal.codecs.described._text import DescribedText
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
 
+BAUDRATE, MODBUS_BAUDRATE = 115_200, 9_600
 
-def described_codec(description: Description) -> Codec:
+
+def described_codec(description: Description) -> DescribedCodec:
     """The codec that ``link: frame`` and the channels of a description declare.
 
     Raises:
-        UsageError: this format cannot be read yet.
+        MissingExtraError: Modbus needs a package that is not installed.
     """
-    raise UsageError(
-        "a declared frame cannot be read yet.",
-        where=description.where("link", "frame"),
-        todo="Name a codec: docs/codecs.md lists them.",
+    link = description.link
+    assert link is not None
+    assert link.frame is not None
+    frame = link.frame
+    channels = {name: each for name, each in description.channels.items() if each.source == frame.format}
+    line = SerialLine(
+        link.baudrate or (BAUDRATE if frame.modbus is None else MODBUS_BAUDRATE),
+        link.parity or "N",
+        link.period_ms and 1000 * link.period_ms,
     )
+    if frame.text is not None:
+        return DescribedText(frame.text, channels, line)
+    if frame.modbus is not None:
+        try:
+            from end_effector_hal.codecs.described._modbus import DescribedModbus
+        except ModuleNotFoundError as error:
+            raise missing_extra("a Modbus frame needs", error) or error from None
+        return DescribedModbus(frame.modbus, channels, line)
+    assert frame.record is not None
+    return DescribedRecord(frame.record, channels, line)

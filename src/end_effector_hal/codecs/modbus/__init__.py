@@ -1,7 +1,22 @@
 """Modbus RTU: a polled codec made of reads, and presets for devices whose registers are known."""
 
-from ._codec import ModbusRtu
+from ._codec import ModbusDevice, ModbusRtu
+from ._master import ModbusMaster
 from ._presets import EPick, OnRobotVG, Transmitters
-from ._read import HOLDING, INPUT, Read, Register
+from ._read import COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read, Readout, Register
 
-__all__ = ["HOLDING", "INPUT", "EPick", "ModbusRtu", "OnRobotVG", "Read", "Register", "Transmitters"]
+__all__ = [
+    "COILS",
+    "DISCRETE_INPUTS",
+    "HOLDING",
+    "INPUT",
+    "EPick",
+    "ModbusDevice",
+    "ModbusMaster",
+    "ModbusRtu",
+    "OnRobotVG",
+    "Read",
+    "Readout",
+    "Register",
+    "Transmitters",
+]

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU, ExceptionResponse
+from pymodbus.pdu.bit_message import (
+    ReadCoilsRequest,
+    ReadCoilsResponse,
+    ReadDiscreteInputsRequest,
+    ReadDiscreteInputsResponse,
+)
 from pymodbus.pdu.register_message import (
     ReadHoldingRegistersRequest,
     ReadHoldingRegistersResponse,
@@ -11,12 +17,18 @@ from pymodbus.pdu.register_message import (
     ReadInputRegistersResponse,
 )
 
-from end_effector_hal.codecs.modbus._read import HOLDING, INPUT, Read
+from end_effector_hal.codecs.modbus._read import BITS, COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read
 
 DEVICE_FAILURE = 4
 REQUEST_BYTES = 8
-_REQUESTS = {HOLDING: ReadHoldingRegistersRequest, INPUT: ReadInputRegistersRequest}
-_RESPONSES = {HOLDING: ReadHoldingRegistersResponse, INPUT: ReadInputRegistersResponse}
+_REQUESTS = {
+    COILS: ReadCoilsRequest,
+    DISCRETE_INPUTS: ReadDiscreteInputsRequest,
+    HOLDING: ReadHoldingRegistersRequest,
+    INPUT: ReadInputRegistersRequest,
+}
+_REGISTERS = {HOLDING: ReadHoldingRegistersResponse, INPUT: ReadInputRegistersResponse}
+_BITS = {COILS: ReadCoilsResponse, DISCRETE_INPUTS: ReadDiscreteInputsResponse}
 _FRAMER = FramerRTU(DecodePDU(is_server=False))
 
 
@@ -27,8 +39,10 @@ def request(read: Read) -> bytes:
 
 
 def answer(read: Read, words: list[int]) -> bytes:
-    """The answer with these registers."""
-    return _frame(read, read.function, _RESPONSES[read.function](registers=words).encode())
+    """The answer with these registers, or bits."""
+    if read.function in BITS:
+        return _frame(read, read.function, _BITS[read.function](bits=[word != 0 for word in words]).encode())
+    return _frame(read, read.function, _REGISTERS[read.function](registers=words).encode())
 
 
 def refusal(read: Read) -> bytes:
@@ -37,10 +51,14 @@ def refusal(read: Read) -> bytes:
 
 
 def words_of(read: Read, adu: bytes) -> list[int]:
-    """The registers in an answer whose CRC is right."""
-    response = _RESPONSES[read.function]()
-    response.decode(adu[2:-2])
-    return list(response.registers)
+    """The registers, or bits, in an answer whose CRC is right."""
+    if read.function in BITS:
+        bits = _BITS[read.function]()
+        bits.decode(adu[2:-2])
+        return [int(bit) for bit in bits.bits[: read.count]]
+    registers = _REGISTERS[read.function]()
+    registers.decode(adu[2:-2])
+    return list(registers.registers)
 
 
 def is_whole(adu: bytes) -> bool:

@@ -32,11 +32,8 @@ class ModbusDevice:
     def answer_to(self, read: Read, values: Mapping[str, Value]) -> bytes:
         """The answer to one read; an exception if one of its channels has no value."""
         words = [0] * read.count
-        for register in read.registers:
-            value = values.get(register.channel)
-            if value is None:
-                return adu.refusal(read)
-            words[register.word] |= register.word_of(value)
+        if not all(register.put(words, values) for register in read.registers):
+            return adu.refusal(read)
         return adu.answer(read, words)
 
 
@@ -70,12 +67,15 @@ class ModbusRtu:
         self.name, self.reads = name, tuple(reads)
         self.baudrate, self.parity = baudrate, parity
         self.period_us, self.timeout_us = period_us, timeout_us
-        self.resolution_pa = max(abs(each.scale_pa) for read in self.reads for each in read.registers)
-        names = [register.channel for read in self.reads for register in read.registers]
-        self.channels: Mapping[str, Kind] = dict.fromkeys(names, Kind.PRESSURE)
+        parts = [part for read in self.reads for part in read.registers]
+        self.resolution_pa = max(part.step_pa for part in parts)
+        names = [name for part in parts for name in part.channels]
+        self.channels: Mapping[str, Kind] = {
+            name: kind for part in parts for name, kind in part.channels.items()
+        }
         if len(self.channels) < len(names):
             raise UsageError(f"{name} reads a channel twice: {', '.join(names)}.", todo="Name each once.")
-        if len({(read.unit, read.function, read.count) for read in self.reads}) < len(self.reads):
+        if len({(read.unit, read.function, read.answer_bytes) for read in self.reads}) < len(self.reads):
             raise UsageError(
                 f"{name}: two reads of one unit have answers of the same form.",
                 todo="Read their registers with one request, or a different number of registers.",

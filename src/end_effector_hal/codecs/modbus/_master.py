@@ -10,9 +10,6 @@ from end_effector_hal.codecs.modbus import _adu as adu
 from end_effector_hal.codecs.modbus._read import Read
 from end_effector_hal.signals import Frame, Value
 
-_BITS = 11  # of a byte on the line, at most: start, 8, parity, stop
-_SILENCE_BITS = int(3.5 * _BITS)  # between two frames, by the standard
-
 
 class ModbusMaster:
     """Asks one read after the other; keeps at most the bytes since the last request that could be its answer.
@@ -20,6 +17,9 @@ class ModbusMaster:
     Args:
         reads, baudrate, period_us, timeout_us: see `ModbusRtu`.
     """
+
+    BITS = 11
+    """Of a byte on the line, at most: start, 8, parity, stop."""
 
     def __init__(self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int) -> None:
         self.bytes = 0
@@ -30,13 +30,18 @@ class ModbusMaster:
         self.due = 0
         self._reads, self._baudrate = reads, baudrate
         self._period_us, self._timeout_us = period_us, timeout_us
-        self._silence_us = max(1_750, _SILENCE_BITS * 1_000_000 // baudrate)
+        self._silence_us = self.silence_us(baudrate)
         self._next = 0
         self._pending: Read | None = None
         self._cycle_at = 0
         self._values: dict[str, Value] = {}
         self._heard_at: int | None = None
         self._rest = b""
+
+    @classmethod
+    def silence_us(cls, baudrate: int) -> int:
+        """Between two frames, by the standard."""
+        return max(1_750, int(3.5 * cls.BITS) * 1_000_000 // baudrate)
 
     def poll(self, at: int) -> Polled:
         """The next request once it is due; what was asked before and is not answered counts as invalid."""
@@ -52,7 +57,7 @@ class ModbusMaster:
             self._cycle_at, self._values, self._heard_at = at, {}, None
         self._pending, self._rest = self._reads[self._next], b""
         request = adu.request(self._pending)
-        self.due = at + self._timeout_us + len(request) * _BITS * 1_000_000 // self._baudrate
+        self.due = at + self._timeout_us + len(request) * self.BITS * 1_000_000 // self._baudrate
         return Polled(request, frames)
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
@@ -71,7 +76,7 @@ class ModbusMaster:
 
     def _answer(self, read: Read) -> bytes | None:
         """The answer in what came, without what stands before it; what cannot begin one is thrown away."""
-        good = bytes([read.unit, read.function, 2 * read.count])
+        good = bytes([read.unit, read.function, read.answer_bytes])
         bad = bytes([read.unit, read.function | 0x80])
         rest, start = self._rest, 0
         while start < len(rest):
@@ -88,10 +93,10 @@ class ModbusMaster:
     def _taken(self, read: Read, answer: bytes) -> dict[str, Value]:
         if answer[1] != read.function:
             self.errors["refused"] += 1
-            return {register.channel: None for register in read.registers}
+            return {name: None for part in read.registers for name in part.channels}
         words = adu.words_of(read, answer)
-        values = {register.channel: register.value(words[register.word]) for register in read.registers}
-        self.errors["range"] += sum(value is None for value in values.values())
+        values = {name: value for part in read.registers for name, value in part.values(words).items()}
+        self.errors["range"] += sum(part.implausible(words) for part in read.registers)
         return values
 
     def _end(self, at: int) -> tuple[Frame, ...]:
@@ -107,7 +112,10 @@ class ModbusMaster:
             return ()
         self.frames += 1
         values = {
-            each.channel: self._values.get(each.channel) for read in self._reads for each in read.registers
+            name: self._values.get(name)
+            for read in self._reads
+            for part in read.registers
+            for name in part.channels
         }
         return (Frame(self._heard_at, None, None, values),)
 

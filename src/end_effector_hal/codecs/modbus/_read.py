@@ -2,12 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
-from end_effector_hal.signals import Value
+from end_effector_hal.signals import Kind, Value
 
-HOLDING, INPUT = 3, 4
-"""Function codes: Read Holding Registers, Read Input Registers."""
+COILS, DISCRETE_INPUTS, HOLDING, INPUT = 1, 2, 3, 4
+"""Function codes: Read Coils, Read Discrete Inputs, Read Holding Registers, Read Input Registers."""
+BITS = (COILS, DISCRETE_INPUTS)
+
+
+class Readout(Protocol):
+    """What is taken from the registers, or the bits, of an answer."""
+
+    @property
+    def channels(self) -> Mapping[str, Kind]:
+        """What it carries."""
+        ...
+
+    @property
+    def step_pa(self) -> float:
+        """Pa of one count; of a bit 1."""
+        ...
+
+    def values(self, words: Sequence[int]) -> dict[str, Value]:
+        """What they mean; None: no value that the device can mean."""
+        ...
+
+    def implausible(self, words: Sequence[int]) -> bool:
+        """Whether the device cannot mean them."""
+        ...
+
+    def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
+        """Write what a device shows; False: it can only refuse, as there is no value."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -35,6 +64,31 @@ class Register:
     highest: int | None = None
 
     @property
+    def channels(self) -> Mapping[str, Kind]:
+        """What it carries."""
+        return {self.channel: Kind.PRESSURE}
+
+    @property
+    def step_pa(self) -> float:
+        """Pa of one count."""
+        return abs(self.scale_pa)
+
+    def values(self, words: Sequence[int]) -> dict[str, Value]:
+        """Gauge Pa, or None: no value that the device can mean."""
+        return {self.channel: self.value(words[self.word])}
+
+    def implausible(self, words: Sequence[int]) -> bool:
+        """Whether the device cannot mean them."""
+        return self.value(words[self.word]) is None
+
+    def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
+        """The bits of a register; False: there is no value."""
+        value = values.get(self.channel)
+        if value is not None:
+            words[self.word] |= self.word_of(value)
+        return value is not None
+
+    @property
     def limits(self) -> tuple[int, int]:
         """The lowest and the highest raw value."""
         half = 1 << (self.bits - 1)
@@ -58,18 +112,23 @@ class Register:
 
 @dataclass(frozen=True)
 class Read:
-    """One request: ``count`` registers of a unit from ``address`` on.
+    """One request: ``count`` registers, or bits, of a unit from ``address`` on.
 
     Args:
         unit: address of the device, 1 to 247.
-        address: of the first register, as it stands on the wire.
+        address: of the first, as it stands on the wire.
         registers: what is taken from the answer.
-        count: how many registers are read.
-        function: `HOLDING` or `INPUT`.
+        count: how many are read.
+        function: `HOLDING`, `INPUT`, `COILS` or `DISCRETE_INPUTS`.
     """
 
     unit: int
     address: int
-    registers: tuple[Register, ...]
+    registers: tuple[Readout, ...]
     count: int = 1
     function: int = HOLDING
+
+    @property
+    def answer_bytes(self) -> int:
+        """Bytes of what was read in its answer; two answers of one unit and function are told apart by it."""
+        return -(-self.count // 8) if self.function in BITS else 2 * self.count

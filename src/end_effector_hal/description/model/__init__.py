@@ -1,6 +1,7 @@
 """What an end-effector is made of: frozen, typed stanzas."""
 
 from ._channels import (
+    HEXADECIMAL,
     Channel,
     DigitalInput,
     Inputs,
@@ -11,11 +12,15 @@ from ._channels import (
     RegisterValue,
     TextFrame,
     TextValue,
+    mask_shift,
+    raw_limits,
+    type_bits,
 )
 from ._description import Description, camel_case, socket_path
 from ._stanzas import EStop, Freshness, Link, ToolChanger
 
 __all__ = [
+    "HEXADECIMAL",
     "Channel",
     "Description",
     "DigitalInput",
@@ -32,5 +37,8 @@ __all__ = [
     "TextValue",
     "ToolChanger",
     "camel_case",
+    "mask_shift",
+    "raw_limits",
     "socket_path",
+    "type_bits",
 ]

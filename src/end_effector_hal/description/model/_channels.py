@@ -31,12 +31,37 @@ HIGHEST_PA = 2**31 - 1
 ValueType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32", "float32"]
 ByteOrder = Literal["big", "little"]
 Factor = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False)]
-Raw = Annotated[int, Field(ge=-(2**31), lt=2**32)]
+Raw = Annotated[int, Field(ge=-(2**31), le=2**32 - 1)]
 Raws = Annotated[tuple[Raw, ...], Field(strict=False, max_length=64)]
 Span = Annotated[tuple[Factor, Factor], Field(strict=False)]
-Bitmask = Annotated[int | None, Field(ge=1, lt=2**32)]
+Bitmask = Annotated[int | None, Field(ge=1, le=2**32 - 1)]
 Bytes = Annotated[int, Field(ge=0, le=255)]
-Hexadecimal = Annotated[str, Field(pattern=r"^([0-9A-Fa-f]{2}){1,8}$")]
+HEXADECIMAL = r"^([0-9A-Fa-f]{2}){1,8}$"
+Hexadecimal = Annotated[str, Field(pattern=HEXADECIMAL)]
+
+
+def type_bits(value_type: str) -> int:
+    """Width of a value type on the wire."""
+    return int(value_type.lstrip("uintfloa"))
+
+
+def raw_limits(value_type: str, bitmask: int | None = None) -> tuple[int, int] | None:
+    """The lowest and the highest raw value of a type, or of some bits of it; None: of a floating one."""
+    if value_type == "float32":
+        return None
+    bits = type_bits(value_type) if bitmask is None else mask_width(bitmask)
+    half = 1 << (bits - 1)
+    return (0, 2 * half - 1) if value_type.startswith("u") else (-half, half - 1)
+
+
+def mask_width(bitmask: int) -> int:
+    """How many bits a value has that is moved down to bit 0."""
+    return (bitmask >> mask_shift(bitmask)).bit_length()
+
+
+def mask_shift(bitmask: int) -> int:
+    """How far down it is moved."""
+    return (bitmask & -bitmask).bit_length() - 1
 
 
 class TextValue(Part):
@@ -47,6 +72,10 @@ class TextValue(Part):
     )
     key: Annotated[str | None, Field(min_length=1, max_length=40)] = Field(
         default=None, description="key in front of the value, such as P1 in P1=-52.3"
+    )
+    decimals: Annotated[int | None, Field(ge=0, le=9)] = Field(
+        default=None,
+        description="digits after the point that the device sends; a coarse value is never called frozen",
     )
 
 
@@ -144,8 +173,12 @@ class Channel(Part):
 
     @property
     def step_pa(self) -> float:
-        """Pa of one count of a pressure."""
-        return abs(self.scale) * PASCAL[self.unit or "Pa"]
+        """Pa of the smallest step of a pressure, as far as it is known; a floating value has none."""
+        step = abs(self.scale) * PASCAL[self.unit or "Pa"]
+        if self.text is not None:
+            return step * 10.0 ** -(self.text.decimals or 0)
+        place = self.record or self.modbus
+        return 1.0 if place is not None and place.value_type == "float32" else step
 
     def value(self, raw: float) -> Value:
         """What a raw value means: gauge Pa, a bit, or None: nothing that the sensor can mean."""
@@ -165,7 +198,8 @@ class Channel(Part):
             on = bool(value) is not self.invert
             if self.on is None:
                 return float(on)
-            return float(self.on[0] if on else next(n for n in range(len(self.on) + 1) if n not in self.on))
+            others = {*self.on, *self.invalid}
+            return float(self.on[0] if on else next(n for n in range(len(others) + 1) if n not in others))
         return (value / PASCAL[self.unit] - self.offset) / self.scale
 
 
@@ -173,7 +207,7 @@ class TextFrame(Part):
     """Lines of text, each a frame; they end with a line feed, with or without a carriage return."""
 
     start: Annotated[str, Field(max_length=16)] = Field(default="", description="each line begins with it")
-    separator: Annotated[str, Field(max_length=1)] = Field(
+    separator: Annotated[str, Field(min_length=1, max_length=1)] = Field(
         default=",", description="between two fields; a blank: any number of blanks"
     )
     equals: Annotated[str, Field(min_length=1, max_length=1)] = Field(
@@ -209,6 +243,9 @@ class ModbusFrame(Part):
 
     timeout_ms: Annotated[int, Field(ge=1, le=5000)] = Field(
         default=30, description="longest wait for an answer"
+    )
+    gap: Annotated[int, Field(ge=0, le=64)] = Field(
+        default=8, description="channels with at most so many other registers between them are read together"
     )
 
 

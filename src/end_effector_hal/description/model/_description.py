@@ -104,6 +104,10 @@ class Description(Part):
         """``file:line:column`` of a value, or of the nearest stanza that is written; for errors elsewhere."""
         return self._places.where(*keys)
 
+    def key_place(self, *keys: str | int) -> Place:
+        """Where a key stands."""
+        return self._places.key(*keys)
+
     def place(self, *keys: str | int) -> Place:
         """The same with the offending text, for a :class:`Fault`."""
         return self._places.value(*keys)

@@ -108,12 +108,19 @@ class Link(Freshness):
 
     LATER = ("parity", "period_ms", "frame")
 
+    def superseded(self) -> tuple[str, ...]:
+        """A declared frame has no codec."""
+        return ("codec",) if self.frame else ()
+
     port: Word = Field(min_length=1, description="serial device")
     baudrate: int | None = Field(
-        default=None, ge=300, le=4_000_000, description="bits per second; default: that of the codec"
+        default=None,
+        ge=300,
+        le=4_000_000,
+        description="bits per second; default: that of the codec; of a frame 115200, of Modbus 9600",
     )
     parity: Literal["N", "E", "O"] | None = Field(
-        default=None, description="of each byte: none, even, odd; default: that of the codec"
+        default=None, description="of each byte: none, even, odd; default: that of the codec, of a frame N"
     )
     codec: str = Field(
         default="ees1-ascii", min_length=1, description="format of the frames; docs/codecs.md lists them"
@@ -122,7 +129,8 @@ class Link(Freshness):
         default=None, description="format of the frames, declared here instead of `codec`, with `channels`"
     )
     period_ms: Annotated[int | None, Field(ge=1, le=10_000)] = Field(
-        default=None, description="nominal time between two frames, where `frame` declares them; default: 20"
+        default=None,
+        description="nominal time between two frames, where `frame` declares them; default: 20, or what one takes",
     )
 
 

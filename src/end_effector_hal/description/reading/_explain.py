@@ -31,7 +31,7 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
         case "missing":
             return path, _missing_key(path, kind, places)
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
-            return path, out_of_range(path, kind, error["input"], places)
+            return path, out_of_range(path, kind, error, places)
         case "stanza_fault":
             said, whole = error["ctx"], len(path) == 2  # an actuator: its text would say nothing
             place, found = (places.key(*path), "") if whole else (places.value(*path), None)
@@ -40,7 +40,7 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
             )
         case "literal_error":
             return path, no_choice(path, error, places)
-        case "string_pattern_mismatch" | "string_too_short" | "string_too_long" | "too_short":
+        case "string_pattern_mismatch" | "string_too_short" | "string_too_long" | "too_short" | "too_long":
             place = places.key(*path) if is_key else places.value(*path)
             return path, wrong_form(path, error, place)
         case _:
@@ -78,6 +78,9 @@ def _unknown_key(path: Keys, kind: str, value: Any, places: Places) -> Fault:
 
 
 def _missing_key(path: Keys, kind: str, places: Places) -> Fault:
+    if isinstance(path[-1], int):
+        place, what = places.value(*path[:-1]), f"{str(path[-2])!r} has too few elements"
+        return Fault.at(place, "EE-207", what, expected="two: [lowest, highest]")
     key, stanza = str(path[-1]), stanza_at(path[:-1], kind)
     meaning = fields_of(stanza)[key].description if stanza else ""
     where = f" in {path[-2]!r}" if len(path) > 1 else ""

@@ -6,7 +6,16 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from end_effector_hal.description._fault import Fault, Keys, Place, Places, did_you_mean
-from end_effector_hal.description._numbers import convert, limits_of, number, split, with_unit, wrong_scale
+from end_effector_hal.description._numbers import (
+    Limits,
+    convert,
+    limits_of,
+    number,
+    split,
+    with_unit,
+    wrong_scale,
+)
+from end_effector_hal.description.model import HEXADECIMAL
 from end_effector_hal.kinds.stanza import PRINTABLE, Condition
 
 if TYPE_CHECKING:
@@ -27,9 +36,11 @@ NAME = "lower-case letters, digits and '_', a letter first"
 ROS_NAME = "a ROS name: letters, digits, '_' and '/', a letter first"
 
 
-def out_of_range(path: Keys, kind: str, value: object, places: Places) -> Fault:
+def out_of_range(path: Keys, kind: str, error: ErrorDetails, places: Places) -> Fault:
     """A number that is too small or too large."""
-    limits = limits_of(path, kind)
+    value, bounds = error["input"], error.get("ctx", {})
+    of_element = Limits(bounds.get("gt"), bounds.get("ge"), bounds.get("le"))
+    limits = of_element if isinstance(path[-1], int) else limits_of(path, kind)
     what, hint = f"{_label(path)} is out of range", wrong_scale(str(path[-1]), value, limits)
     return Fault.at(places.value(*path), "EE-208", what, expected=str(limits), hint=hint)
 
@@ -56,11 +67,18 @@ def wrong_form(path: Keys, error: ErrorDetails, place: Place) -> Fault:
         folded = str(error["input"]).rstrip("\n").isprintable()
         hint = "end a folded text without a line break: >-" if folded else ""
         return Fault.at(place, "EE-211", what, expected="text in one line", hint=hint)
+    if context.get("pattern") == HEXADECIMAL:
+        what = f"{_label(path)} is not hexadecimal"
+        return Fault.at(place, "EE-211", what, expected="1 to 8 bytes of two digits each, such as AA55")
     if "pattern" in context:
         expected, hint = _name(str(error["input"]), context["pattern"])
         return Fault.at(place, "EE-211", f"{_label(path)} is not a name", expected=expected, hint=hint)
+    if error["type"] == "too_long":
+        what, expected = f"{_label(path)} has too many elements", f"at most {context['max_length']}"
+        return Fault.at(place, "EE-211", what, expected=expected)
     if "max_length" in context:
-        expected = f"at most {context['max_length']} characters"
+        most = context["max_length"]
+        expected = "one character" if most == 1 else f"at most {most} characters"
         return Fault.at(place, "EE-211", f"{_label(path)} is too long", expected=expected)
     expected = "at least one " + ("element" if error["type"] == "too_short" else "character")
     return Fault.at(place, "EE-211", f"{_label(path)} is empty", expected=expected)

@@ -2,12 +2,14 @@
 
 from ._channels import CodecChannels, used_channels
 from ._codec import not_fitted, slow, unproven
+from ._frames import frame_faults
 from ._order import order_faults
 from ._shared import shared_faults
 from ._stanzas import rule_faults
 
 __all__ = [
     "CodecChannels",
+    "frame_faults",
     "not_fitted",
     "order_faults",
     "rule_faults",

@@ -85,19 +85,21 @@ FROZEN_SAMPLES = 5
 
 @dataclass(frozen=True)
 class CodecChannels:
-    """What comes over the link.
+    """What comes over the link, and from the inputs of the board.
 
     Attributes:
-        codec: its name.
+        codec: the name of what brings it.
         channels: what each carries, by name.
         period_us: nominal time between two frames.
         noise_shows: whether it counts finely enough to tell a frozen sensor from a living one.
+        declared: no codec is named: whatever is missing is to be declared under `channels`.
     """
 
     codec: str
     channels: Mapping[str, Kind]
     period_us: int
     noise_shows: bool = True
+    declared: bool = False
 
     def of(self, kind: Kind) -> tuple[str, ...]:
         """Channels that carry this, in the order of the codec."""
@@ -127,11 +129,12 @@ def provers(description: Description, codec: CodecChannels, name: str) -> str:
             said += [f"{each.key}: {usual}"] if usual in bits and usual not in others else []
         elif each.confirms:
             channels = codec.of(Kind.PRESSURE)
-            if not channels and each.bit_instead:
-                channels = tuple(bit for bit in bits if bit not in position_bits(description))
+            if each.bit_instead and (codec.declared or not channels):
+                channels += tuple(bit for bit in bits if bit not in position_bits(description))
             if free := [channel for channel in channels if channel not in others]:
                 said.append(f"a free channel of {codec.codec}: {', '.join(free)}")
-    return " or ".join(said) or f"another codec: {codec.codec} carries nothing more for a {kind.name}"
+    more = "another one under channels" if codec.declared else "another codec"
+    return " or ".join(said) or f"{more}: {codec.codec} carries nothing more for a {kind.name}"
 
 
 def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
@@ -148,11 +151,12 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
             continue
         kind = Kind.BIT if use.bit else Kind.PRESSURE
         known = codec.of(kind)
-        expected = (
-            f"a {kind.value} of {codec.codec}: {', '.join(known)}"
-            if known
-            else f"a codec with such a {kind.value}"
-        )
+        if known:
+            expected = f"a {kind.value} of {codec.codec}: {', '.join(known)}"
+        elif codec.declared:
+            expected = f"such a {kind.value} under channels"
+        else:
+            expected = f"a codec with such a {kind.value}"
         meant = did_you_mean(use.channel, known) if use.written else ""
         instead = "" if use.condition else f"if there is no such sensor, write {use.key}: {NO_CHANNEL}"
         yield Fault.at(
@@ -189,7 +193,7 @@ def impossible_thresholds(description: Description) -> Iterator[Fault]:
                 hint = f"gauge pressure below ambient is negative here; write {key}: {number(-kpa)}"
                 yield Fault.at(
                     description.place(*use.stanza, key),
-                    "EE-227",
+                    "EE-228",
                     f"{span.what} cannot have {number(kpa)} kPa",
                     expected=f"{number(span.low)} to {number(span.high)} kPa gauge",
                     hint=hint if below and key != "between_kpa" else "",

@@ -47,7 +47,9 @@ def _unproven(
         what = f"{codec.codec} carries nothing that could confirm {name!r}"
         proof = next(each for each in kind.channels if each.confirms)
         place = description.place("actuators", name, proof.key)
-        meant = codec.of(proof.carries) or (codec.of(Kind.BIT) if proof.bit_instead else ())
+        meant = codec.of(proof.carries)
+        if proof.bit_instead and (codec.declared or not meant):
+            meant += codec.of(Kind.BIT)
         hint = did_you_mean(getattr(actuator, proof.key), meant)
         yield Fault.at(place, "EE-225", what, expected=provers(description, codec, name), hint=hint)
     if codec.channels.get(actuator.channel) is Kind.BIT and actuator.channel in position_bits(description):

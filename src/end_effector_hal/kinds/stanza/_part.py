@@ -51,4 +51,10 @@ class Part(BaseModel):
         for key in self.LATER:
             if getattr(self, key) == type(self).model_fields[key].default:
                 content.pop(key, None)
+        for key in self.superseded():
+            content.pop(key, None)
         return content
+
+    def superseded(self) -> tuple[str, ...]:
+        """Keys that another one stands for: not even their defaults are told."""
+        return ()

@@ -75,7 +75,7 @@ class LinkReader:
     Args:
         port: device, or a link to it.
         codec: or its name.
-        baudrate: default: that of the codec.
+        baudrate, parity: default: those of the codec.
         on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read.
         on_change: each change of state, and of the error while it is down.
     """
@@ -87,10 +87,11 @@ class LinkReader:
         baudrate: int | None = None,
         on_frame: Callable[[Frame], None] = lambda frame: None,
         on_change: Callable[[LinkHealth], None] | None = None,
+        parity: str | None = None,
     ) -> None:
         self._port = port
         self._codec = get_codec(codec) if isinstance(codec, str) else codec
-        self._baudrate = baudrate
+        self._baudrate, self._parity = baudrate, parity
         self._calls = CodecCalls(port)
         self._decoder: GuardedDecoder | None = None
         self._before = Counters()  # of decoders that have failed
@@ -196,7 +197,7 @@ class LinkReader:
 
     def _open(self) -> serial.Serial:
         baudrate = self._baudrate or self._calls.run("baudrate", lambda: int(self._codec.baudrate))
-        parity = self._calls.run("parity", lambda: parity_of(self._codec))
+        parity = self._parity or self._calls.run("parity", lambda: parity_of(self._codec))
         return open_port(self._port, baudrate, parity=parity)
 
     def _claimed(self, until: int) -> serial.Serial | None:

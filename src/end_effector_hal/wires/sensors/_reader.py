@@ -50,7 +50,7 @@ class SensorReader:
         inputs = board_inputs(description)
         codec = codec_of(description) if link or not inputs else None
         self._link = (
-            LinkReader(link.port, codec, link.baudrate, self._deliver, self._changed)
+            LinkReader(link.port, codec, link.baudrate, self._deliver, self._changed, parity=link.parity)
             if link and codec
             else None
         )

@@ -1,0 +1,170 @@
+"""Registers and coils of Modbus devices: channels that stand near each other are read with one request."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
+
+from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine, by_place
+from end_effector_hal.codecs.described._field import Field
+from end_effector_hal.codecs.described._raw import RawType
+from end_effector_hal.codecs.modbus import (
+    COILS,
+    DISCRETE_INPUTS,
+    HOLDING,
+    INPUT,
+    ModbusDevice,
+    ModbusMaster,
+    ModbusRtu,
+    Read,
+)
+from end_effector_hal.description import Channel, ModbusFrame, RegisterValue
+from end_effector_hal.signals import Frame, Kind, Value
+
+FUNCTIONS = {"coil": COILS, "discrete_input": DISCRETE_INPUTS, "holding": HOLDING, "input": INPUT}
+LONGEST_READ = 100
+"""Registers, or bits; the standard allows 125."""
+LAST_ADDRESS = 0xFFFF
+LATENCY_US = 5_000
+"""How long a device may think, where the description gives no period."""
+
+
+class RegisterField:
+    """A place in a device, and the channels that are read from it; a `Readout`.
+
+    Args:
+        place: where.
+        channels: by name.
+        first: address of the first register that is read with it.
+    """
+
+    def __init__(self, place: RegisterValue, channels: Mapping[str, Channel], first: int) -> None:
+        self.channels = {name: each.kind for name, each in channels.items()}
+        self.step_pa = max(each.step_pa if each.kind is Kind.PRESSURE else 1.0 for each in channels.values())
+        self._at, self._size, self._little = (
+            place.address - first,
+            size_of(place),
+            place.word_order == "little",
+        )
+        self._type = None if is_bit(place) else RawType(place.value_type, place.bitmask)
+        self._field = Field(channels, (0, 1) if self._type is None else self._type.limits)
+
+    def values(self, words: Sequence[int]) -> dict[str, Value]:
+        """What the registers mean."""
+        return self._field.values(self._raw(words))
+
+    def implausible(self, words: Sequence[int]) -> bool:
+        """Whether no sensor means them."""
+        return self._field.implausible(self._raw(words))
+
+    def _raw(self, words: Sequence[int]) -> float:
+        mine = words[self._at : self._at + self._size]
+        if self._type is None:
+            return mine[0]
+        word = 0
+        for each in reversed(mine) if self._little else mine:
+            word = word << 16 | each
+        return self._type.raw(word)
+
+    def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
+        """Write what a device shows; False: it has no way to say that it has no value."""
+        raw = self._field.raw(values)
+        if raw is None:
+            raw = self._type.none if self._type else None
+        if raw is None:
+            return False
+        word = int(raw) if self._type is None else self._type.word(raw)
+        for index in range(self._size):
+            place = index if self._little else self._size - 1 - index
+            words[self._at + place] |= word >> 16 * index & 0xFFFF
+        return True
+
+
+class DescribedModbus(DescribedCodec):
+    """The polled codec of declared registers and coils, of any number of units on one bus.
+
+    Args:
+        frame: what holds for all of them.
+        channels: where each stands.
+        line: of the link.
+    """
+
+    def __init__(self, frame: ModbusFrame, channels: Mapping[str, Channel], line: SerialLine) -> None:
+        reads = tuple(reads_of(by_place(channels, "modbus"), frame.gap))
+        silence_us = ModbusMaster.silence_us(line.baudrate)
+        wire_us = [
+            (13 + read.answer_bytes) * ModbusMaster.BITS * 1_000_000 // line.baudrate + 2 * silence_us
+            for read in reads
+        ]
+        super().__init__(channels, line, sum(wire_us))
+        if line.period_us is None:
+            self.period_us = max(self.PERIOD_US, self.least_period_us + LATENCY_US * len(reads))
+        self._bus = ModbusRtu(
+            self.name,
+            reads,
+            baudrate=self.baudrate,
+            parity=self.parity,
+            period_us=self.period_us,
+            timeout_us=1000 * frame.timeout_ms,
+        )
+
+    @property
+    def reads(self) -> tuple[Read, ...]:
+        """The requests of one cycle."""
+        return self._bus.reads
+
+    def decoder(self) -> ModbusMaster:
+        """A new one, which asks."""
+        return self._bus.decoder()
+
+    def device(self) -> ModbusDevice:
+        """All devices of the bus in one."""
+        return self._bus.device()
+
+    def encode(self, frame: Frame) -> bytes:
+        """All answers of one cycle, in the order of the requests."""
+        return self._bus.encode(frame)
+
+
+def is_bit(place: RegisterValue) -> bool:
+    """Whether it is a coil or a discrete input."""
+    return place.register_type in ("coil", "discrete_input")
+
+
+def size_of(place: RegisterValue) -> int:
+    """Registers, or bits, that a value takes."""
+    return 1 if is_bit(place) or RawType(place.value_type).bits == 16 else 2
+
+
+def reads_of(places: Mapping[RegisterValue, Mapping[str, Channel]], gap: int) -> Iterator[Read]:
+    """The requests for these places, each for those of one unit and table between which at most ``gap`` lie.
+
+    Two answers of one unit and table differ in length, so that a late one is never taken for the other: where they
+    would not, one register more is read.
+    """
+    by_table = sorted(places, key=lambda each: (each.unit, each.register_type, each.address))
+    for (unit, table), members in groupby(by_table, key=lambda each: (each.unit, each.register_type)):
+        lengths: set[int] = set()
+        for near in _near([*members], gap):
+            first, end = near[0].address, max(each.address + size_of(each) for each in near)
+            while Read(unit, first, (), end - first, FUNCTIONS[table]).answer_bytes in lengths:
+                first, end = (first, end + 1) if end <= LAST_ADDRESS else (first - 1, end)
+            fields = tuple(RegisterField(each, places[each], first) for each in near)
+            read = Read(unit, first, fields, end - first, FUNCTIONS[table])
+            lengths.add(read.answer_bytes)
+            yield read
+
+
+def _near(places: Sequence[RegisterValue], gap: int) -> list[list[RegisterValue]]:
+    """Sorted places, in groups that are read together."""
+    groups: list[list[RegisterValue]] = []
+    end = 0
+    for each in places:
+        after = each.address + size_of(each)
+        if groups and each.address - end <= gap and after - groups[-1][0].address <= LONGEST_READ:
+            groups[-1].append(each)
+        else:
+            groups.append([each])
+            end = 0
+        end = max(end, after)
+    return groups

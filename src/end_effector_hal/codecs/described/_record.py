@@ -1,0 +1,193 @@
+"""Binary records of a fixed length: behind start bytes, or between the delimiters of COBS or SLIP."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from cobs import cobs
+
+from end_effector_hal.codecs._codec import Decoder
+from end_effector_hal.codecs.described._checksum import CHECKSUMS
+from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine, by_place
+from end_effector_hal.codecs.described._decoder import DescribedDecoder
+from end_effector_hal.codecs.described._field import Field
+from end_effector_hal.codecs.described._raw import RawType
+from end_effector_hal.description import Channel, RecordFrame, RecordValue
+from end_effector_hal.signals import Frame
+
+DELIMITERS = {"cobs": b"\0", "slip": b"\xc0"}
+_SLIP = re.compile(rb"(?:[^\xdb\xc0]|\xdb[\xdc\xdd])*")
+
+
+@dataclass(frozen=True)
+class RecordLayout:
+    """How a record is made."""
+
+    frame: RecordFrame
+    places: tuple[RecordValue, ...]
+    fields: tuple[Field, ...]
+
+    @property
+    def start(self) -> bytes:
+        """What begins each record, of framing: start."""
+        return bytes.fromhex(self.frame.start or "")
+
+    @property
+    def size(self) -> int:
+        """Bytes of a record with its checksum."""
+        return self.frame.length + CHECKSUMS[self.frame.checksum].size
+
+    @property
+    def delimiter(self) -> bytes:
+        """What stands between two; empty: nothing does."""
+        return DELIMITERS.get(self.frame.framing, b"")
+
+    @property
+    def longest(self) -> int:
+        """Bytes of a record as it stands on the wire, without delimiters."""
+        if self.frame.framing == "slip":
+            return 2 * self.size
+        return self.size + self.size // 254 + 1 if self.delimiter else len(self.start) + self.size
+
+    def framed(self, data: bytes) -> bytes:
+        """A record with its checksum, as it stands on the wire."""
+        match self.frame.framing:
+            case "cobs":
+                return b"\0%s\0" % cobs.encode(data)
+            case "slip":
+                return b"\xc0" + data.replace(b"\xdb", b"\xdb\xdd").replace(b"\xc0", b"\xdb\xdc") + b"\xc0"
+            case _:
+                return self.start + data
+
+    def unframed(self, part: bytes) -> bytes:
+        """What stands between two delimiters; empty: nothing that could."""
+        if len(part) > self.longest:
+            return b""
+        if self.frame.framing == "slip":
+            if not _SLIP.fullmatch(part):
+                return b""
+            return part.replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")
+        try:
+            data: bytes = cobs.decode(part)
+        except cobs.DecodeError:
+            return b""
+        return data
+
+    def checksum(self, record: bytes) -> bytes:
+        """That of a record, in its order."""
+        size, of = CHECKSUMS[self.frame.checksum]
+        return of(record).to_bytes(size, self.frame.checksum_order) if size else b""
+
+
+class DescribedRecord(DescribedCodec):
+    """The codec of declared binary records.
+
+    Args:
+        frame: how they are made.
+        channels: where each stands in them.
+        line: of the link.
+    """
+
+    def __init__(self, frame: RecordFrame, channels: Mapping[str, Channel], line: SerialLine) -> None:
+        places: dict[RecordValue, dict[str, Channel]] = by_place(channels, "record")
+        fields = tuple(Field(group, _type(place).limits) for place, group in places.items())
+        self._layout = RecordLayout(frame, tuple(places), fields)
+        delimiters = 2 * len(self._layout.delimiter)
+        shortest = self._layout.size + delimiters if delimiters else self._layout.longest
+        super().__init__(channels, line, shortest * 10_000_000 // line.baudrate)
+
+    def decoder(self) -> Decoder:
+        """A new decoder."""
+        return DelimitedDecoder(self._layout) if self._layout.delimiter else StartDecoder(self._layout)
+
+    def encode(self, frame: Frame) -> bytes:
+        """One record; none is sent where a channel has no value and its type has no way to say so."""
+        layout = self._layout
+        record = bytearray(layout.frame.length)
+        for place, field in zip(layout.places, layout.fields, strict=True):
+            kind = _type(place)
+            raw = field.raw(frame.values)
+            raw = kind.none if raw is None else raw
+            if raw is None:
+                return b""
+            size = kind.bits // 8
+            for index, byte in enumerate(kind.word(raw).to_bytes(size, place.byte_order)):
+                record[place.byte + index] |= byte
+        return layout.framed(bytes(record) + layout.checksum(bytes(record)))
+
+
+class RecordDecoder(DescribedDecoder):
+    """From records to frames."""
+
+    def __init__(self, layout: RecordLayout) -> None:
+        super().__init__()
+        self._layout = layout
+
+    def _decoded(self, data: bytes, at: int) -> Frame | None:
+        """The frame of a record with its checksum; None: the checksum is wrong."""
+        layout = self._layout
+        record = data[: layout.frame.length]
+        if layout.checksum(record) != data[layout.frame.length :]:
+            return None
+        raws = []
+        for place in layout.places:
+            kind = _type(place)
+            word = int.from_bytes(record[place.byte : place.byte + kind.bits // 8], place.byte_order)
+            raws.append(kind.raw(word))
+        return self._frame(at, layout.fields, raws)
+
+
+class DelimitedDecoder(RecordDecoder):
+    """Keeps at most one unfinished record; a delimiter ends whatever came before it."""
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frames that end in ``data``."""
+        self.bytes += len(data)
+        *parts, rest = (self._rest + data).split(self._layout.delimiter)
+        frames = [frame for part in parts if part and (frame := self._part(part, at))]
+        # One byte too many is kept: it says that this is no record, however the bytes came in pieces.
+        self._rest = rest[: self._layout.longest + 1]
+        self.errors["noise"] += len(rest) - len(self._rest)
+        return frames
+
+    def _part(self, part: bytes, at: int) -> Frame | None:
+        data = self._layout.unframed(part)
+        if len(data) != self._layout.size:
+            self.errors["format"] += 1
+            return None
+        frame = self._decoded(data, at)
+        if frame is None:
+            self.errors["crc"] += 1
+        return frame
+
+
+class StartDecoder(RecordDecoder):
+    """Keeps less than one record; a record whose checksum is wrong is looked through for another start."""
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frames that end in ``data``."""
+        self.bytes += len(data)
+        self._rest += data
+        return [*self._frames(at)]
+
+    def _frames(self, at: int) -> Iterator[Frame]:
+        start, rest = self._layout.start, self._rest
+        size, first = len(start) + self._layout.size, 0
+        while (begins := rest.find(start, first)) >= 0 and begins + size <= len(rest):
+            self.errors["noise"] += begins - first
+            frame = self._decoded(rest[begins + len(start) : begins + size], at)
+            first = begins + (size if frame else 1)
+            if frame:
+                yield frame
+            else:
+                self.errors["crc"] += 1
+        if begins < 0:  # a part of a start may stand at its end
+            begins = max(first, len(rest) - len(start) + 1)
+        self.errors["noise"] += begins - first
+        self._rest = rest[begins:]
+
+
+def _type(place: RecordValue) -> RawType:
+    return RawType(place.value_type, place.bitmask)
