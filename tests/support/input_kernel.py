@@ -60,7 +60,12 @@ class _Chip:
 
     def get_line_info(self, offset: int) -> Any:
         consumer = self.held_by.get(offset, "")
-        return SimpleNamespace(name=self.names[offset], used=bool(consumer), consumer=consumer)
+        return SimpleNamespace(
+            name=self.names[offset],
+            used=bool(consumer),
+            consumer=consumer,
+            direction=gpiod.line.Direction.INPUT,
+        )
 
     def request_lines(self, config: dict[int, gpiod.LineSettings], consumer: str) -> _Request:
         if self.gone:

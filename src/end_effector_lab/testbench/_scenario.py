@@ -85,6 +85,7 @@ class Fault:
         changes: field of :class:`Effect` (or of :class:`Scenario`) and value, from the number.
         on: traits of devices, one of which it takes; empty: it concerns the whole bench.
         number: what else is to be given.
+        link: only a sensor link can have it.
     """
 
     name: str
@@ -92,6 +93,7 @@ class Fault:
     changes: Callable[[float], Mapping[str, object]]
     on: tuple[str, ...] = ()
     number: Number | None = None
+    link: bool = False
 
     @property
     def usage(self) -> str:
@@ -140,19 +142,20 @@ FAULTS: tuple[Fault, ...] = (
           lambda b: {"stand_shows": bool(b)}, (CHANGER,), BIT),
     Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
           number=Number("kpa", 0, 2000)),
-    Fault("silent-after", "the link falls silent", lambda s: {"silent_after_us": _micros(s)},
-          number=Number("seconds", 0, 86400)),
+    Fault("silent-after", "the link falls silent, or the inputs of the board do",
+          lambda s: {"silent_after_us": _micros(s)}, number=Number("seconds", 0, 86400)),
     Fault("babble-after", "the link carries random bytes only", lambda s: {"babble_after_us": _micros(s)},
-          number=Number("seconds", 0, 86400)),
+          number=Number("seconds", 0, 86400), link=True),
     Fault("reboot-after", "the device that sends restarts", lambda s: {"reboot_after_us": _micros(s)},
-          number=Number("seconds", 0, 86400)),
-    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r}, number=RATE),
-    Fault("flips", "this share of the bits on the link is turned over", lambda r: {"flips": r}, number=RATE),
+          number=Number("seconds", 0, 86400), link=True),
+    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r}, number=RATE, link=True),
+    Fault("flips", "this share of the bits on the link is turned over", lambda r: {"flips": r}, number=RATE, link=True),
     Fault("bursts", "of this share of the frames some bytes in a row are changed", lambda r: {"bursts": r},
-          number=RATE),
-    Fault("lost-bytes", "this share of the bytes on the link is lost", lambda r: {"dropped": r}, number=RATE),
+          number=RATE, link=True),
+    Fault("lost-bytes", "this share of the bytes on the link is lost", lambda r: {"dropped": r},
+          number=RATE, link=True),
     Fault("doubled-bytes", "this share of the bytes on the link comes twice", lambda r: {"doubled": r},
-          number=RATE),
+          number=RATE, link=True),
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
@@ -180,6 +183,11 @@ def parse_scenario(text: str, description: Description) -> Scenario:
     devices: dict[str, dict[str, Any]] = {}
     for part in (each.strip() for each in text.split(",")):
         fault, device, number = _read(part, physics)
+        if fault.link and description.link is None:
+            raise UsageError(
+                f"{part!r} is a fault of a sensor link, and {description.name} has none.",
+                todo="Faults of its inputs: shows, frozen-after, invalid, silent-after.",
+            )
         changed = devices.setdefault(device, {}) if device else whole
         for key, value in fault.changes(number).items():
             if changed.get(key, value) != value:

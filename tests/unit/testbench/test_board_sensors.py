@@ -9,7 +9,13 @@ import pytest
 from end_effector_hal.description import Description, examine_text, load
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.lines import VirtualChip, read_chip
-from end_effector_lab.testbench import BoardSensors, open_port, open_sensors, write_virtual_copy
+from end_effector_lab.testbench import (
+    BoardSensors,
+    open_port,
+    open_sensors,
+    parse_scenario,
+    write_virtual_copy,
+)
 
 TOOL = """
 schema: 2
@@ -94,6 +100,14 @@ def test_where_inputs_cannot_be_played(tool: Description) -> None:
     kernels = tool.model_copy(update={"inputs": None})
     with pytest.raises(UsageError, match="cannot be played in the kernel's own folder"):
         open_sensors(None, kernels)
+
+
+def test_faults_of_a_link_are_refused_where_there_is_none(tool: Description, verdin: Description) -> None:
+    for fault in ("noise:0.1", "babble-after:1", "reboot-after:1"):
+        parse_scenario(fault, verdin)
+        with pytest.raises(UsageError, match=f"'{fault}' is a fault of a sensor link, and mixed has none"):
+            parse_scenario(fault, tool)
+    parse_scenario("silent-after:1,shows:one:60", tool)
 
 
 def test_a_tool_without_inputs_has_no_such_sensors(verdin: Description) -> None:

@@ -14,7 +14,7 @@ from end_effector_hal.description import Description, examine, profile_path
 
 from ._check_result import CheckedPart, CheckResult, CheckResults, Level
 
-PARTS = ("python", "description", "ros", "lines", "arbiter", "link", "machine")
+PARTS = ("python", "description", "ros", "lines", "arbiter", "link", "inputs", "machine")
 _STYLE = {Level.OK: "green", Level.WARNING: "yellow", Level.MISSING: "red"}
 BAD_DESCRIPTION, UNREACHABLE = 2, 3
 
@@ -78,6 +78,7 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
         from end_effector_hal.runtime import output_lines, wired_lines
 
         from ._arbiter import look_at_arbiter
+        from ._inputs import look_at_inputs
         from ._lines import look_at_lines
         from ._link import look_at_link
 
@@ -85,6 +86,7 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
         looks["lines"] = lambda: look_at_lines(description, wired_lines(description))
         looks["arbiter"] = lambda: look_at_arbiter(description, lines)
         looks["link"] = lambda: look_at_link(description, listen=listen)
+        looks["inputs"] = lambda: look_at_inputs(description)
     reaction = description.bounds.reaction_ms * 1000 if description else None
     looks["machine"] = lambda: look_at_machine(reaction)
     return looks

@@ -23,10 +23,12 @@ class _Place(NamedTuple):
 
 def look_at_lines(description: Description, lines: tuple[str, ...], chips: str = CHIPS) -> CheckResults:
     """Args: ``lines``: all output lines of the tool; ``chips``: where the character devices are."""
+    from end_effector_hal.wires.lines import CONSUMER
+
     if description.lines.backend == "virtual":
         yield _virtual(description, lines)
     else:
-        yield from _gpiod(lines, chips)
+        yield from look_for_lines(_say, lines, chips, CONSUMER, "the line arbiter")
 
 
 def _virtual(description: Description, lines: tuple[str, ...]) -> CheckResult:
@@ -50,14 +52,17 @@ def _virtual(description: Description, lines: tuple[str, ...]) -> CheckResult:
     return _say.ok(text)
 
 
-def _gpiod(lines: tuple[str, ...], pattern: str) -> CheckResults:
+def look_for_lines(
+    say: CheckedPart, lines: tuple[str, ...], pattern: str, consumer: str, who: str
+) -> CheckResults:
+    """Lines of real chips; ``consumer``: how the one who may have them is called there, ``who``: for people."""
     from end_effector_hal.wires.lines import find_chips, line_infos, load_gpiod, open_chip
 
     try:
         gpiod = load_gpiod()
         chips = find_chips(gpiod, pattern)
     except WireError as error:
-        yield _say.missing(error.what.rstrip("."), error.todo)
+        yield say.missing(error.what.rstrip("."), error.todo)
         return
     places: dict[str, list[_Place]] = {}
     for path in chips:
@@ -66,37 +71,42 @@ def _gpiod(lines: tuple[str, ...], pattern: str) -> CheckResults:
                 for offset, info in enumerate(line_infos(chip)):
                     places.setdefault(info.name, []).append(_Place(path, offset, info))
         except WireError as error:
-            yield _say.missing(f"{path}: {error.what.rstrip('.')}", error.todo)
-    yield from _judged(lines, places, chips)
+            yield say.missing(f"{path}: {error.what.rstrip('.')}", error.todo)
+    yield from _judged(say, lines, places, chips, consumer, who)
 
 
-def _judged(lines: tuple[str, ...], places: dict[str, list[_Place]], chips: list[str]) -> CheckResults:
+def _judged(
+    say: CheckedPart,
+    lines: tuple[str, ...],
+    places: dict[str, list[_Place]],
+    chips: list[str],
+    consumer: str,
+    who: str,
+) -> CheckResults:
     absent = [name for name in lines if name not in places]
     if absent:
-        yield _say.missing(
+        yield say.missing(
             f"no line {_named(absent, [name for name in places if name])} on {', '.join(chips)}",
             "gpioinfo lists the names; put yours into the description.",
         )
     for name in lines:
         where = [f"{place.chip} line {place.offset}" for place in places.get(name, [])]
         if len(where) > 1:
-            yield _say.missing(
+            yield say.missing(
                 f"{name} is ambiguous: {' and '.join(where)}",
                 "Give the lines unique names in the device tree.",
             )
         elif where:
-            yield _line(name, where[0], places[name][0].info)
+            yield _line(say, name, where[0], places[name][0].info, consumer, who)
 
 
-def _line(name: str, where: str, info: Any) -> CheckResult:
-    from end_effector_hal.wires.lines import CONSUMER
-
+def _line(say: CheckedPart, name: str, where: str, info: Any, consumer: str, who: str) -> CheckResult:
     direction = str(info.direction).rpartition(".")[2].lower()
     if not info.used:
-        return _say.ok(f"{name} = {where}, {direction}, free")
-    if info.consumer == CONSUMER:
-        return _say.ok(f"{name} = {where}, {direction}, held by the line arbiter")
-    return _say.missing(
+        return say.ok(f"{name} = {where}, {direction}, free")
+    if info.consumer == consumer:
+        return say.ok(f"{name} = {where}, {direction}, held by {who}")
+    return say.missing(
         f"{name} = {where} is held by {info.consumer or 'the kernel'}", "Stop the program that holds it."
     )
 

@@ -123,7 +123,7 @@ class AnalogInput(Part):
     """An analog input through Linux IIO, read from sysfs: ``in_<channel>_raw`` of a device."""
 
     device: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.,:@-]{1,64}$")] = Field(
-        description="what its file `name` says, such as ads1015; or iio:device0"
+        description="what its file `name` or `label` says, such as ads1015; or iio:device0"
     )
     channel: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{0,39}$")] = Field(
         description="of the device, such as voltage0 or pressure"

@@ -33,8 +33,13 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
     """What a tool that is not ready lacks, each a clause."""
     if grip.ee == EndEffectorState.OFF:
         yield "its lines are not adopted"
-    if not grip.link_up:
-        yield from _silence(description, sensors)
+    inputs = sensors.inputs
+    if inputs and inputs.error:
+        yield f"inputs of the board are not read: {inputs.error.rstrip('.')}"
+    if not grip.link_up and sensors.link:
+        yield _silence(f"sensor link {description.link.port}" if description.link else "", sensors.link)
+    elif not grip.link_up:
+        yield "the inputs of the board have not been read"
     elif Evidence.UNKNOWN in grip.evidence:
         pairs = zip(description.sequence, grip.evidence, strict=True)
         unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
@@ -45,17 +50,7 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
     yield from (alarm.rstrip(".") for alarm in dict.fromkeys(said))
 
 
-def _silence(description: Description, sensors: SensorHealth) -> Iterator[str]:
-    if (link := sensors.link) is not None:
-        yield _silent_link(f"sensor link {description.link.port}" if description.link else "", link)
-    if (inputs := sensors.inputs) is not None:
-        if inputs.error:
-            yield f"the inputs of the board are not read: {inputs.error.rstrip('.')}"
-        elif link is None:
-            yield "the inputs of the board have not been read"
-
-
-def _silent_link(sensors: str, link: LinkHealth) -> str:
+def _silence(sensors: str, link: LinkHealth) -> str:
     if link.error:
         return f"the sensor link is down: {link.error.rstrip('.')}"
     if link.state is LinkState.UP:
