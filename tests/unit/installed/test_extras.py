@@ -83,7 +83,7 @@ def test_a_modbus_codec(tmp_path: Path) -> None:
     shutil.copy(profile_path().with_name("end_effector.xml"), tmp_path)
     done = eehal_without(["pymodbus"], "check", "tool.yaml", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    (line,) = done.stderr.splitlines()
+    line, *_ = done.stderr.splitlines()
     assert line.endswith(
         ": The codec modbus-rtu-epick needs pymodbus, which is not installed; "
         "Install it: pip install 'end-effector-hal[modbus]' [EE-226]"
