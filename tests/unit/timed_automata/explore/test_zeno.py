@@ -48,7 +48,9 @@ def _move(step: Step) -> Move:
 def exists(steps: Sequence[Step]) -> bool:
     """Whether a cycle leaves out, of each clock that it only sets to 0, all tests or all settings."""
     for choice in product(("tests", "settings", "neither"), repeat=3):
-        kept = [step for step in steps if all(_allowed(step, clock, choice[clock - 1]) for clock in (1, 2, 3))]
+        kept = [
+            step for step in steps if all(_allowed(step, clock, choice[clock - 1]) for clock in (1, 2, 3))
+        ]
         graph: dict[int, list[int]] = {at: [] for at in range(5)}
         for step in kept:
             graph[step.source].append(step.target)
@@ -61,7 +63,11 @@ def exists(steps: Sequence[Step]) -> bool:
 
 
 def _allowed(step: Step, clock: int, out: str) -> bool:
-    return {"tests": clock not in step.tested, "settings": dict(step.resets).get(clock) != 0, "neither": True}[out]
+    return {
+        "tests": clock not in step.tested,
+        "settings": dict(step.resets).get(clock) != 0,
+        "neither": True,
+    }[out]
 
 
 @settings(max_examples=examples(200, 5000), deadline=None)
@@ -77,7 +83,7 @@ def test_a_cycle_is_found_where_there_is_one(steps: list[Step]) -> None:
 
 
 def test_the_cost_is_linear_in_the_clocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ten processes, each with a cycle that tests and sets a clock of its own: dividing by clocks takes 2^10 searches."""
+    """Ten processes, each with a cycle that tests and sets its clock: to divide by each takes 2^10 searches."""
     steps, searches = [], 0
 
     def counted(graph: Mapping[int, Sequence[int]]) -> list[list[int]]:
