@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, NoReturn
 
 from timed_automata.compiler._expressions import Expressions
-from timed_automata.compiler._values import IndexedTerm
+from timed_automata.compiler._values import COMPARISONS, IndexedTerm, StorageTerm, Value
 from timed_automata.document import Span, fault, refused
 from timed_automata.language import ast
 
@@ -71,11 +71,14 @@ class Condition:
         data: whether the part without clocks holds; None where it always does.
         never: the part without clocks is constant and false.
         clocks: to be evaluated only where ``data`` holds.
+        needed: offsets of the values, each with what must stand there for ``data`` to hold; only what it asks before
+            anything that can fail.
     """
 
     data: Callable[[Values], Any] | None = None
     never: bool = False
     clocks: tuple[ClockConstraint, ...] = ()
+    needed: tuple[tuple[int, int], ...] = ()
 
     def holds(self, values: Values) -> bool:
         """Whether the part without clocks holds."""
@@ -173,12 +176,16 @@ def compile_condition(expressions: Expressions, node: ast.Expression, what: str)
     """
     clocks: list[ClockConstraint] = []
     data: list[str] = []
-    never = False
+    needed: list[tuple[int, int]] = []
+    never = may_fail = False
     for inner, part in _parts(expressions, node):
         if inner.mentions_clock(part):
             clocks.append(clock_constraint(inner, part) or _refuse(inner, part))
             continue
         value = inner.value(part)
+        plain = _plain(inner, part)
+        may_fail = may_fail or plain is None
+        needed += plain if plain and not may_fail else ()
         if value.known is None:
             data.append(value.source)
         never = never or value.known == 0
@@ -186,4 +193,22 @@ def compile_condition(expressions: Expressions, node: ast.Expression, what: str)
         changed = ", ".join(sorted(expressions.effects.writes))
         raise fault(node.span, f"The {what} '{node.span.snippet}' changes {changed}.")
     function = expressions.function_of(" and ".join(data)) if data else None
-    return Condition(function, never, tuple(clocks))
+    return Condition(function, never, tuple(clocks), tuple(needed))
+
+
+def _plain(expressions: Expressions, node: ast.Expression) -> list[tuple[int, int]] | None:
+    """What a comparison of a variable with a number needs: offset and value; None: it is none."""
+    if not isinstance(node, ast.Binary) or node.op not in COMPARISONS:
+        return None
+    offsets, numbers = [], []
+    for side in (node.left, node.right):
+        term = expressions.term(side)
+        if isinstance(term, Value) and term.known is not None:
+            numbers.append(term.known)
+        elif isinstance(term, StorageTerm) and term.start.isdigit() and not term.type.dimensions:
+            if term.values is not None or not term.storage.shared:
+                return None
+            offsets.append(int(term.start))
+        else:
+            return None
+    return [(offsets[0], numbers[0])] if node.op == "==" and len(offsets) == len(numbers) else []

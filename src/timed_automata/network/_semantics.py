@@ -9,7 +9,7 @@ one takes part happen. A transition into a violated invariant is disabled.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -77,9 +77,10 @@ class _Outgoing:
             if not any(data or edge.guard.clocks or computed for edge, data, _, computed in found)
         }
 
-    def receives(self, edge: Edge) -> bool:
-        """Whether one of the edges can receive what another one sends."""
-        return edge.channel is not None and any(channel in self._receiving for channel in edge.channels)
+    @property
+    def received(self) -> Iterable[int]:
+        """The channels that the edges can receive on."""
+        return self._receiving
 
     def receivers(self, channel: int, values: Values) -> list[tuple[Edge, tuple[Bound, ...]]]:
         always = self._always.get(channel)
@@ -182,15 +183,15 @@ class Semantics:
         found = self._known.get(locations)
         if found is None:
             committed = [p for p in self._processes if self._locations[p][locations[p]].committed]
+            heard = {channel for p in committed for channel in self._outgoing[p][locations[p]].received}
             found = self._known[locations] = _Initiators(
                 committed,
                 [
                     _Initiator(process, not committed or process in committed, *active)
                     for process in self._processes
+                    if not committed or process in committed or heard
                     for active in self._outgoing[process][locations[process]].active
-                    if not committed
-                    or process in committed
-                    or any(self._outgoing[p][locations[p]].receives(active[0]) for p in committed)
+                    if not committed or process in committed or not heard.isdisjoint(active[0].channels)
                 ],
             )
         return found
@@ -258,4 +259,4 @@ class Semantics:
 
     def committed(self, state: State) -> bool:
         """Whether any process is in a committed location."""
-        return bool(self._initiators(state.locations).committed)
+        return any(self._locations[p][state.locations[p]].committed for p in self._processes)

@@ -5,9 +5,9 @@ is left, so no clock can both be set to 0 and be tested for at least 1 again and
 in Timed Systems*, 1999, strong non-Zenoness; here on the discrete states that are reached, so that counters and
 levels count too). If no set of transitions with that property contains a cycle, time diverges in every infinite run.
 
-For each clock a cycle leaves out all its tests or all its settings to 0. A transition that is on a cycle neither without
-the tests nor without the settings of one clock is on no such cycle: to leave those out, clock by clock, takes two
-searches for components for each clock. Only what this cannot thin out is divided into the two cases.
+For each clock a cycle leaves out all its tests or all its settings to 0. A transition that is on a cycle neither
+without the tests nor without the settings of one clock is on no such cycle: to leave those out, clock by clock, takes
+two searches for components for each clock. Only what this cannot thin out is divided into the two cases.
 """
 
 from __future__ import annotations

@@ -161,13 +161,13 @@ class Search:
 class WidestFirst(Search):
     """Finds the same states as :class:`Search`, not by the shortest runs, and does not keep the runs.
 
-    It goes by stages, the least rank first (:mod:`._stages`); a stage that is done is handed over, and may be forgotten.
+    It goes by stages, the least rank first (:class:`Stage`); a stage that is done is handed over and forgotten.
 
-    Within a stage, where none of the clocks runs yet comes before all else: it leads to where they do. Where time stands
-    still comes before where it passes: what is reached there by many ways is then followed once. A discrete state that
-    is met again waits until all new ones are followed. Then what follows what is known, and each waits for those that
-    lead to it (topological order: Herbreteau, Tran, *Improving Search Order for Reachability Testing in Timed Automata*,
-    2015): what overtakes it would be overtaken itself.
+    Within a stage, where none of the clocks runs yet comes before all else: it leads to where they do. Where time
+    stands still comes before where it passes: what is reached there by many ways is then followed once. A discrete
+    state that is met again waits until all new ones are followed. By then the steps between them are known, and each
+    waits for those that lead to it: what overtakes it would be overtaken itself (topological order: Herbreteau, Tran,
+    *Improving Search Order for Reachability Testing in Timed Automata*, 2015).
 
     Args:
         space: as for :class:`Search`.

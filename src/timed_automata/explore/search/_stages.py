@@ -7,8 +7,9 @@ where a component is left. The rank of a location vector is the sum over the pro
 that a process can still take from where it is writes it.
 
 A stage is a component of each process, and the values that are settled there. A step stays in its stage or leads to a
-higher rank: what is settled keeps its value, and a variable becomes settled only where a component is left. So stages of
-equal rank do not reach each other, and a stage is never entered again when all of lower rank, and it itself, are done.
+higher rank: what is settled keeps its value, and a variable becomes settled only where a component is left. So stages
+of equal rank do not reach each other, and a stage is never entered again when all of lower rank, and it itself, are
+done. The search asserts that.
 """
 
 from __future__ import annotations
@@ -17,15 +18,12 @@ from collections import deque
 from collections.abc import Callable
 from graphlib import TopologicalSorter
 from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from timed_automata.compiler import Values
 from timed_automata.explore.search._cycles import components, strong
 from timed_automata.explore.states import StateRecord
 from timed_automata.network import Network, Process
-
-if TYPE_CHECKING:
-    from timed_automata.explore.search._reach import SearchNode
 
 
 class Level:
@@ -59,11 +57,11 @@ class Stage:
     def __init__(self, level: Level) -> None:
         self.level, self.done = level, False
         self.records: list[StateRecord] = []
-        self.still: deque[SearchNode] = deque()
-        self.waiting: deque[SearchNode] = deque()
-        self.heap: list[tuple[int, bool, int, SearchNode]] = []
-        self.again: list[SearchNode] = []
-        self.ordered: list[tuple[int, int, int, SearchNode]] = []
+        self.still: deque[Any] = deque()
+        self.waiting: deque[Any] = deque()
+        self.heap: list[tuple[int, bool, int, Any]] = []
+        self.again: list[Any] = []
+        self.ordered: list[tuple[int, int, int, Any]] = []
         self.order: dict[StateRecord, int] = {}
 
     def put_in_order(self) -> None:

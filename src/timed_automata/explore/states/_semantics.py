@@ -22,31 +22,51 @@ class _Started(NamedTuple):
     alone: Transition | None
 
 
-class _StartCache:
-    """The edges that leave a location and can start a transition."""
+_Active = tuple[Edge, Callable[[Values], Any] | None, Any]
 
-    def __init__(
-        self, network: Network, active: Sequence[tuple[Edge, Callable[[Values], Any] | None, Any]]
-    ) -> None:
-        self._active = active
+
+class _StartCache:
+    """The edges that leave a location and can start a transition.
+
+    Those that need a value of a variable are found by it: of a thousand edges that are selected for one of many places
+    (``j == focus``) only those of the place at hand are looked at.
+    """
+
+    def __init__(self, network: Network, active: Sequence[_Active]) -> None:
         asked = {name for edge, _, _ in active for name in edge.asks}
         offsets = [offset for _, offset in _places(network, asked)]
         self._seen: Callable[[Values], object] = itemgetter(*offsets) if offsets else lambda _: None
         self._known: dict[object, tuple[_Started, ...]] = {}
         self._shared: dict[object, _Started] = {}
+        self._always: list[tuple[int, _Active]] = []
+        self._where: dict[int, dict[int, list[tuple[int, _Active]]]] = {}
+        for number, one in enumerate(active):
+            place = self._always
+            for offset, value in one[0].guard.needed[:1]:
+                place = self._where.setdefault(offset, {}).setdefault(value, [])
+            place.append((number, one))
+
+    def __bool__(self) -> bool:
+        return bool(self._always or self._where)
 
     def started(self, values: Values) -> tuple[_Started, ...]:
         """Those whose data guards hold."""
         seen = self._seen(values)
         found = self._known.get(seen)
         if found is None:
-            found = tuple(self._started(values))
-            if len(self._known) < _MOST_KNOWN:
-                self._known[seen] = found
+            if len(self._known) >= _MOST_KNOWN:
+                self._known.clear()
+            found = self._known[seen] = tuple(self._started(values))
         return found
 
     def _started(self, values: Values) -> Iterator[_Started]:
-        for edge, data, clocks in self._active:
+        possible = self._always
+        if self._where:
+            possible = [*possible]
+            for offset, by_value in self._where.items():
+                possible += by_value.get(values[offset], ())
+            possible.sort(key=itemgetter(0))
+        for _, (edge, data, clocks) in possible:
             if data is None or data(values):
                 bounds, channel = clocks.at(values), edge.channel
                 if channel is not None and not isinstance(channel, int):
@@ -74,16 +94,26 @@ class CachedSemantics(Semantics):
         self._cache = [
             [_StartCache(network, outgoing.active) for outgoing in each] for each in self._outgoing
         ]
+        self._starting: dict[tuple[int, ...], list[tuple[int, _StartCache]] | None] = {}
 
     def transitions(self, state: State) -> Iterator[Transition]:
         """All transitions whose data guards hold and that committed locations allow."""
-        committed = self._initiators(state.locations).committed
-        return super().transitions(state) if committed else self._uncommitted(state)
+        locations = state.locations
+        try:
+            starting = self._starting[locations]
+        except KeyError:
+            starting = self._starting[locations] = None if self.committed(state) else self._starts(locations)
+        return super().transitions(state) if starting is None else self._uncommitted(state, starting)
 
-    def _uncommitted(self, state: State) -> Iterator[Transition]:
-        locations, values = state
-        for process, cache in enumerate(self._cache):
-            for edge, own, channel, alone in cache[locations[process]].started(values):
+    def _starts(self, locations: tuple[int, ...]) -> list[tuple[int, _StartCache]]:
+        """The processes that can start anything."""
+        caches = ((process, cache[locations[process]]) for process, cache in enumerate(self._cache))
+        return [(process, cache) for process, cache in caches if cache]
+
+    def _uncommitted(self, state: State, starting: list[tuple[int, _StartCache]]) -> Iterator[Transition]:
+        values = state.values
+        for process, cache in starting:
+            for edge, own, channel, alone in cache.started(values):
                 if alone is not None:
                     yield alone
                 elif channel is not None:

@@ -83,7 +83,7 @@ def test_a_cycle_is_found_where_there_is_one(steps: list[Step]) -> None:
 
 
 def test_the_cost_is_linear_in_the_clocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ten processes, each with a cycle that tests and sets a clock of its own: dividing by clocks takes 2^10 searches."""
+    """Ten processes, each with a cycle that tests and sets its clock: to divide by each takes 2^10 searches."""
     steps, searches = [], 0
 
     def counted(graph: Mapping[int, Sequence[int]]) -> list[list[int]]:
