@@ -220,16 +220,15 @@ class GuardedKind(DeviceKind[Any]):
 
     def not_fitted(self, part: Any, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Its phrases."""
-        yield from self._must(
-            "not_fitted()",
+        yield from attempt(
+            self._name("not_fitted()"),
             lambda: [_line(each) for each in islice(self._kind.not_fitted(part, carried), MOST_SAID)],
         )
 
     def limits(self, part: Any, supply: Supply) -> dict[str, float]:
         """Its thresholds."""
-        return self._once(
-            "limits()",
-            part,
+        return attempt(
+            self._name("limits()"),
             lambda: {_line(name): _number(each) for name, each in self._kind.limits(part, supply).items()},
         )
 
@@ -269,8 +268,11 @@ class GuardedKind(DeviceKind[Any]):
 
     def _rule(self, rule: JointRule) -> Callable[[str, Mapping[str, float], Quote], tuple[str, str] | None]:
         def fault(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, str] | None:
-            found = self._must("joint_rules", lambda: rule.fault(name, numbers, quote))
-            return found and (_line(found[0]), _line(found[1]))
+            def asked() -> tuple[str, str] | None:
+                found = rule.fault(name, numbers, quote)
+                return found and (_line(found[0]), _line(found[1]))
+
+            return attempt(self._name("joint_rules"), asked)
 
         return fault
 
@@ -278,12 +280,9 @@ class GuardedKind(DeviceKind[Any]):
         """What it says of a part; asked for once, so that a restart finds what the start has found."""
         key = what, id(part)
         if key not in self._known:
-            self._known[key] = part, self._must(what, question)
+            self._known[key] = part, attempt(self._name(what), question)
         found: T = self._known[key][1]
         return found
-
-    def _must(self, what: str, question: Callable[[], T]) -> T:
-        return attempt(self._name(what), question)
 
 
 def is_guarded(judge: object) -> bool:

@@ -4,6 +4,6 @@ A transport (``ros1``) starts them and moves their messages; ``transport`` says 
 """
 
 from ._lifecycle import require_proof, what_is_missing
-from ._start import start_node
+from ._start import PROGRAMS, start_node
 
-__all__ = ["require_proof", "start_node", "what_is_missing"]
+__all__ = ["PROGRAMS", "require_proof", "start_node", "what_is_missing"]

@@ -7,6 +7,16 @@ from importlib import import_module
 from .interface import DATA_LOGGER, GRIP, HAL_MAIN, POSITION, PRESSURE, SUPERVISOR, TOOL_CHANGE
 from .transport import NodeTransport
 
+PROGRAMS = {
+    "pressure": PRESSURE,
+    "position": POSITION,
+    "grip": GRIP,
+    "tool_change": TOOL_CHANGE,
+    "hal_main": HAL_MAIN,
+    "data_logger": DATA_LOGGER,
+    "supervisor": SUPERVISOR,
+}
+"""The node of each executable."""
 _NODES = {
     HAL_MAIN: ("hal_main", "HalMainNode"),
     GRIP: ("programs", "GripNode"),

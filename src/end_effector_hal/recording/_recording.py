@@ -12,9 +12,9 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
+from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
@@ -89,7 +89,7 @@ MOST_GAPS = 100
 """So many are kept in run.json, the newest."""
 
 
-class Recording:
+class Recording(Closing):
     """Writes ``run.json``, ``states.csv``, ``alarms.csv`` and ``pressures.csv`` into a folder; thread-safe.
 
     Times are µs on the monotonic clock. The first state is the start; what is older is written as of the start. A
@@ -213,14 +213,6 @@ class Recording:
         with suppress(OSError):
             if self._losses.over(self.seconds(self._now())) or self._losses.info_due:
                 self._write_info()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def seconds(self, at: int) -> float:
         """µs on the monotonic clock as seconds since the start of the recording."""

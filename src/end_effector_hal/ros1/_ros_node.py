@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -17,7 +15,7 @@ from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.interface import DESCRIPTION, Action, Parameter, Service, Topic, load_for_nodes
-from end_effector_hal.nodes.process import Ticker, node_log
+from end_effector_hal.nodes.process import ProcessEnd, Ticker, node_log
 from end_effector_hal.nodes.transport import (
     ActionClient,
     ActionServer,
@@ -27,7 +25,7 @@ from end_effector_hal.nodes.transport import (
     Frames,
     UnknownSenders,
 )
-from end_effector_hal.wires import be_steady, now_us
+from end_effector_hal.wires import now_us
 
 from ._name_taken import node_name, private_parameter, refuse_taken_name
 from ._rosout import write_line
@@ -61,7 +59,7 @@ class RosNode:
     """
 
     def __init__(self, name: str, argv: Sequence[str]) -> None:
-        self._failed: ReportedError | None = None
+        self._end = ProcessEnd(LONGEST_END_S)
         self._watch = MasterWatch(lambda why: self.fail(RosError(why)))
         full = node_name(name)
         needs_tool = name in DESCRIPTION.nodes
@@ -75,13 +73,12 @@ class RosNode:
         self.name = rospy.get_name().lstrip("/")
         self.log, self._log_handler = node_log(name, write_line)
         self.unknown_senders = UnknownSenders(lambda alarm: self.log.warning("%s", alarm), now_us)
-        self._ended = threading.Event()
         self._closing = False
         self._closers: list[Callable[[], None]] = []
         self._at_end = ExitStack()
         self._tickers: list[Ticker] = []
         rospy.on_shutdown(self._close)
-        rospy.core.add_shutdown_hook(lambda reason: self._ended.set())
+        rospy.core.add_shutdown_hook(lambda reason: self._end.begun.set())
 
     def description(self) -> Description:
         """The tool that ``~description`` or ``~profile`` names; raises DescriptionError."""
@@ -206,18 +203,11 @@ class RosNode:
 
     def spin(self) -> int:
         """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
-        be_steady()
-        self._ended.wait()
-        if self._failed is not None:
-            raise self._failed
-        return 0
+        return self._end.wait()
 
     def fail(self, error: ReportedError) -> None:
         """End the node with an error, so that roslaunch starts it again; may be called in any thread."""
-        if self._failed is None:
-            self._failed = error
-            # without its master, or with a thread that hangs, rospy may not come to its end
-            threading.Thread(target=_leave_by_force, args=(error,), daemon=True).start()
+        if self._end.fail(error):
             rospy.signal_shutdown(str(error))
 
     def _close(self) -> None:
@@ -229,8 +219,3 @@ class RosNode:
             callback()
         self._log_handler.end()
         time.sleep(LAST_MESSAGES_S)
-
-
-def _leave_by_force(error: ReportedError) -> None:
-    time.sleep(LONGEST_END_S)
-    os._exit(error.exit_code)

@@ -9,30 +9,12 @@ from types import ModuleType
 from typing import Any
 
 from end_effector_hal.errors import RosError, UsageError
-from end_effector_hal.nodes import start_node
-from end_effector_hal.nodes.interface import (
-    DATA_LOGGER,
-    GRIP,
-    HAL_MAIN,
-    POSITION,
-    PRESSURE,
-    SUPERVISOR,
-    TOOL_CHANGE,
-)
+from end_effector_hal.nodes import PROGRAMS, start_node
 from end_effector_hal.nodes.process import guarded
 
 _ROS_PACKAGES = ("genpy", "rospy", "actionlib", "diagnostic_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 
 
-_NODES = {
-    "pressure": PRESSURE,
-    "position": POSITION,
-    "grip": GRIP,
-    "tool_change": TOOL_CHANGE,
-    "hal_main": HAL_MAIN,
-    "data_logger": DATA_LOGGER,
-    "supervisor": SUPERVISOR,
-}
 LINE_OWNER = "line_owner"
 
 
@@ -45,9 +27,9 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _run_node(program: str, argv: Sequence[str]) -> int:
-    if program not in _NODES:
-        raise UsageError("There is no such program in ROS 1.", todo=f"There are {', '.join(_NODES)}.")
-    name = _NODES[program]
+    if program not in PROGRAMS:
+        raise UsageError("There is no such program in ROS 1.", todo=f"There are {', '.join(PROGRAMS)}.")
+    name = PROGRAMS[program]
     try:
         _import_ros()
         from ._ros_node import RosNode

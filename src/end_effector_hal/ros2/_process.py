@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import threading
-import time
 from collections.abc import Sequence
 from types import FrameType
 
@@ -14,7 +11,7 @@ from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
 from end_effector_hal.errors import ReportedError, RosError, UsageError
-from end_effector_hal.wires import be_steady
+from end_effector_hal.nodes.process import ProcessEnd
 
 LONGEST_END_S = 20.0
 """Longer than all that ends in good order may take together."""
@@ -40,43 +37,24 @@ class Process:
                 why = str(error).partition(", at ")[0]
                 raise UsageError(why, todo="Such as: --ros-args -p profile:=verdin_gripper") from None
             raise RosError(f"ROS 2 cannot be started: {error}.") from None
-        self._failed: ReportedError | None = None
-        self._ended = threading.Event()
+        self._end = ProcessEnd(LONGEST_END_S)
+        self.end, self.wait = self._end.begun.set, self._end.wait
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._on_signal)
 
     @property
     def ending(self) -> bool:
         """Whether the end has begun."""
-        return self._ended.is_set()
-
-    def end(self) -> None:
-        """End, for the work is done."""
-        self._ended.set()
+        return self._end.begun.is_set()
 
     def fail(self, error: ReportedError) -> None:
         """End with an error, so that the launcher starts this process again; in any thread."""
-        if self._failed is None:
-            self._failed = error
-            threading.Thread(target=_leave_by_force, args=(error,), daemon=True).start()
-            self._ended.set()
-
-    def wait(self) -> int:
-        """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
-        be_steady()
-        self._ended.wait()
-        if self._failed is not None:
-            raise self._failed
-        return 0
+        if self._end.fail(error):
+            self._end.begun.set()
 
     def close(self) -> None:
         """Give the context back; the nodes have ended."""
         rclpy.try_shutdown(context=self.context)
 
     def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
-        self._ended.set()
-
-
-def _leave_by_force(error: ReportedError) -> None:
-    time.sleep(LONGEST_END_S)
-    os._exit(error.exit_code)
+        self._end.begun.set()

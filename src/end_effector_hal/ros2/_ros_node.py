@@ -12,7 +12,6 @@ from rclpy.task import Future
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description, tool_path
-from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.interface import (
     DESCRIPTION,
     PARAMETERS,
@@ -79,7 +78,9 @@ class RclpyNode:
             for each in PARAMETERS
             if name in each.nodes
         }
-        group.on_close(self._log_handler.end)
+        self.on_start, self.on_close = group.on_start, group.on_close
+        self.on_end, self.fail = group.on_end, group.fail
+        self.on_close(self._log_handler.end)
 
     def description(self) -> Description:
         """The tool that the parameter ``description`` or ``profile`` names; raises DescriptionError."""
@@ -228,26 +229,10 @@ class RclpyNode:
         """Call back at a rate, in a thread of its own."""
         self._group.every(rate_hz, callback, self.log)
 
-    def on_start(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` when all nodes of this group are there."""
-        self._group.on_start(callback)
-
-    def on_close(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at the end, while topics are open."""
-        self._group.on_close(callback)
-
-    def on_end(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at the very end."""
-        self._group.on_end(callback)
-
     @property
     def ending(self) -> bool:
         """Whether the end has begun."""
         return self._group.ending
-
-    def fail(self, error: ReportedError) -> None:
-        """End the process with an error."""
-        self._group.fail(error)
 
 
 def _done(future: Future) -> threading.Event:

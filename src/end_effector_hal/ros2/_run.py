@@ -6,16 +6,9 @@ from collections.abc import Sequence
 from contextlib import closing
 
 from end_effector_hal.errors import RosError, UsageError
+from end_effector_hal.nodes import PROGRAMS as NODE_PROGRAMS
 from end_effector_hal.nodes import start_node
-from end_effector_hal.nodes.interface import (
-    DATA_LOGGER,
-    GRIP,
-    HAL_MAIN,
-    POSITION,
-    PRESSURE,
-    SUPERVISOR,
-    TOOL_CHANGE,
-)
+from end_effector_hal.nodes.interface import GRIP, HAL_MAIN, POSITION, PRESSURE, TOOL_CHANGE
 from end_effector_hal.nodes.process import guarded
 
 ROS_PACKAGES = (
@@ -37,13 +30,7 @@ MANAGED = "lifecycle_hal"
 PROGRAMS = {
     "hal": _HAL,
     MANAGED: _HAL,
-    "pressure": (PRESSURE,),
-    "position": (POSITION,),
-    "grip": (GRIP,),
-    "tool_change": (TOOL_CHANGE,),
-    "hal_main": (HAL_MAIN,),
-    "data_logger": (DATA_LOGGER,),
-    "supervisor": (SUPERVISOR,),
+    **{program: (node,) for program, node in NODE_PROGRAMS.items()},
 }
 """The executables and their nodes. Grip is the first that gets a frame: a line waits for it. HALMain starts last and
 ends first: its clients hear from it that it ends.

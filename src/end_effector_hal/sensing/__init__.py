@@ -1,4 +1,7 @@
-"""What the sensors prove: detectors, rules of the link, predicates, the watch over a held part; sans-IO."""
+"""What the sensors prove: rules of the link, predicates, the watch over a held part; sans-IO.
+
+In ``detectors`` stands what belongs to no kind of device; how an actuator is judged stands with its kind.
+"""
 
 from ._frame_judge import FrameJudge
 from ._hold_monitor import HoldMonitor

@@ -12,7 +12,7 @@ from end_effector_hal.kinds import COMPRESSED_AIR, kind_of
 from end_effector_hal.signals import PART, Frame, Kind, Value
 from end_effector_hal.vocabulary import to_us
 
-from ._frozen_detector import FrozenDetector
+from .detectors import FrozenDetector
 
 SAID_US = 10_000_000
 """So long a reboot of the device is told."""

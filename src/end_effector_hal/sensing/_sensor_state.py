@@ -14,9 +14,7 @@ from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 
 from ._link_rules import LinkRules
 from ._readings import Readings
-from ._release_detector import ReleaseDetector
-from ._supply_detector import SupplyDetector
-from ._tool_detector import ToolDetector
+from .detectors import ReleaseDetector, SupplyDetector, ToolDetector
 
 
 class SensorState:

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from end_effector_hal._closing import Closing
 from end_effector_hal.arbiter.records import (
     FileStorage,
     Journal,
@@ -29,7 +30,7 @@ from end_effector_hal.wires.lines import LineBackend
 _log = logging.getLogger("end_effector_hal.arbiter")
 
 
-class ArbiterServer:
+class ArbiterServer(Closing):
     """Owns the lines of a back-end and serves them; `protocol` describes the messages.
 
     Args:
@@ -157,12 +158,6 @@ class ArbiterServer:
         self._records.close(state)
         self._claim.release()
         self._close_ends()
-
-    def __enter__(self) -> ArbiterServer:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _close_ends(self) -> None:
         self._selector.close()

@@ -6,16 +6,15 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
+from end_effector_hal._closing import Closing
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import Command
 
 HEADER = "time_s,command\n"
 
 
-class CommandsLog:
+class CommandsLog(Closing):
     """Writes a row per command: seconds since the start of the recording, the integer of Table II.
 
     Args:
@@ -45,11 +44,3 @@ class CommandsLog:
         """Close the file; what cannot be written any more is lost."""
         with self._lock, suppress(OSError):
             self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

@@ -2,6 +2,7 @@
 
 from ._guarded import guarded
 from ._paced_log import BURST, LONGEST, PER_S, Allowance, PacedLog, node_log
+from ._process_end import ProcessEnd
 from ._ros_class import has_ros_class, ros_class
 from ._ticker import Ticker
 
@@ -11,6 +12,7 @@ __all__ = [
     "PER_S",
     "Allowance",
     "PacedLog",
+    "ProcessEnd",
     "Ticker",
     "guarded",
     "has_ros_class",

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import re
 import threading
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self, TypeVar
+from typing import TypeVar
 
+from end_effector_hal._closing import Closing
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording._files import append_whole, lock, numbered_files, read_file, still_there
 from end_effector_hal.recording._limits import RecordingLimits, make_room
@@ -171,7 +172,7 @@ class Line:
         return float(text)
 
 
-class TableWriter(ABC):
+class TableWriter(Closing):
     """What the writers of all tables have in common; see `RowFile` for the arguments and for what they raise."""
 
     def __init__(
@@ -203,12 +204,6 @@ class TableWriter(ABC):
     def close(self) -> None:
         """Close the file; may be called again."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def read_lines(path: str | Path) -> Iterator[Line]:

@@ -9,13 +9,14 @@ import threading
 from array import array
 from collections.abc import Callable, Mapping
 
+from end_effector_hal._closing import Closing
 from end_effector_hal.errors import ReportedError
 
 _FIRST_FD = 3
 _log = logging.getLogger("end_effector_hal.arbiter")
 
 
-class ServiceManager:
+class ServiceManager(Closing):
     """Notifies it that the program is ready, and regularly that it lives.
 
     Args:
@@ -60,12 +61,6 @@ class ServiceManager:
         self._end.set()
         if self._thread:
             self._thread.join()
-
-    def __enter__(self) -> ServiceManager:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _run(self, alive: Callable[[], object]) -> None:
         while not self._end.wait(self._watchdog_s / 3):

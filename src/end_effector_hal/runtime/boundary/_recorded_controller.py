@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from end_effector_hal.control import Answer, Controller, ControllerSnapshot, Status
+from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
@@ -32,6 +32,7 @@ class RecordedController:
         self._controller = Controller(description, network, program, observe=self._observed, judge=judge)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
         self.look_ahead = self._controller.look_ahead
+        self.snapshot, self.resume = self._controller.snapshot, self._controller.resume
 
     @property
     def deadline(self) -> int | None:
@@ -81,14 +82,6 @@ class RecordedController:
         self._decided(statuses)
         self._put("answer", at, Answered(at, answer.accepted, answer.reason))
         return answer, statuses
-
-    def snapshot(self) -> ControllerSnapshot | None:
-        """Where it stands; None: it was not started yet."""
-        return self._controller.snapshot()
-
-    def resume(self, snapshot: ControllerSnapshot) -> None:
-        """Stand where another controller of the same description stood."""
-        self._controller.resume(snapshot)
 
     def _decided(self, statuses: list[Status]) -> list[Status]:
         for status in statuses:

@@ -6,9 +6,9 @@ import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
+from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import tool_status
@@ -34,7 +34,7 @@ RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
 
 
-class EndEffector:
+class EndEffector(Closing):
     """Both programs of a tool, its sensors and its lines.
 
     The line arbiter (``eehal arbiter``) is a process of its own and must run: it is what stands between a crash
@@ -110,14 +110,6 @@ class EndEffector:
         self._reader.close()
         self._predicates.close()
         self._audience.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         state, changer = self.status.ee, self.status.changer

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from end_effector_hal.kinds.stanza import Supply
-
-from ._readings import Readings
+from end_effector_hal.sensing._readings import Readings
 
 
 class SupplyDetector:

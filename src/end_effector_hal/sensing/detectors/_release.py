@@ -8,10 +8,9 @@ from typing import ClassVar
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import below_ambient_kpa, kind_of
+from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.signals import PART, Streak
 from end_effector_hal.vocabulary import Evidence, to_us
-
-from ._readings import Readings
 
 
 class ReleaseDetector:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from end_effector_hal.description import ToolChanger
+from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.signals import PART, Streak
 from end_effector_hal.vocabulary import ToolEvidence, to_us
-
-from ._readings import Readings
 
 
 class ToolDetector:
