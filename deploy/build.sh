@@ -5,6 +5,7 @@
 # Usage: deploy/build.sh [PREFIX]     default: /opt/eehal-<version>; what stands there is replaced.
 # Needs the packages of debian-packages.txt (deploy/debian.sh); ROS is left out where catkin is not installed. For ROS 2:
 # colcon, and python3-venv.
+# ROS=2: for ROS 2 by its wheels (the image), which need no ROS 2 on the machine; x86-64 only.
 # TARGETARCH=arm64 (Docker's variable): for that architecture, made on any.
 set -eu
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
@@ -18,25 +19,38 @@ amd64) platform='--python-platform x86_64-manylinux_2_28' ;;
 arm64) platform='--python-platform aarch64-manylinux_2_28' ;;
 *) echo "There are no Python wheels for $target: TARGETARCH is amd64 or arm64" >&2; exit 2 ;;
 esac
+group='' sites=--system-site-packages
+if [ "${ROS:-}" = 2 ]; then
+    [ "$target" = amd64 ] || { echo "There are no wheels of ROS 2 for $target: ROS=2 is for amd64" >&2; exit 2; }
+    # Debian's packages of ROS 1 have the same import names
+    group='--group ros2-wheels' sites=''
+fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 [ ! -e "$prefix" ] || [ -f "$prefix/pyvenv.cfg" ] || { echo "$prefix exists and was not made by this script" >&2; exit 2; }
 rm -rf "$prefix"
 
-# Debian's interpreter and its packages, or rospy is missing; the environment's own packages win.
+# Debian's interpreter, and its packages, or rospy is missing; the environment's own packages win.
 /usr/bin/python3 -m venv "$work/uv"
 "$work/uv/bin/pip" install -q --disable-pip-version-check 'uv>=0.5,<1'
-"$work/uv/bin/uv" venv -q --system-site-packages -p /usr/bin/python3 "$prefix"
+# shellcheck disable=SC2086
+"$work/uv/bin/uv" venv -q $sites -p /usr/bin/python3 "$prefix"
 cd "$root"
 # Compiled here: its users may not write there. An interpreter of another architecture reads the same.
 # shellcheck disable=SC2086
 VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
     "$work/uv/bin/uv" sync -q --frozen --no-dev --extra modbus --no-editable --compile-bytecode --reinstall-package end-effector-hal \
-    $platform -p /usr/bin/python3
+    $group $platform -p /usr/bin/python3
 mkdir -p "$prefix/share/doc"
 cp docs/deployment.md docs/wiring.md SAFETY.md "$prefix/share/doc/"
 
-if [ "${ROS_VERSION:-}" = 2 ]; then
+if [ "${ROS:-}" = 2 ]; then
+    "$prefix/bin/python" ros/wheels/build_messages.py ros/end_effector_msgs
+    "$prefix/bin/python" -m compileall -q "$prefix"/lib/python3*/site-packages/end_effector_msgs
+    mkdir "$prefix/ros"
+    echo "export ROS_VERSION=2 AMENT_PREFIX_PATH=$prefix" >"$prefix/ros/setup.bash"
+    install -m 755 deploy/eehal-hal-ros2 deploy/container/eehal-container deploy/container/eehal-healthy "$prefix/bin/"
+elif [ "${ROS_VERSION:-}" = 2 ]; then
     colcon --log-base "$work/log" build --merge-install --install-base "$prefix/ros" --build-base "$work/build" \
         --base-paths ros/end_effector_msgs ros/end_effector_hal >"$work/colcon.log" 2>&1 ||
         { tail -n 20 "$work/colcon.log" >&2; exit 1; }

@@ -1,6 +1,7 @@
 #!/bin/bash
 # Builds the image with buildah on a Debian root made by mmdebstrap: Debian's archive and PyPI, no container registry.
 # Usage: deploy/container/image.sh [ARCH]     amd64 or arm64; default: this machine's. Another one is emulated by qemu-user.
+# ROS=2: with ROS 2 from its wheels; localhost/end-effector-hal-ros2:amd64.
 # BASE=torizon/debian:3-bookworm: on that image instead of a root made here.
 # In buildah's storage, outside of the checkout: localhost/eehal-debian:bookworm-ARCH (kept; `buildah rmi` it to have it
 # made anew with Debian's newest), localhost/end-effector-hal:ARCH, for this machine's also :latest.
@@ -17,6 +18,10 @@ arch=${1:-$native}
 case $arch in
 amd64 | arm64) ;;
 *) say "ARCH is amd64 or arm64, not $arch: for others there are no Python wheels"; exit 2 ;;
+esac
+case ${ROS:-1}-$arch in
+1-* | 2-amd64) ;;
+*) say "ROS is 1, or 2 on amd64: there are no wheels of ROS 2 for $arch"; exit 2 ;;
 esac
 if [ "$arch" != "$native" ]; then
     # In a container the kernel's table may not be mounted yet; where it may not be, arch-test says no.
@@ -54,15 +59,17 @@ begun=$SECONDS
 base=${BASE:-$(debian "$arch")}
 build_base=$(debian "$native")
 made=$SECONDS
-tags=(-t "localhost/end-effector-hal:$arch")
-[ "$arch" != "$native" ] || tags+=(-t localhost/end-effector-hal:latest)
+ros=${ROS:-1}
+name=localhost/end-effector-hal$([ "$ros" = 1 ] || echo "-ros$ros")
+tags=(-t "$name:$arch")
+[ "$arch" != "$native" ] || tags+=(-t "$name:latest")
 # The machine's own certificates: a company's proxy may stand between here and PyPI.
 certificates=/etc/ssl/certs/ca-certificates.crt
 secret=()
 [ ! -e "$certificates" ] || secret=(--secret "id=ca-certificates,src=$certificates")
 $limit buildah build --layers --arch "$arch" --format docker --pull=missing "${secret[@]}" "${tags[@]}" \
-    --build-arg "BASE=$base" --build-arg "BUILD_BASE=$build_base" --build-arg "TARGETARCH=$arch" \
+    --build-arg "BASE=$base" --build-arg "BUILD_BASE=$build_base" --build-arg "TARGETARCH=$arch" --build-arg "ROS=$ros" \
     --build-arg "BUILDPLATFORM=linux/$native" --build-arg "TARGETPLATFORM=linux/$arch" \
     --ignorefile "$here/Containerfile.dockerignore" -f "$here/Containerfile" "$top" >&2
-echo "localhost/end-effector-hal:$arch: $(size "localhost/end-effector-hal:$arch")," \
+echo "$name:$arch: $(size "$name:$arch")," \
     "of which Debian's root $(size "$base"); root made in $((made - begun)) s, image in $((SECONDS - made)) s"

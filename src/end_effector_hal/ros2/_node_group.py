@@ -15,7 +15,7 @@ from rclpy.node import Node
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.process import Ticker
-from end_effector_hal.nodes.transport import Frames
+from end_effector_hal.nodes.transport import SharedFrames
 
 from ._process import Process
 from .connections import LocalBus
@@ -52,7 +52,7 @@ class NodeGroup:
         self.executor = SingleThreadedExecutor(context=process.context)
         self.workers = ThreadPoolExecutor(WORKERS, thread_name_prefix="service")
         self.bus = LocalBus(frozenset(names), _log)
-        self._frames: list[tuple[Description, Frames]] = []
+        self.frames = SharedFrames()
         self._closing = self._closed = False
         self._nodes: list[Node] = []
         self._tickers: list[Ticker] = []
@@ -86,14 +86,6 @@ class NodeGroup:
         self.executor.add_node(node)
         if not self._thread.is_alive():
             self._thread.start()
-
-    def frames(self, description: Description) -> Frames:
-        """What the nodes share that work with an equal description: each may have been given another one."""
-        for of, shared in self._frames:
-            if of == description:
-                return shared
-        self._frames.append((description, Frames(description)))
-        return self._frames[-1][1]
 
     def every(self, rate_hz: float, callback: Callable[[], None], log: logging.Logger) -> None:
         """Call back at a rate, in a thread of its own."""

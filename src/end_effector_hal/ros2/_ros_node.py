@@ -91,7 +91,7 @@ class RclpyNode:
 
     def frames(self, description: Description) -> Frames:
         """What the nodes of this group share."""
-        return self._group.frames(description)
+        return self._group.frames.of(description)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """A parameter."""

@@ -41,6 +41,10 @@ class Image:
     emulated: bool
 
     @property
+    def ros2(self) -> bool:
+        return "-ros2:" in self.name
+
+    @property
     def limit_s(self) -> float:
         return EMULATED_S if self.emulated else NATIVE_S
 

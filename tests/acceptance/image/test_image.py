@@ -16,12 +16,15 @@ from end_effector_hal.runtime import output_lines, program_lines
 from end_effector_hal.wires.lines import VirtualChip
 from end_effector_lab.processes import Child
 from tests.acceptance.image.box import Box
+from tests.acceptance.image.conftest import Image
 
 TOOL = load(profile_path())
-IMPORTS = (
-    "import end_effector_hal.runtime, gpiod, pydantic_core, rospy, actionlib, end_effector_msgs.msg as msg, pymodbus;"
-    "print(gpiod.api_version, msg.EndEffectorGoal.__name__)"
-)
+IMPORTS = "import end_effector_hal.runtime, gpiod, pydantic_core, pymodbus, {0}; print(gpiod.api_version, {1}.__name__)"
+MESSAGES = {
+    False: ("rospy, actionlib, end_effector_msgs.msg as msg", "msg.EndEffectorGoal"),
+    True: ("rclpy, end_effector_msgs.action as action", "action.EndEffector"),
+}
+"""Of ROS 2 or not."""
 
 
 def well(done: subprocess.CompletedProcess[str]) -> str:
@@ -38,8 +41,10 @@ def test_its_user_is_in_gpio_and_dialout_and_may_do_nothing_else(box: Box) -> No
     assert box.run("touch", "/opt/eehal/bin/eehal").returncode != 0
 
 
-def test_what_it_needs_can_be_imported(box: Box) -> None:
-    assert well(box.run("eehal-container", "python", "-c", IMPORTS)).split()[1] == "EndEffectorGoal"
+def test_what_it_needs_can_be_imported(box: Box, image: Image) -> None:
+    imports = IMPORTS.format(*MESSAGES[image.ros2])
+    said = well(box.run("eehal-container", "python", "-c", imports)).split()[1]
+    assert said == MESSAGES[image.ros2][1].partition(".")[2]
 
 
 def test_figures_are_drawn_elsewhere(box: Box) -> None:
@@ -110,15 +115,20 @@ def test_one_grip_and_drop_without_ros(box: Box, bench: Path, owner: Child) -> N
     assert owner.code is None
 
 
-def test_one_grip_and_drop_through_the_nodes(box: Box, bench: Path, owner: Child) -> None:
+def test_one_grip_and_drop_through_the_nodes(box: Box, image: Image, bench: Path, owner: Child) -> None:
     before = len(edges(bench))
     entry = box.config["Entrypoint"]
-    nodes = box.start("hal", *entry, "hal", "supervisor:=script", "script:=grip; drop")
-    nodes.wait_until(
-        lambda: "process has finished" in nodes.text(), timeout_s=box.limit_s, what="its script's end"
-    )
-    assert "grip: SUCCEEDED" in nodes.text(), nodes.text()
-    assert "release: SUCCEEDED" in nodes.text(), nodes.text()
+    if image.ros2:
+        nodes = box.start("hal", *entry, "hal")
+        said = well(box.run("eehal-hal-ros2", "supervisor", "-p", "script:=grip; drop"))
+    else:
+        nodes = box.start("hal", *entry, "hal", "supervisor:=script", "script:=grip; drop")
+        nodes.wait_until(
+            lambda: "process has finished" in nodes.text(), timeout_s=box.limit_s, what="its script's end"
+        )
+        said = nodes.text()
+    assert "grip: SUCCEEDED" in said, said
+    assert "release: SUCCEEDED" in said, said
     assert edges(bench)[before:] == ONE_GRIP_AND_DROP
     nodes.wait_until(lambda: health(box, HAL) == 0, timeout_s=box.limit_s, what="its health")
     assert owner.code is None

@@ -26,7 +26,7 @@ def build_image(folder: Path, programs: dict[str, str], *arguments: str) -> subp
     for name, text in programs.items():
         (folder / name).write_text(f"#!/bin/sh\n{text}\n")
         (folder / name).chmod(0o755)
-    env = {"PATH": str(folder), "HOME": os.environ.get("HOME", "/")}
+    env = {"PATH": str(folder), "HOME": os.environ.get("HOME", "/"), "ROS": os.environ.get("ROS", "1")}
     script = CONTAINER / "image.sh"
     return subprocess.run(
         [script, *arguments], env=env, capture_output=True, text=True, timeout=60, check=False
@@ -64,6 +64,12 @@ def test_what_is_missing_is_one_line_with_its_package(
     assert (ended.returncode, ended.stdout, ended.stderr) == (code, "", f"{sentence}\n")
 
 
+def test_there_is_no_image_with_ros_2_for_the_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS", "2")
+    ended = build_image(tmp_path, TOOLS, "arm64")
+    assert (ended.returncode, "no wheels of ROS 2 for arm64" in ended.stderr) == (2, True)
+
+
 def test_the_packages_of_those_lines_are_what_make_installs() -> None:
     lists = {path.name: path.read_text().split() for path in CONTAINER.glob("host-packages*.txt")}
     assert lists == {
@@ -83,10 +89,11 @@ def test_each_stage_is_for_its_machine(tmp_path: Path) -> None:
         "BASE": "localhost/eehal-debian:bookworm-arm64",
         "BUILD_BASE": "localhost/eehal-debian:bookworm-amd64",
         "TARGETARCH": "arm64",
+        "ROS": "1",
         "BUILDPLATFORM": "linux/amd64",
         "TARGETPLATFORM": "linux/arm64",
     }
-    assert set(given) <= set(re.findall(r"\b[A-Z_]{4,}\b", RECIPE))
+    assert set(given) <= set(re.findall(r"\b[A-Z_]{3,}\b", RECIPE))
     assert told[told.index("--arch") + 1] == "arm64"
     assert [stage.split()[1] for stage in STAGES] == ["${BUILD_BASE}", "${BASE}"]
 

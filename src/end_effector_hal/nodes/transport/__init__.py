@@ -1,7 +1,7 @@
 """What the nodes and a ROS generation agree upon: the protocol, the messages, and which of them are accepted."""
 
 from ._commander import CommandConnection, Commander
-from ._frames import AMBIENT_PA, Frames, absolute_pa, frame_from_message, frame_to_message
+from ._frames import AMBIENT_PA, Frames, SharedFrames, absolute_pa, frame_from_message, frame_to_message
 from ._messages import (
     CommandMessage,
     CylinderPositionMessage,
@@ -52,6 +52,7 @@ __all__ = [
     "PositionMessage",
     "PressureMessage",
     "ResultMessage",
+    "SharedFrames",
     "StampCheck",
     "StateMessage",
     "StatusMessage",

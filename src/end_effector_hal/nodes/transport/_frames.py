@@ -41,6 +41,21 @@ class Frames:
         return frame
 
 
+class SharedFrames:
+    """For a process of several nodes: those of equal descriptions share, for each may have been given another one."""
+
+    def __init__(self) -> None:
+        self._of: list[tuple[Description, Frames]] = []
+
+    def of(self, description: Description) -> Frames:
+        """What the nodes of this tool share."""
+        for known, frames in self._of:
+            if known == description:
+                return frames
+        self._of.append((description, Frames(description)))
+        return self._of[-1][1]
+
+
 def frame_to_message(frame: Frame) -> FrameMessage:
     """The message of a frame."""
     values = frame.values.values()
