@@ -9,7 +9,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -36,9 +36,13 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 	@$(ROS_ENV) && pytest -q -n 4 $(SHARED) -m "(wall or ros) and not (alone or nightly)" $(OF_PROCESSES) $(WALL_OPTIONS)
 	@$(ROS_ENV) && pytest -q -m "alone and not nightly" $(OF_TIMES) $(WALL_OPTIONS)
 
-test-ros2: ros2 ## the contract of the ROS interface, on real ROS 2
+test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
 	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/contract tests/acceptance/ros2
+
+contract-edits: setup ros2 ## by hand: edits of the transport, each of which the contract must find (10 minutes)
+	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited
+	@$(APART) $(ROS2)/bin/python -m tests.acceptance.contract.edits --unedited
 
 test-thinned: setup ## those of which `make test` runs representatives, and the packages of examples/
 	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m nightly

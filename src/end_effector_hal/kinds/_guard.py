@@ -178,7 +178,9 @@ class GuardedKind(DeviceKind[Any]):
 
     def can_confirm(self, part: Any, carried: Mapping[str, Kind]) -> bool:
         """Whether anything that is carried could."""
-        return self._must("can_confirm()", lambda: _of_type(self._kind.can_confirm(part, carried), bool))
+        return attempt(
+            self._name("can_confirm()"), lambda: _of_type(self._kind.can_confirm(part, carried), bool)
+        )
 
     def detector(self, part: Any, supply: Supply) -> Detector:
         """A new one, guarded where it is its own."""

@@ -240,7 +240,7 @@ class Hal:
         """Why a goal is refused: with the status that a refusal has in this generation."""
         status, result = self.send(action).end()
         assert (status, result["outcome_name"]) == (
-            self.by(REFUSED, ros1="REJECTED", ros2="ABORTED"),
+            self.by(Difference.REFUSED_GOAL, ros1="REJECTED", ros2="ABORTED"),
             "REJECTED",
         ), (
             status,
@@ -295,9 +295,6 @@ class Hal:
         self.wait_for(*SETTLED)
         wait_until("the sensors", lambda: self.state["link_up"] and not self.state["stale"])
         self.wait_for(*SETTLED)
-
-
-REFUSED = Difference.REFUSED_GOAL
 
 
 def is_rest(state: Message) -> bool:

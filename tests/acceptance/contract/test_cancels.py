@@ -95,6 +95,43 @@ def test_a_cancel_of_a_tool_change_changes_nothing(resting: Hal, action: str) ->
     assert goal.end()[1]["outcome_name"] == "SUCCEEDED"
 
 
+def test_a_cancel_by_time_that_overtakes_its_goal_counts_where_there_is_one(resting: Hal) -> None:
+    """In ROS 1 a goal and its cancel come over two connections, in any order."""
+    driver, edges = resting.driver, resting.edges()
+    topic = resting.full("TriggerGrip/cancel")
+    if resting.by(Difference.CANCEL_BY_TIME, ros1=False, ros2=True):
+        assert topic not in {each["name"] for each in driver.graph()}
+        return
+    cancels = driver.ask("advertise", topic=topic, kind="actionlib_msgs/GoalID")
+    goals = driver.ask(
+        "advertise", topic=resting.full("TriggerGrip/goal"), kind="end_effector_msgs/EndEffectorActionGoal"
+    )
+    results = driver.subscribe(
+        resting.full("TriggerGrip/result"), "end_effector_msgs/EndEffectorActionResult"
+    )
+    status = driver.subscribe(resting.full("TriggerGrip/status"), "actionlib_msgs/GoalStatusArray")
+    cancel, goal = {"id": "overtaken"}, {"goal_id": {"id": "overtaken"}}
+    for publisher, message in ((cancels, cancel), (goals, goal)):
+        # a publisher that is new is connected in a moment; a goal that comes twice is answered once
+        resting.until(
+            "a connection", lambda of=publisher, what=message: driver.ask("publish", of=of, message=what)
+        )
+        driver.ask("publish", of=publisher, message=message)
+        resting.until(
+            "its place in the list",
+            lambda: any(each["goal_id"]["id"] == "overtaken" for each in status.newest["status_list"]),
+        )
+    resting.until("a result", lambda: results.messages)
+    (answer,) = results.messages
+    assert answer["result"]["outcome_name"] == "NOT_EXECUTED"
+    why = "The goal was cancelled before it was begun: it was not executed."
+    assert (answer["result"]["reason"], answer["status"]["text"]) == (why, why)
+    assert resting.edges() == edges
+    driver.leave(results, status)
+    for publisher in (cancels, goals):
+        driver.ask("leave", of=publisher)
+
+
 def test_a_goal_after_a_cancel_is_begun(resting: Hal) -> None:
     """No cancel covers a goal that comes after it."""
     resting.driver.ask("cancel_all", action=resting.full("TriggerGrip"), kind=ACTION)

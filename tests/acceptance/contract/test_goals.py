@@ -149,7 +149,7 @@ def test_a_grip_that_is_never_confirmed_fails_and_is_unwound(resting: Hal) -> No
 def test_a_second_goal_is_refused_and_the_first_goes_on(resting: Hal, action: str) -> None:
     """It never takes the place of the first."""
     resting.choose("never-confirms:cylinder")
-    first = resting.begin_goal("TriggerGrip", "GRIPPING", lambda state: state["state_name"] == "GRIPPING")
+    first = resting.begin_goal("TriggerGrip", "the cylinder", lambda state: state["actuator"] == "cylinder")
     assert resting.refused(action) == RUNNING.format("TriggerGrip", CANCEL_OR_WAIT)
     assert first.ends == []
     first.cancel()

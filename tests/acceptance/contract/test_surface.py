@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import pytest
 
 from tests.acceptance.contract.differences import Difference
-from tests.acceptance.contract.driver import Heard
+from tests.acceptance.contract.driver import Heard, Message
 from tests.acceptance.contract.hal import ACTION, NODES, Hal
 
 pytestmark = pytest.mark.ros
@@ -160,10 +160,19 @@ def test_a_topic_comes_at_its_rate(heard: Mapping[str, Heard], topic: Topic) -> 
 
 
 def test_diagnostics_come_from_every_node_and_are_well(heard: Mapping[str, Heard], running: Hal) -> None:
-    newest = {each["name"]: each for message in heard["/diagnostics"].messages for each in message["status"]}
-    assert set(newest) == set(NODES)
     ok = running.by(Difference.LEVEL, ros1=0, ros2={"bytes": [0]})
-    assert [each["level"] for each in newest.values()] == [ok] * len(NODES)
+    newest: dict[str, Message] = {}
+
+    def well() -> bool:
+        for message in list(heard["/diagnostics"].messages):
+            newest.update({each["name"]: each for each in message["status"]})
+        # edges that a busy machine takes late are a warning of those who see them
+        nodes = ("Pressure", "Position") if running.state["missed"] else NODES
+        return all(newest[node]["level"] == ok for node in nodes)
+
+    # an alarm of a check before stays for some time
+    running.until("all are well", well)
+    assert set(newest) == set(NODES)
     port = str(running.world.port)
     assert {name: each["hardware_id"] for name, each in newest.items()} == {
         node: port if node == "Pressure" else "verdin_gripper" for node in NODES

@@ -19,15 +19,6 @@ ARM_S = 5.0
 ARM_FIRST = (REJECTED, "IL-02: no sensor shows where the tool is: arm first, then unlock within 5 s.")
 
 
-def test_arming_is_refused_where_a_sensor_shows_the_stand(system: Any) -> None:
-    import rospy
-    from std_srvs.srv import Trigger
-
-    answer = rospy.ServiceProxy("ArmToolChanger", Trigger)()
-    why = "A sensor (in_stand) shows where the tool is: an unlock needs no arming."
-    assert (answer.success, answer.message) == (False, why)
-
-
 class Blind:
     """A tool whose stand has no sensor, in a namespace of its own."""
 

@@ -36,15 +36,6 @@ def test_rosservice_call_drives_an_actuator_and_proves_it(system: Any) -> None:
     assert system.edges()[-1] == ("SODIMM_208", 0)
 
 
-def test_a_set_service_refuses_while_a_part_is_held(system: Any) -> None:
-    system.grip()
-    edges = len(system.edges())
-    done = system.cli("rosservice", "call", "/SetBottomVacuum", "data: false")
-    assert "success: False" in done.stdout
-    assert "IL-12" in done.stdout
-    assert system.edges()[edges:] == []
-
-
 def test_rosmsg_and_rossrv_show_every_type_of_the_interface(system: Any) -> None:
     """Debian has the definitions of messages in packages of their own, apart from their Python modules."""
     tool = load(profile_path())

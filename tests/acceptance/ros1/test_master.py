@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import signal
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
-from end_effector_lab.demo._world import World
+from end_effector_hal.nodes.interface import COMMAND_ACTIONS
 
 pytestmark = pytest.mark.ros
+PARTS = {"goal", "cancel", "status", "feedback", "result"}
 NODES = ("hal_main", "grip", "tool_change", "pressure", "position", "supervisor", "data_logger")
 
 
@@ -29,26 +27,22 @@ def test_without_a_master_every_node_says_so_and_ends_with_3(system: Any) -> Non
         assert "\n" not in said
 
 
-def test_everything_moves_into_a_namespace(system: Any, tmp_path: Path) -> None:
-    import actionlib
+def test_a_remap_of_an_action_moves_all_its_topics(system: Any) -> None:
     import rosgraph
-    import rospy
-    from end_effector_msgs.msg import EndEffectorAction, EndEffectorGoal
 
-    with World(load(profile_path()), "nominal", tmp_path) as world:
-        launch = system.launch(world, name="cell", env={"ROS_NAMESPACE": "/cell_1"})
-        try:
-            client = actionlib.SimpleActionClient("/cell_1/TriggerGrip", EndEffectorAction)
-            assert client.wait_for_server(rospy.Duration(60))
+    graph = rosgraph.Master("/tests")
+    child = system.start(
+        "remapped", "rosrun", "end_effector_hal", "hal_main", "__ns:=other", "TriggerGrip:=Grasp",
+        f"_description:={system.world.description_path}",
+    )  # fmt: skip
 
-            def gripped() -> bool:
-                return bool(client.send_goal_and_wait(EndEffectorGoal(), rospy.Duration(60)) == 3)
+    def of(name: str) -> set[str]:
+        """Parts that HALMain has there; the graph is read while other nodes come and go."""
+        publishers, subscribers, _ = graph.getSystemState()
+        ours = (topic for topic, nodes in [*publishers, *subscribers] if "/other/HALMain" in nodes)
+        return {topic.rpartition("/")[2] for topic in ours if topic.startswith(f"/other/{name}/")}
 
-            system.until("a grip", gripped)
-            assert system.state.state == 6, "the other tool has not moved"
-            names = {name for name, _ in rosgraph.Master("/tests").getTopicTypes()}
-            assert {"/cell_1/EndEffectorState", "/cell_1/PressureVacuumBottom", "/cell_1/grip/state"} <= names
-            services = {name for name, _ in rosgraph.Master("/tests").getSystemState()[2]}
-            assert {"/cell_1/SetBottomVacuum", "/cell_1/SetToolChanger"} <= services
-        finally:
-            launch.end(signal_number=signal.SIGINT, patience_s=20.0)
+    # the last action is up: all have been put on the graph
+    system.until("the actions", lambda: of("Grasp") == of(COMMAND_ACTIONS[-1].name) == PARTS)
+    assert of("TriggerGrip") == set()
+    child.end()
