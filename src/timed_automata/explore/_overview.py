@@ -220,8 +220,11 @@ class _Exploration:
         for response in self._responses.values():
             response.judge(self._later)
         self._later.forget()
-        for known in (*self._bounded.values(), *self._cases.values(), self._deadlocks):
-            known.forget()
+        for bound in self._bounded.values():
+            bound.forget()
+        for condition in self._cases.values():
+            condition.forget()
+        self._deadlocks.forget()
         self._doubtful.difference_update(stage.records)
         for record in stage.records:
             for _, target, _ in record.steps:

@@ -12,6 +12,7 @@ from operator import le
 
 from timed_automata.errors import RangeError
 from timed_automata.explore.search._concrete import Leg
+from timed_automata.explore.search._search_node import SearchNode
 from timed_automata.explore.search._stages import Stage, Stages
 from timed_automata.explore.states import Form, Move, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import Zone
@@ -31,26 +32,6 @@ def without_collector() -> Iterator[None]:
     finally:
         if collected:
             gc.enable()
-
-
-class SearchNode:
-    """A symbolic state that was reached, and how."""
-
-    __slots__ = ("covered", "move", "parent", "record", "zone")
-
-    def __init__(self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None) -> None:
-        self.record, self.zone, self.parent, self.move = record, zone, parent, move
-        self.covered = False
-
-    @property
-    def legs(self) -> list[Leg]:
-        """The run from the initial state to here."""
-        legs = []
-        node: SearchNode | None = self
-        while node is not None:
-            legs.append(Leg(node.move))
-            node = node.parent
-        return legs[::-1]
 
 
 class OutOfRangeError(RangeError):

@@ -18,10 +18,11 @@ from collections import deque
 from collections.abc import Callable
 from graphlib import TopologicalSorter
 from operator import itemgetter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from timed_automata.compiler import Values
 from timed_automata.explore.search._cycles import components, strong
+from timed_automata.explore.search._search_node import SearchNode
 from timed_automata.explore.states import StateRecord
 from timed_automata.network import Network, Process
 
@@ -57,11 +58,11 @@ class Stage:
     def __init__(self, level: Level) -> None:
         self.level, self.done = level, False
         self.records: list[StateRecord] = []
-        self.still: deque[Any] = deque()
-        self.waiting: deque[Any] = deque()
-        self.heap: list[tuple[int, bool, int, Any]] = []
-        self.again: list[Any] = []
-        self.ordered: list[tuple[int, int, int, Any]] = []
+        self.still: deque[SearchNode] = deque()
+        self.waiting: deque[SearchNode] = deque()
+        self.heap: list[tuple[int, bool, int, SearchNode]] = []
+        self.again: list[SearchNode] = []
+        self.ordered: list[tuple[int, int, int, SearchNode]] = []
         self.order: dict[StateRecord, int] = {}
 
     def put_in_order(self) -> None:

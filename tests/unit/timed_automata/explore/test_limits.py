@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import ModelError
+from end_effector_hal.errors import ModelError, RangeError
 from tests.unit.timed_automata.explore.classics import csma_cd, fischer, train_gate
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import load_network
@@ -82,3 +82,22 @@ def test_the_quick_semantics_is_the_semantics(model) -> None:  # type: ignore[no
                 seen.add(move.target.state)
                 waiting.append(move.target)
     assert len(seen) > 8
+
+
+def test_a_guard_says_which_value_it_needs() -> None:
+    edges = [
+        "a -> a; guard: k == 2 && m[1] != 3",
+        "a -> a; guard: m[1] != 0 && 1 == k && m[k] == 0",
+        "a -> a; guard: m[k] == 0 && k == 2",
+        "a -> a; guard: k == 0 || k == 1",
+        "a -> a; guard: k == m[0]",
+    ]
+    model = network("int[0, 3] k; int m[2];", Template("P", edges))
+    at = model.offsets["k"]
+    assert [edge.guard.needed for edge in model.processes[0].edges] == [((at, 2),), ((at, 1),), (), (), ()]
+
+
+def test_a_guard_that_fails_before_it_asks_for_its_value_still_fails() -> None:
+    model = network("int[0, 3] k = 3; int m[2];", Template("P", ["a -> a; guard: m[k] == 0 && k == 2"]))
+    with pytest.raises(RangeError):
+        list(DiscreteSpace(model).semantics.transitions(model.initial))
