@@ -28,7 +28,7 @@ demo-all: setup ## the same, then a cancel, a release that fails, unlock and loc
 # Collecting all tests takes ten seconds: the parts that need few files collect no others
 OF_PROCESSES = tests/acceptance $(shell grep -rlE 'mark\.(wall|ros)\b' tests/unit --include='test_*.py')
 OF_TIMES = $(shell grep -rlE 'mark\.alone\b' tests --include='test_*.py')
-# Real processes mostly wait: four workers on two processors. Two of them run the nodes of ROS, see tests/conftest.py
+# Real processes mostly wait: four workers on two processors. Three of them run the nodes of ROS, see tests/conftest.py
 SHARED := --dist loadfile --no-loadscope-reorder
 
 test: setup ## all tests: of logic, of real processes, then those that measure times

@@ -62,9 +62,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def _group(name: str) -> str:
-    """What one worker runs of these tests, by the name of one of them: a file, or half of those that need nodes.
+    """What one worker runs of these tests, by the name of one of them: a file, the contract, or half of `ros1`.
 
-    Nodes take a quarter of a processor also while nobody asks them: two sets of them, for as long as they are needed.
+    Nodes take a quarter of a processor also while nobody asks them: three sets, for as long as they are needed.
     """
     file = name.partition("::")[0]
     if "acceptance/contract/" in file:
@@ -73,7 +73,7 @@ def _group(name: str) -> str:
 
 
 class Groups(LoadFileScheduling):
-    """As ``--dist loadfile``, with those that need nodes in two workers."""
+    """As ``--dist loadfile``, with those that need nodes in three workers."""
 
     def _split_scope(self, nodeid: str) -> str:
         return _group(nodeid)

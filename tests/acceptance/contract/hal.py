@@ -288,13 +288,19 @@ class Hal:
         if self.state["state_name"] != "GRIPPED":
             self.rest()
             self.do("TriggerGrip")
-        self.sees("GRIPPED", lambda state: state["state_name"] == "GRIPPED" and state["lift_allowed"])
+        wait_until("a part is held", lambda: all(map(is_hold, self.states.messages[-4:])))
 
     def _settle(self) -> None:
         self.choose("nominal")
         self.wait_for(*SETTLED)
         wait_until("the sensors", lambda: self.state["link_up"] and not self.state["stale"])
         self.wait_for(*SETTLED)
+
+
+def is_hold(state: Message) -> bool:
+    """Whether a part is held, with fresh evidence, and the tool is locked."""
+    names = (state["state_name"], state["command_name"], state["tool_changer_name"])
+    return names == ("GRIPPED", "NONE", "LOCKED") and bool(state["lift_allowed"])
 
 
 def is_rest(state: Message) -> bool:
