@@ -102,7 +102,7 @@ def codec_of(description: Description) -> Codec:
     try:
         return get_codec(link.codec)
     except UsageError as error:
-        raise UsageError(error.what, where=description.where("link", "codec"), todo=error.todo) from error
+        raise type(error)(error.what, where=description.where("link", "codec"), todo=error.todo) from error
 
 
 def line_of(link: Link | None, codec: Codec) -> tuple[int, str]:

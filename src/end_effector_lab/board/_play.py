@@ -27,9 +27,10 @@ def need_its_wires(description: Description) -> None:
             todo="The board has backend: gpiod.",
         )
     open_inputs("qemu:its pins", description)
-    if description.link is None or description.link.port not in PORTS:
+    port = description.link.port if description.link else "for inputs of the board"
+    if port not in PORTS:
         raise UsageError(
-            f"the board has no port {description.sensors}.",
+            f"the board has no port {port}.",
             where=str(description.source),
             todo=f"Its sensor link is {PORTS[0]}.",
         )

@@ -33,7 +33,7 @@ def eehal(*words: object, expected: int = 0) -> str:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("name", ["six_cups", "diy_vacuum"])
+@pytest.mark.parametrize("name", ["six_cups", "diy_vacuum", "double_acting_jaw", "bistable_and_magnet"])
 def test_it_is_checked_verified_demonstrated_recorded_and_replayed(name: str, tmp_path: Path) -> None:
     tool = TOOLS / name / "end_effector.yaml"
     assert json.loads(eehal("check", tool, "--json"))["warnings"] == []

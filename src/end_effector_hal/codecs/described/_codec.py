@@ -33,7 +33,7 @@ class DescribedCodec(ABC):
 
     def __init__(self, channels: Mapping[str, Channel], line: SerialLine, least_period_us: int) -> None:
         self.channels: Mapping[str, Kind] = {name: each.kind for name, each in channels.items()}
-        steps = [each.step_pa for each in channels.values() if each.kind is Kind.PRESSURE]
+        steps = [channel.step_pa for channel in channels.values() if channel.kind is Kind.PRESSURE]
         self.resolution_pa = max(steps, default=1.0)
         self.baudrate, self.parity = line.baudrate, line.parity
         self.least_period_us = least_period_us

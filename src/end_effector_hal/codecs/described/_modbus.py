@@ -40,7 +40,9 @@ class RegisterField:
 
     def __init__(self, place: RegisterValue, channels: Mapping[str, Channel], first: int) -> None:
         self.channels = {name: each.kind for name, each in channels.items()}
-        self.step_pa = max(each.step_pa if each.kind is Kind.PRESSURE else 1.0 for each in channels.values())
+        self.step_pa = max(
+            channel.step_pa if channel.kind is Kind.PRESSURE else 1.0 for channel in channels.values()
+        )
         self._at, self._size, self._little = (
             place.address - first,
             size_of(place),

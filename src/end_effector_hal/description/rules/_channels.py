@@ -193,7 +193,7 @@ def impossible_thresholds(description: Description) -> Iterator[Fault]:
                 hint = f"gauge pressure below ambient is negative here; write {key}: {number(-kpa)}"
                 yield Fault.at(
                     description.place(*use.stanza, key),
-                    "EE-228",
+                    "EE-227",
                     f"{span.what} cannot have {number(kpa)} kPa",
                     expected=f"{number(span.low)} to {number(span.high)} kPa gauge",
                     hint=hint if below and key != "between_kpa" else "",
