@@ -204,7 +204,7 @@ class Hanging(FileStorage):
 def thread(storage: FileStorage) -> Iterator[JournalThread]:
     running = JournalThread(Journal(storage, "boot", Clock()))
     yield running
-    running.close({})
+    running.close({}, {})
 
 
 @pytest.mark.wall
@@ -212,11 +212,11 @@ def test_nobody_waits_for_a_disk_that_hangs(tmp_path: Path) -> None:
     disk = Hanging(tmp_path / "journal")
     with thread(disk) as running:
         assert running.read() == JournalEntry({})
-        running.keep({})
+        running.keep({}, {})
         wait_until("the file", lambda: journal(tmp_path).read().boot == "boot")
         disk.answers.clear()
-        running.keep(E_STOP)
-        running.keep(IL_03)
+        running.keep(E_STOP, {})
+        running.keep(IL_03, {})
         disk.answers.set()
         wait_until("the last of them", lambda: journal(tmp_path).read().faults == IL_03)
     assert journal(tmp_path).read() == JournalEntry({}, clean=True, boot="boot")
@@ -232,7 +232,7 @@ def test_what_is_read_late_is_not_written_over(tmp_path: Path, monkeypatch: pyte
     disk.answers.clear()
     with thread(disk) as running:
         assert running.read().doubt == "its journal cannot be read (the disk does not answer)"
-        running.keep({})
+        running.keep({}, {})
         disk.answers.set()
         found = list[JournalEntry | None]()
         wait_until("the late one", lambda: found.append(running.late()) or found[-1])
@@ -249,7 +249,7 @@ def test_what_could_not_be_written_is_tried_again_by_itself(
     folder = tmp_path / "folder"
     with thread(FileStorage(folder / "journal", durable=True)) as running:
         running.read()
-        running.keep(E_STOP)
+        running.keep(E_STOP, {})
         wait_until("trouble", lambda: running.trouble == "No such file or directory")
         folder.mkdir()
         wait_until("no trouble", lambda: not running.trouble)
