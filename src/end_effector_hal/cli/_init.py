@@ -17,7 +17,11 @@ from ._options import PathName, the_folder, write_whole
 @click.command(name="init")
 @click.argument("folder", type=PathName())
 @click.option("--actuators", metavar="NAME:KIND,...", help="Of the tool, in the order of a grip.")
-@click.option("--link", metavar="LINK", help="text, binary, modbus, or the name of a codec.  [default: text]")
+@click.option(
+    "--link",
+    metavar="LINK",
+    help="text, binary, modbus, none (inputs of the board), or a codec.  [default: text]",
+)
 @click.option("--tool-changer/--no-tool-changer", default=None, help="Whether one is fitted.  [default: yes]")
 @click.option("--virtual", is_flag=True, help="On virtual lines and a pty in FOLDER, for `eehal testbench`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
@@ -68,16 +72,16 @@ def command(
 def _described(
     folder: Path, actuators: str, link: str | None, tool_changer: bool | None, virtual: bool, asking: bool
 ) -> str:
-    from ._new_tool import LINKS, link_codec, new_description, wanted_actuators
+    from ._new_tool import LINKS, known_link, new_description, wanted_actuators
 
     wanted = wanted_actuators(actuators)
     if link is None:
         link = _asked(f"Link ({', '.join(LINKS)}, or a codec)", "text") if asking else "text"
-    codec = link_codec(link)
+    link = known_link(link)
     if tool_changer is None:
         tool_changer = not asking or click.confirm("Is a tool changer fitted?", default=True, err=True)
     return new_description(
-        folder, wanted, codec, tool_changer=tool_changer, virtual=virtual, ask=_asked if asking else _refuse
+        folder, wanted, link, tool_changer=tool_changer, virtual=virtual, ask=_asked if asking else _refuse
     )
 
 

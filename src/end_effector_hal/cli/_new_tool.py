@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,14 +19,14 @@ from end_effector_hal.kinds import DeviceKind, get_kind
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator
 from end_effector_hal.signals import Kind
 
+from ._new_channels import CHANGER_BITS, NewChannels, channel_lines, frame_lines, new_channels
+
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _WHAT = 34
 """Column of the comments."""
 _TIMES = ("timeout_s", "reset_s", "attempts", "release_s")
-_CHANGER_BITS = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
-_CODECS = {"text": "ees1-ascii", "binary": "ees1-cobs", "modbus": "modbus-rtu-transmitters"}
-"""Links by what they are for their user; the name of a codec is one as well."""
-LINKS = (*_CODECS, "none")
+LINKS = ("text", "binary", "modbus", "none")
+"""A frame that is declared, or inputs of the board; the name of a codec is a link as well."""
 
 Ask = Callable[[str], str]
 """Asks the user; raises UsageError where there is none to ask."""
@@ -59,25 +59,20 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
     return tuple(found.values())
 
 
-def link_codec(link: str) -> Codec:
-    """The codec of a link: of one of `LINKS`, or of its own name; raises UsageError."""
-    if link == "none":
-        raise UsageError(
-            "A tool without a link cannot be described yet: its evidence would have to come from inputs of the board.",
-            todo=f"Give --link {', '.join(_CODECS)}, or the name of a codec.",
-        )
-    if link not in _CODECS and link not in codec_names():
-        known = [*_CODECS, *codec_names()]
+def known_link(link: str) -> str:
+    """One of `LINKS`, or the name of a codec; raises UsageError for anything else."""
+    if link not in LINKS and link not in codec_names():
+        known = [*LINKS, *codec_names()]
         meant = did_you_mean(link, known)
         hint = f"{meant[0].upper()}{meant[1:]} " if meant else ""
         raise UsageError(f"There is no link {link!r}.", todo=f"{hint}There are: {', '.join(known)}.")
-    return get_codec(_CODECS.get(link, link))
+    return link
 
 
 def new_description(
     folder: Path,
     actuators: Sequence[WantedActuator],
-    codec: Codec,
+    link: str,
     *,
     tool_changer: bool,
     virtual: bool,
@@ -88,7 +83,7 @@ def new_description(
     Args:
         folder: where it will stand; names the tool.
         actuators: in the order of a grip.
-        codec: of the link that proves them.
+        link: one of `LINKS`, or the name of a codec: it proves them.
         tool_changer: whether one is fitted.
         virtual: on virtual lines and a pty in the folder, for the testbench.
         ask: for what a kind needs and nobody can guess.
@@ -96,18 +91,27 @@ def new_description(
     Raises:
         UsageError: the link carries too little, or the description would have a fault.
     """
-    channels = _Channels(codec, tool_changer=tool_changer)
-    given = channels.given(actuators)
+    if link in LINKS:
+        pairs = [(each.name, each.kind) for each in actuators]
+        channels = new_channels(pairs, on_board=link == "none", tool_changer=tool_changer)
+        declared = [*channel_lines(link, channels)]
+    else:
+        codec = get_codec(link)
+        given = _CodecChannels(codec, tool_changer=tool_changer).given(actuators)
+        channels, declared = NewChannels(dict(codec.channels), given), []
     text = "\n".join(
         [
-            *_head(folder, actuators, codec, virtual=virtual),
+            *_head(folder, virtual=virtual),
+            *(_link(folder, link, channels, virtual=virtual) if link != "none" else ()),
+            *declared,
+            *_sequence(actuators),
             *(
                 line
                 for number, each in enumerate(actuators, start=1)
-                for line in _actuator(each, number, given[each.name], ask)
+                for line in _actuator(each, number, channels.given[each.name], ask)
             ),
-            *(_changer(len(actuators) + 1, codec) if tool_changer else ()),
-            *_supply(codec),
+            *(_changer(len(actuators) + 1, channels.carried) if tool_changer else ()),
+            *_supply(channels.carried),
             "",
             "# bounds: grip_s, release_s and cancel_s are computed from the times above; write them to require less.",
             "",
@@ -127,12 +131,12 @@ def _refuse_faulty(text: str, folder: Path) -> None:
         raise UsageError(f"This tool cannot be described so: {faults[0].message}.")
 
 
-class _Channels:
-    """What a link carries and nobody has yet."""
+class _CodecChannels:
+    """What a codec carries and nobody has yet."""
 
     def __init__(self, codec: Codec, *, tool_changer: bool) -> None:
         self._codec = codec
-        own = {str(ChangerStanza.model_fields[key].default) for key in _CHANGER_BITS}
+        own = {str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS}
         self._free = {
             name: kind
             for name, kind in codec.channels.items()
@@ -145,10 +149,15 @@ class _Channels:
         found: dict[str, dict[str, str]] = {each.name: {} for each in actuators}
         for exact in (True, False):
             for each in actuators:
+                proven = any(asked.key in found[each.name] for asked in each.kind.channels if asked.confirms)
                 for asked in each.kind.channels:
-                    if asked.key not in found[each.name] and (
-                        channel := self._choose(
-                            each, asked.key, asked.carries, asked.bit_instead, exact=exact
+                    if (
+                        not (proven and not exact)
+                        and asked.key not in found[each.name]
+                        and (
+                            channel := self._choose(
+                                each, asked.key, asked.carries, asked.bit_instead, exact=exact
+                            )
                         )
                     ):
                         del self._free[channel]
@@ -181,10 +190,11 @@ class _Channels:
         return name in self._meant or name.endswith(("_extended", "_retracted"))
 
 
-def _head(folder: Path, actuators: Sequence[WantedActuator], codec: Codec, *, virtual: bool) -> Iterator[str]:
+def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
     place = folder.absolute()
     yield f"# yaml-language-server: $schema={schema_path().name}"
     yield "# Every key that is not written here has a default: docs/description.md, or `eehal schema`."
+    yield "schema: 2"
     yield f"name: {_tool_name(place.name)}"
     yield ""
     yield "lines:"
@@ -193,14 +203,25 @@ def _head(folder: Path, actuators: Sequence[WantedActuator], codec: Codec, *, vi
         yield _key("path", json.dumps(str(place / "chip"), ensure_ascii=False), "stands for the chip")
     else:
         yield _key("backend", "gpiod", "virtual: no hardware; `eehal run --simulate` does that")
+
+
+def _link(folder: Path, link: str, channels: NewChannels, *, virtual: bool) -> Iterator[str]:
+    place = folder.absolute()
     yield ""
     yield "link:"
     port = json.dumps(str(place / "uart"), ensure_ascii=False) if virtual else "/dev/ttyS0"
     yield _key(
         "port", port, "made by the testbench" if virtual else "yours: the serial device of the sensors"
     )
-    yield _key("codec", codec.name, "docs/codecs.md has the others")
-    yield _key("baudrate", str(codec.baudrate), "bits per second")
+    if link in LINKS:
+        yield _key("baudrate", "115200", "yours: bits per second")
+        yield from frame_lines(link, channels)
+    else:
+        yield _key("codec", link, "docs/codecs.md has the others")
+        yield _key("baudrate", str(get_codec(link).baudrate), "bits per second")
+
+
+def _sequence(actuators: Sequence[WantedActuator]) -> Iterator[str]:
     yield ""
     yield (
         f"sequence: [{', '.join(each.name for each in actuators)}]".ljust(_WHAT) + "# in the order of a grip"
@@ -227,18 +248,17 @@ def _actuator(each: WantedActuator, number: int, channels: dict[str, str], ask: 
             yield _key(key, json.dumps(field.default), _meaning(field), indent=4)
 
 
-def _changer(number: int, codec: Codec) -> Iterator[str]:
+def _changer(number: int, carried: Mapping[str, Kind]) -> Iterator[str]:
     yield ""
     yield "tool_changer:"
     yield _key("line", f"LINE_{number}", "yours: active means unlock")
-    for key in _CHANGER_BITS:
+    for key in CHANGER_BITS:
         field = ChangerStanza.model_fields[key]
-        carried = field.default if field.default in codec.channels else NO_CHANNEL
-        yield _key(key, carried, _meaning(field))
+        yield _key(key, field.default if field.default in carried else NO_CHANNEL, _meaning(field))
 
 
-def _supply(codec: Codec) -> Iterator[str]:
-    if codec.channels.get("supply") is not Kind.PRESSURE:
+def _supply(carried: Mapping[str, Kind]) -> Iterator[str]:
+    if carried.get("supply") is not Kind.PRESSURE:
         yield ""
         yield "supply:"
         yield _key("channel", NO_CHANNEL, "no sensor of the compressed air: a lack of it is not seen")

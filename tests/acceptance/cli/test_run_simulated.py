@@ -26,7 +26,7 @@ class Started:
     def __init__(self, *options: str) -> None:
         self.temporary = Path(mkdtemp(prefix="simulated-", dir="/tmp"))  # a socket's path is short
         self.process = subprocess.Popen(
-            [*EEHAL, "run", "--simulate", str(profile_path()), *options],
+            ["env", "--default-signal=INT", *EEHAL, "run", "--simulate", str(profile_path()), *options],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

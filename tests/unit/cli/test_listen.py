@@ -84,7 +84,7 @@ def test_on_a_terminal_it_is_a_table_until_ctrl_c(machine: Machine) -> None:
     ours, theirs = pty.openpty()
     with PtyPair(machine.port) as wire, Sender(wire, frame), open(ours, "rb", buffering=0) as terminal:
         process = subprocess.Popen(
-            [*EEHAL, "listen", str(machine.path)],
+            ["env", "--default-signal=INT", *EEHAL, "listen", str(machine.path)],
             stdout=theirs,
             env={**os.environ, "TERM": "xterm", "COLUMNS": "100", "LINES": "50"},
         )

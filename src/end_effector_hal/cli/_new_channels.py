@@ -1,0 +1,116 @@
+"""Where the signals of a new tool come from: channels of its own in a declared frame, or on inputs of the board."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from end_effector_hal.description import ToolChanger as ChangerStanza
+from end_effector_hal.kinds import DeviceKind
+from end_effector_hal.kinds.stanza import NO_CHANNEL
+from end_effector_hal.signals import Kind
+
+CHANGER_BITS = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+
+
+@dataclass
+class NewChannels:
+    """The signals of a tool, in the order in which they come.
+
+    Attributes:
+        carried: what each carries, by name.
+        given: for each actuator, the channel of each of its keys.
+    """
+
+    carried: dict[str, Kind] = field(default_factory=dict)
+    given: dict[str, dict[str, str]] = field(default_factory=dict)
+
+
+def new_channels(
+    actuators: Sequence[tuple[str, DeviceKind[Any]]], *, on_board: bool, tool_changer: bool
+) -> NewChannels:
+    """A signal for each sensor that may prove something.
+
+    A kind that is proven by a pressure gets that alone, where the link carries pressures; any other its switches.
+    """
+    found = NewChannels()
+    for name, kind in actuators:
+        pressures = [each for each in kind.channels if each.carries is Kind.PRESSURE and each.confirms]
+        wanted = kind.channels if on_board or not pressures else pressures
+        found.given[name] = {each.key: NO_CHANNEL for each in kind.channels}
+        for each in wanted:
+            if each.carries is Kind.BIT or not on_board:
+                channel = f"{name}_{each.key.removesuffix('_bit')}" if each.carries is Kind.BIT else name
+                found.carried[channel] = each.carries
+                found.given[name][each.key] = channel
+    if tool_changer:
+        defaults = (str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS)
+        found.carried |= dict.fromkeys(defaults, Kind.BIT)
+    return found
+
+
+def frame_lines(link: str, channels: NewChannels) -> Iterator[str]:
+    """The frame of a link in which the channels stand: text, binary or modbus."""
+    match link:
+        case "text":
+            yield '  frame: {text: {start: "$", separator: ",", checksum: xor8}}   # $1,2.5,...*hh, a line each'
+        case "binary":
+            length = 2 * _count(channels, Kind.PRESSURE) + -(-_count(channels, Kind.BIT) // 8)
+            yield f"  frame: {{record: {{framing: cobs, length: {length}, checksum: crc16-modbus}}}}"
+        case _:
+            yield "  frame: {modbus: {}}                # the HAL asks, the devices answer"
+
+
+def channel_lines(link: str, channels: NewChannels) -> Iterator[str]:
+    """The stanza ``channels``: where each of them stands."""
+    place = {"text": _text, "binary": _binary(channels), "modbus": _modbus(), "none": _board()}[link]
+    yield ""
+    yield "channels:                          # yours: where each signal stands; docs/channels.md"
+    for number, (name, kind) in enumerate(channels.carried.items(), start=1):
+        more = "" if kind is Kind.BIT else ", unit: kPa, scale: 0.1"
+        yield f"  {name}: {{{place(number, kind)}{more}}}"
+
+
+def _count(channels: NewChannels, kind: Kind) -> int:
+    return sum(each is kind for each in channels.carried.values())
+
+
+Place = Callable[[int, Kind], str]
+
+
+def _text(number: int, kind: Kind) -> str:
+    decimals = "" if kind is Kind.BIT else ", decimals: 0"
+    return f"text: {{field: {number}{decimals}}}"
+
+
+def _binary(channels: NewChannels) -> Place:
+    """Pressures first, 16 bits each; then the bits, eight in a byte."""
+    first = 2 * _count(channels, Kind.PRESSURE)
+    counted = {Kind.PRESSURE: 0, Kind.BIT: 0}
+
+    def place(_: int, kind: Kind) -> str:
+        index = counted[kind]
+        counted[kind] += 1
+        if kind is Kind.PRESSURE:
+            return f"record: {{byte: {2 * index}, value_type: int16}}"
+        return f"record: {{byte: {first + index // 8}, bitmask: {1 << index % 8}}}"
+
+    return place
+
+
+def _modbus() -> Place:
+    counted = {Kind.PRESSURE: 0, Kind.BIT: 0}
+
+    def place(_: int, kind: Kind) -> str:
+        index = counted[kind]
+        counted[kind] += 1
+        if kind is Kind.PRESSURE:
+            return f"modbus: {{unit: 1, address: {index}, register_type: input, value_type: int16}}"
+        return f"modbus: {{unit: 1, address: {index}, register_type: discrete_input}}"
+
+    return place
+
+
+def _board() -> Place:
+    return lambda number, _: f"digital: {{line: INPUT_{number}, bias: pull_up, debounce_ms: 2}}, invert: true"
