@@ -273,7 +273,9 @@ class LineArbiter:
     def _resume(self, state: ArbiterState, at: int) -> None:
         """Continue the sessions of the arbiter before this one; in doubt no last will is executed."""
         doubt = state.doubt or self._changed_meanwhile(state.levels)
-        if doubt and any(self.levels.values()):
+        guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
+        active = {line for line, level in self.levels.items() if level}
+        if doubt and (active - guessed or (active and state.clients)):
             _log.error("no last will of the arbiter before this one is executed: %s", doubt)
             self.predicates.latch(
                 DOUBT, f"No last will was executed, because {doubt}: what was active stays active."

@@ -43,6 +43,8 @@ class Coils:
         self._pulsed: dict[str, bool] = {}
         self._ends: dict[str, int] = {}
         """When the pulse of a line is over, µs."""
+        self.guessed = frozenset[str]()
+        """Outputs of which nothing was known at the start: they count as active."""
 
     def request(self, lines: Sequence[str], believed: Mapping[str, bool]) -> dict[str, bool]:
         """Claim all lines and adopt them; returns the levels of the outputs.
@@ -50,18 +52,22 @@ class Coils:
         An output of two coils that are both inactive is inactive, and neither coil is driven: a start moves nothing.
         """
         found = self._backend.request([*lines, *(each.line for each in self._opposites.values())])
-        levels, off = {line: found[line] for line in lines}, set[str]()
+        levels, off, guessed = {line: found[line] for line in lines}, set[str](), set[str]()
         for line, opposite in self._opposites.items():
             if found[line] and found[opposite.line]:
                 _log.error("both coils of one output were active: %s and %s", line, opposite.line)
                 off.add(opposite.line)
             if opposite.pulse_us:
+                if not found[line] and not found[opposite.line] and line not in believed:
+                    _log.warning("no record says how %s was pulsed last: it counts as active", line)
+                    guessed.add(line)
                 known = found[line] or (not found[opposite.line] and believed.get(line, True))
                 self._pulsed[line] = levels[line] = known
                 off |= {each for each in (line, opposite.line) if found[each]}
         if off:
             self._before_change()
             self._backend.set(dict.fromkeys(off, False))
+        self.guessed = frozenset(guessed)
         return levels
 
     def read(self) -> dict[str, bool]:
