@@ -67,6 +67,7 @@ def started(tmp_path: Path) -> Iterator[list[Started]]:
         shutil.rmtree(each.temporary, ignore_errors=True)
 
 
+@pytest.mark.alone  # a testbench that is late for 150 ms has a grip refused, as it should
 def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_path: Path) -> None:
     tool = Started("--script", "lock; grip; drop", "--record", str(tmp_path / "recorded"))
     started.append(tool)

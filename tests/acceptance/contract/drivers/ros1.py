@@ -142,10 +142,10 @@ class Ros1:
         self._kept[of].cancel()
 
     def cancel_all(self, action: str, kind: str) -> None:
-        """Cancel every goal of an action."""
+        """Cancel every goal until now: goals and cancels stand on two topics, without an order between them."""
         client = self._client(action, kind)
         client.wait_for_server(rospy.Duration(10))
-        client.cancel_all_goals()
+        client.cancel_goals_at_and_before_time(rospy.Time.now())
 
     def served(self, action: str, kind: str) -> bool:
         """Whether an action has a server that is connected."""
