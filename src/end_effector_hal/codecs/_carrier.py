@@ -94,6 +94,7 @@ def codec_of(description: Description) -> Codec:
         raise UsageError(
             f"{description.name} has no sensor link: its channels are inputs of the board.",
             where=description.where(),
+            todo="`eehal doctor --only inputs` shows their lines and their levels.",
         )
     if link.frame is not None:
         from .described import described_codec

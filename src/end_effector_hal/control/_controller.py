@@ -252,19 +252,19 @@ class Controller:
     def _adopt(self, at: int) -> list[Status]:
         found, self._statuses.adopted, self._adopt_by = self._statuses.found, True, None
         self._statuses.know({})
-        # the level of an output that is pulsed is a record, or a guess: what the sensors prove is more
-        pulsed = {line for line, each in self._description.opposites.items() if each.pulse_s is not None}
+        # of an output that nobody knows anything of there is no level: then the sensors decide, in doubt it is active
+        unknown = self._description.opposites.keys() - found.keys()
         pairs = zip(self._description.ordered, self._senses.now.evidence, strict=True)
         gone = {part.line for (_, part), level in pairs if level is Evidence.GONE}
         parts = [part for _, part in self._description.ordered]
         adopted = {
-            f"adopted[{i}]": int(found.get(part.line, False) and part.line not in pulsed & gone)
+            f"adopted[{i}]": int(found.get(part.line, part.line in unknown - gone))
             for i, part in enumerate(parts)
         }
         changer = self._description.tool_changer
         if changer is not None:
-            locked = changer.line in pulsed and self._senses.now.tool is ToolEvidence.LOCKED
-            adopted["adopted_unlock"] = int(found.get(changer.line, False) and not locked)
+            locked = self._senses.now.tool is ToolEvidence.LOCKED
+            adopted["adopted_unlock"] = int(found.get(changer.line, changer.line in unknown and not locked))
             adopted["adopted_fault"] = int(self._sensor_fault)
         self._execution.write(adopted)  # before the event: whoever receives it asks for these levels
         return self._receive(Event("adopt"), at)

@@ -73,6 +73,7 @@ class StatusBuilder:
         self._keeps = [f"kept[{i}]" for i in size]
         self._per_actuator = {*self._valves, *self._states, *self._keeps}
         self._lines = [part.line for _, part in description.ordered]
+        self._unread = frozenset(description.opposites)  # nobody may know how they stand: in doubt active
         self._used = used_channels(description)
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {
@@ -99,7 +100,9 @@ class StatusBuilder:
             self._actuators = tuple([known[name] for name in self._states])
             self._kept = tuple([i for i, name in enumerate(self._keeps) if known[name]])
         self._active = (
-            self._outputs if self.adopted else tuple([bool(self.found.get(n)) for n in self._lines])
+            self._outputs
+            if self.adopted
+            else tuple([bool(self.found.get(n, n in self._unread)) for n in self._lines])
         )
         ee = known["ee"]
         self._latched = (

@@ -72,8 +72,7 @@ class Running:
 
 
 def test_one_coil_of_a_held_valve_is_active_and_the_other_ends_before() -> None:
-    arbiter = Running(HELD)
-    assert arbiter.wires.written == [], "a start drives nothing"
+    arbiter = Running(HELD, back=True)
     arbiter.set(jaw=True)
     arbiter.to(2 * S)
     arbiter.set(jaw=False)
@@ -87,14 +86,23 @@ def test_one_coil_of_a_held_valve_is_active_and_the_other_ends_before() -> None:
 
 
 @pytest.mark.parametrize(
-    ("active", "level"),
-    [({JAW: True}, True), ({BACK: True}, False), ({}, False), ({JAW: True, BACK: True}, True)],
+    ("active", "level"), [({JAW: True}, True), ({BACK: True}, False), ({JAW: True, BACK: True}, True)]
 )
 def test_a_held_valve_is_adopted_as_it_stands(active: dict[str, bool], level: bool) -> None:
     arbiter = Running(HELD, **active)
-    assert arbiter.rules.levels[JAW] is level
+    assert arbiter.rules.read_levels()[JAW] is level
     assert not (arbiter.wires.state[JAW] and arbiter.wires.state[BACK])
     assert arbiter.wires.state[JAW] is level
+
+
+def test_of_a_held_valve_without_a_level_nothing_is_known_until_somebody_writes_it() -> None:
+    arbiter = Running(HELD)
+    assert arbiter.rules.levels[JAW], "a part may be held"
+    assert arbiter.rules.read_levels() == {CUP: False}
+    assert arbiter.wires.written == [], "a start drives nothing"
+    arbiter.set(jaw=False)
+    assert arbiter.rules.read_levels() == {JAW: False, CUP: False}
+    assert arbiter.wires.state == {JAW: False, CUP: False, BACK: True}
 
 
 def test_a_bistable_valve_gets_a_pulse_at_each_change() -> None:
@@ -132,6 +140,8 @@ def test_a_bistable_valve_of_which_nothing_is_known_counts_as_active() -> None:
     first = Running(PULSED, ArbiterState(doubt="no session record was found"))
     assert first.rules.levels[JAW], "a part may be held"
     assert not first.rules.predicates.faults, "there was no last will"
+    assert JAW not in first.rules.read_levels(), "who adopts decides by the sensors"
+    assert first.rules.state.pulsed == {}, "a guess is no record"
     assert not Running(PULSED, ArbiterState(pulsed={JAW: False})).rules.levels[JAW]
     assert Running(PULSED, ArbiterState(pulsed={JAW: True})).rules.levels[JAW]
 
@@ -174,11 +184,58 @@ def test_a_pulse_that_cannot_be_ended_is_tried_again() -> None:
     assert not arbiter.wires.state[JAW]
 
 
+def test_an_activation_that_fails_half_way_counts_and_its_pulse_ends() -> None:
+    arbiter = Running(PULSED, ArbiterState(pulsed={JAW: False}))
+
+    def half(levels: dict[str, bool]) -> None:
+        arbiter.wires.state.update(levels)
+        if True in levels.values():
+            raise WireError("another chip is gone.")
+
+    whole, arbiter.wires.set = arbiter.wires.set, half
+    with pytest.raises(WireError):
+        arbiter.set(jaw=True)
+    arbiter.wires.set = whole
+    assert arbiter.rules.levels[JAW]
+    arbiter.to(2 * S)
+    assert not arbiter.wires.state[JAW], "the pulse is over"
+
+
+def test_one_line_that_fails_keeps_no_other_coil_active() -> None:
+    both = Policy((JAW, CUP), opposites={JAW: SecondCoil(BACK, 100 * MS), CUP: SecondCoil("off", 100 * MS)})
+    wires = Wires(off=False)
+    wires.request = lambda names: dict(wires.state)  # type: ignore[method-assign, assignment]
+    rules = LineArbiter(wires, both, 0, ArbiterState(pulsed={JAW: False, CUP: False}))
+    session = rules.hello("grip", TOKEN, (JAW, CUP), (), 0)
+    rules.write(session, {JAW: True, CUP: True}, None, 100 * MS)
+    whole = wires.set
+
+    def dead(levels: dict[str, bool]) -> None:
+        if JAW in levels:
+            raise WireError("its chip is gone.")
+        whole(levels)
+
+    wires.set = dead  # type: ignore[method-assign]
+    rules.advance(250 * MS)
+    assert (wires.state[JAW], wires.state[CUP]) == (True, False)
+    wires.set = whole  # type: ignore[method-assign]
+    rules.advance(400 * MS)
+    assert not wires.state[JAW]
+
+
+def test_a_journal_that_may_lag_behind_is_believed_where_it_says_active() -> None:
+    said = {JAW: False, CUP: True}
+    assert recall(None, JournalEntry({}, clean=True, boot="one", pulsed=said)).pulsed == said
+    assert recall(None, JournalEntry({}, clean=False, boot="one", pulsed=said)).pulsed == {CUP: True}
+    doubtful = ArbiterState(doubt="the session record is damaged")
+    assert recall(doubtful, JournalEntry({}, clean=True, boot="one", pulsed=said)).pulsed == {CUP: True}
+
+
 def test_the_levels_survive_the_arbiter_and_the_power(tmp_path: Path) -> None:
     arbiter = Running(PULSED, ArbiterState(pulsed={JAW: False}))
     assert read_arbiter_state(arbiter.rules.state.as_json()).pulsed == {JAW: False}
     journal = Journal(FileStorage(tmp_path / "journal", durable=True), "boot", lambda: 0)
-    journal.keep({}, {JAW: False})
+    journal.keep({}, {JAW: False}, clean=True)
     journal.write_next()
     journal.close()
     entry = Journal(FileStorage(tmp_path / "journal", durable=True), "next", lambda: 0).read()

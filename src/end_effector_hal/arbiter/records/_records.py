@@ -24,11 +24,18 @@ def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
     faults = dict(journal.faults)
     if journal.doubt:
         faults["journal"] = f"Faults that were latched before the start may be missing: {journal.doubt}."
+    # the journal may lag behind: an old "inactive" is not believed, what may be held is held
+    pulsed = {
+        line: level
+        for line, level in journal.pulsed.items()
+        if level or (journal.clean and not journal.doubt)
+    }
     if record is not None:
-        return replace(record, faults={**faults, **record.faults}, pulsed=journal.pulsed)
+        active = {line: level for line, level in pulsed.items() if level}
+        return replace(record, faults={**faults, **record.faults}, pulsed=active)
     known = journal.clean and journal.boot  # an arbiter that ended in order has left nothing to be done
     doubt = "" if known else "no session record was found"
-    return ArbiterState(faults, clean=journal.clean, doubt=doubt, pulsed=journal.pulsed)
+    return ArbiterState(faults, clean=journal.clean, doubt=doubt, pulsed=pulsed)
 
 
 NO_RECORD = "The session record cannot be kept ({}): if the line arbiter dies, no last will is executed."

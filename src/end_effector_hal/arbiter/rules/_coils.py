@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from end_effector_hal.errors import WireError
 from end_effector_hal.wires.lines import LineBackend
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -27,8 +28,8 @@ class SecondCoil(NamedTuple):
 class Coils:
     """Writes outputs, and knows what was written; no coil is ever active together with its opposite.
 
-    A pulse leaves no level behind that could be read back: where no record of an earlier arbiter says what was pulsed
-    last, the output counts as active. A part that may be held is held until a Drop.
+    Where no coil is active and no record of an earlier arbiter says what was pulsed last, nobody knows how the device
+    stands: such an output is a guess and counts as active, until somebody writes it. A part that may be held is held.
 
     Args:
         backend: the lines, not claimed yet.
@@ -44,12 +45,14 @@ class Coils:
         self._ends: dict[str, int] = {}
         """When the pulse of a line is over, µs."""
         self.guessed = frozenset[str]()
-        """Outputs of which nothing was known at the start: they count as active."""
+        """Outputs of which nothing is known, and that count as active."""
 
     def request(self, lines: Sequence[str], believed: Mapping[str, bool]) -> dict[str, bool]:
-        """Claim all lines and adopt them; returns the levels of the outputs.
+        """Claim all lines and adopt them; returns the levels of the outputs. A start drives no coil.
 
-        An output of two coils that are both inactive is inactive, and neither coil is driven: a start moves nothing.
+        Args:
+            lines: of the outputs.
+            believed: how pulsed outputs stand, where a record says it.
         """
         found = self._backend.request([*lines, *(each.line for each in self._opposites.values())])
         levels, off, guessed = {line: found[line] for line in lines}, set[str](), set[str]()
@@ -57,12 +60,15 @@ class Coils:
             if found[line] and found[opposite.line]:
                 _log.error("both coils of one output were active: %s and %s", line, opposite.line)
                 off.add(opposite.line)
+            known = found[line] or found[opposite.line] or (opposite.pulse_us and line in believed)
+            if not known:
+                _log.warning("nothing says how %s stands: it counts as active", line)
+                guessed.add(line)
+                levels[line] = True
+            elif opposite.pulse_us and not found[line]:
+                levels[line] = not found[opposite.line] and believed[line]
             if opposite.pulse_us:
-                if not found[line] and not found[opposite.line] and line not in believed:
-                    _log.warning("no record says how %s was pulsed last: it counts as active", line)
-                    guessed.add(line)
-                known = found[line] or (not found[opposite.line] and believed.get(line, True))
-                self._pulsed[line] = levels[line] = known
+                self._pulsed[line] = levels[line]
                 off |= {each for each in (line, opposite.line) if found[each]}
         if off:
             self._before_change()
@@ -71,10 +77,14 @@ class Coils:
         return levels
 
     def read(self) -> dict[str, bool]:
-        """The levels of the outputs, read back where a level stands."""
+        """The levels of the outputs, read back where a level stands; without those of which nothing is known."""
         found = self._backend.levels()
-        second = {each.line for each in self._opposites.values()}
-        return {line: self._pulsed.get(line, level) for line, level in found.items() if line not in second}
+        unread = {each.line for each in self._opposites.values()} | self.guessed
+        return {line: self._pulsed.get(line, level) for line, level in found.items() if line not in unread}
+
+    def decide(self, lines: Iterable[str]) -> None:
+        """Somebody who knows the sensors has written these outputs: they are no guess any more."""
+        self.guessed = self.guessed.difference(lines)
 
     def set(self, changes: Mapping[str, bool], at: int) -> None:
         """Write outputs: first what becomes inactive, then what becomes active; raises what the lines raise."""
@@ -89,11 +99,13 @@ class Coils:
                 ends[line if level else opposite.line] = at + opposite.pulse_us
         if off:
             self._backend.set(dict.fromkeys(off, False))
-        if on:
-            self._backend.set(dict.fromkeys(on, True))
         for line in off:
             self._ends.pop(line, None)
+        # before the write: of several chips, one may have been written when another one fails
         self._ends |= ends
+        self._pulsed |= {line: True for line, level in changes.items() if level and line in self._pulsed}
+        if on:
+            self._backend.set(dict.fromkeys(on, True))
         self._pulsed |= {line: level for line, level in changes.items() if line in self._pulsed}
 
     @property
@@ -103,8 +115,8 @@ class Coils:
 
     @property
     def pulsed(self) -> dict[str, bool]:
-        """The levels of the outputs that leave none on their lines."""
-        return dict(self._pulsed)
+        """The levels of the outputs that leave none on their lines; a guess is not among them."""
+        return {line: level for line, level in self._pulsed.items() if line not in self.guessed}
 
     def advance(self, at: int) -> None:
         """End the pulses that are over; one that cannot be ended is tried again one pulse later."""
@@ -113,8 +125,13 @@ class Coils:
             return
         lengths = {line: each.pulse_us for line, each in self._opposites.items()}
         lengths |= {each.line: each.pulse_us for each in self._opposites.values()}
+        failed: Exception | None = None
         for line in over:
-            self._ends[line] = at + lengths[line]
-        self._backend.set(dict.fromkeys(over, False))
-        for line in over:
-            del self._ends[line]
+            try:
+                self._backend.set({line: False})
+            except (WireError, OSError) as error:
+                self._ends[line], failed = at + lengths[line], error
+            else:
+                del self._ends[line]
+        if failed is not None:
+            raise failed

@@ -43,11 +43,17 @@ class OutputLines:
     def set(self, levels: Mapping[str, bool], at: int) -> None:
         """Write those that have another level; raises WireError."""
         changes = {line: level for line, level in levels.items() if self.levels[line] != level}
+        if self.coils:
+            self.coils.decide(levels)
         if not changes:
             return
         self._before_change()
         try:
             if self.coils:
+                # an activation that fails half way counts: in doubt something is held
+                self.levels |= {
+                    line: True for line, level in changes.items() if level and line in self._policy.opposites
+                }
                 self.coils.set(changes, at)
             else:
                 self._backend.set(changes)
@@ -81,4 +87,6 @@ class OutputLines:
 
     def longest_end(self, line: str) -> int | None:
         """When an active line has been active for its longest time (IL-03), µs; None: it is not active."""
-        return self.changed_at[line] + self._policy.max_active_us[line] if self.levels[line] else None
+        if not self.levels[line] or (self.coils and line in self.coils.guessed):
+            return None
+        return self.changed_at[line] + self._policy.max_active_us[line]

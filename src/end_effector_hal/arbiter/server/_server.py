@@ -28,6 +28,7 @@ from end_effector_hal.wires import Claim, now_us
 from end_effector_hal.wires.lines import LineBackend
 
 _log = logging.getLogger("end_effector_hal.arbiter")
+LONGEST_PULSE_US = 2_000_000
 
 
 class ArbiterServer(Closing):
@@ -130,9 +131,8 @@ class ArbiterServer(Closing):
             return False
         # a shutdown ends the clients a moment later: their last wills are still executed
         dying = now_us() < self._stopped_at + self._grace_us
-        waits = self._arbiter.pulses or any(
-            session.ended or (dying and session.will) for session in self._arbiter.sessions
-        )
+        pulses = self._arbiter.pulses and now_us() < self._stopped_at + self._grace_us + LONGEST_PULSE_US
+        waits = pulses or any(session.ended or (dying and session.will) for session in self._arbiter.sessions)
         return self._stops > 1 or not waits
 
     def _wait_s(self) -> float | None:

@@ -15,42 +15,36 @@ _Asked = Callable[["_Sample"], bool | None]
 class _Sample:
     """What a condition is asked of: readings at a time, and the streaks of those that must last."""
 
-    __slots__ = ("arrived", "at", "readings", "seen_at", "streaks")
+    __slots__ = ("at", "readings", "seen", "streaks")
 
-    def __init__(
-        self, readings: ChannelReadings, at: int, arrived: bool, seen_at: int, streaks: list[Streak]
-    ) -> None:
-        self.readings, self.at, self.arrived = readings, at, arrived
-        self.seen_at, self.streaks = seen_at, streaks
+    def __init__(self, readings: ChannelReadings, at: int, seen: list[int], streaks: list[Streak]) -> None:
+        self.readings, self.at = readings, at
+        self.seen, self.streaks = seen, streaks
 
 
 class ConditionJudge:
     """One condition with its memory: how long each part of it that must last has held.
 
-    A sample counts when the newest frame brought a channel of it. Time alone makes readings stale, and so unknown;
-    it never makes a condition hold.
+    A sample counts for a part that must last when the newest frame brought a channel of that part. Time alone makes
+    readings stale, and so unknown; it never makes a condition hold.
     """
 
-    MEMORY: ClassVar = {"_streaks": PART, "_at": int}
+    MEMORY: ClassVar = {"_streaks": PART, "_seen": list[int]}
 
     def __init__(self, condition: Condition) -> None:
         numbers = count()
         self._asked = _compiled(condition, numbers)
-        self._channels = condition.channels
         self._streaks = [Streak() for _ in range(next(numbers))]
-        self._at = 0
+        self._seen = [0] * len(self._streaks)
 
     def sample(self, readings: ChannelReadings, at: int) -> bool | None:
         """Whether it holds at ``at`` µs."""
-        arrived = True in map(readings.arrived, self._channels)
-        if arrived:
-            self._at = at
-        return self._asked(_Sample(readings, at, arrived, self._at, self._streaks))
+        return self._asked(_Sample(readings, at, self._seen, self._streaks))
 
     def forget(self) -> None:
         """What has held until now counts no longer."""
-        for streak in self._streaks:
-            streak.take(False, self._at)
+        for streak, seen_at in zip(self._streaks, self._seen, strict=True):
+            streak.take(False, seen_at)
 
 
 def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
@@ -58,13 +52,16 @@ def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
     at_once = _joined(this, [_compiled(each, numbers) for each in this.parts]) if this.parts else _read(this)
     if this.for_ms == 0 and this.samples == 1:
         return at_once
-    index, samples, us = next(numbers), this.samples, this.for_ms * 1000
+    index, samples, us, channels = next(numbers), this.samples, this.for_ms * 1000, this.channels
 
     def lasts(sample: _Sample) -> bool | None:
         value, streak = at_once(sample), sample.streaks[index]
-        if sample.arrived or value is None:
+        arrived = True in map(sample.readings.arrived, channels)
+        if arrived:
+            sample.seen[index] = sample.at
+        if arrived or value is None:
             streak.take(value is True, sample.at)
-        return None if value is None else streak.samples >= samples and streak.lasted(sample.seen_at, us)
+        return None if value is None else streak.samples >= samples and streak.lasted(sample.seen[index], us)
 
     return lasts
 

@@ -47,7 +47,7 @@ class CylinderDetector:
         elif not (self._held and self._high.samples):
             # what was confirmed and still stands at its pressure is not lost: it is being confirmed again
             self._held = False
-            gone = self._is_retracted(pressure, extended, retracted, at)
+            gone = self._is_retracted(readings, pressure, extended, retracted, at)
             self.level = Evidence.GONE if gone else Evidence.PARTIAL
         return self.level
 
@@ -58,10 +58,17 @@ class CylinderDetector:
         return self.level
 
     def _is_retracted(
-        self, pressure: int | None, extended: int | None, retracted: int | None, at: int
+        self,
+        readings: ChannelReadings,
+        pressure: int | None,
+        extended: int | None,
+        retracted: int | None,
+        at: int,
     ) -> bool:
         if pressure is not None:
             return self._low.lasted(at, to_us(self._actuator.retracted_s))
+        if retracted is None and self._actuator.retracted_bit in readings.carried:
+            return False  # it would say so, and does not
         return bool(retracted) if retracted is not None else not extended
 
     def _threshold_pa(self, readings: ChannelReadings, at: int) -> float:

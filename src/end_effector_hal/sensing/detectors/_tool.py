@@ -28,7 +28,7 @@ class ToolDetector:
             self._streaks = {level: Streak() for level in ToolEvidence}
             self.level = ToolEvidence.UNCLEAR
             return self.level
-        if not readings.arrived(self._changer.locked_bit):
+        if not (readings.arrived(self._changer.locked_bit) or readings.arrived(self._changer.unlocked_bit)):
             return self.level
         said = ToolEvidence.FAULTY
         if bool(locked) != bool(unlocked):

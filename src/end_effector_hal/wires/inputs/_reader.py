@@ -180,7 +180,10 @@ class InputsReader:
                 if now >= due:
                     self._sample()
                     due = max(due + self._period_us, self._clock())  # what was slept through is left out
-                self._wait(wake_read, due)
+                try:
+                    self._wait(wake_read, due)
+                except Exception as error:  # noqa: BLE001 this thread outlives whatever its lines do
+                    self._fail(error)
                 self._take_edges()
         finally:
             os.close(wake_read)

@@ -46,7 +46,7 @@ class SensorReader:
         """Where the readings come from, for people."""
         self._on_frame, self._on_change = on_frame, on_change
         self._lock, self._change_lock = threading.Lock(), threading.Lock()
-        self._last = 0
+        self._last, self._closed = 0, False
         inputs = board_inputs(description)
         codec = codec_of(description) if link or not inputs else None
         self._link = (
@@ -74,6 +74,7 @@ class SensorReader:
 
     def close(self) -> None:
         """End; nothing is delivered after it."""
+        self._closed = True
         for source in (self._link, self._inputs):
             if source:
                 source.close()
@@ -91,6 +92,8 @@ class SensorReader:
 
     def _deliver(self, frame: Frame) -> None:
         with self._lock:
+            if self._closed:
+                return
             if frame.at < self._last:  # of another source, and overtaken by microseconds
                 frame = replace(frame, at=self._last)
             self._last = frame.at
