@@ -21,6 +21,7 @@ class VirtualTool:
         scenario: str = "nominal",
         *,
         levels: Mapping[str, bool] | None = None,
+        found: Mapping[str, bool] | None = None,
         network: Network | None = None,
         seed: int = 0,
         controller: Callable[[Description, Network, str], Controller] = Controller,
@@ -39,8 +40,9 @@ class VirtualTool:
         self.edges: list[tuple[int, str, bool]] = []
         self.link = True
         self._lines = {part.line: name for name, part in description.ordered}
-        self._gripper(self.grip.start(self.levels, 0))
-        self._changer(self.change.start(self.levels, 0))
+        told = self.levels if found is None else dict(found)  # what the line arbiter says of them
+        self._gripper(self.grip.start(told, 0))
+        self._changer(self.change.start(told, 0))
 
     @property
     def status(self) -> Status:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.kinds.stanza import Opposite
 from end_effector_hal.vocabulary import Cause
 from tests.support.virtual_tool import VirtualTool
 
@@ -236,6 +237,38 @@ def test_adoption_moves_no_line(description: Description, active: tuple[str, ...
     assert tool.status.ee == state
     assert tool.edges == []
     assert tool.status.held == bool(active)
+
+
+@pytest.mark.parametrize(
+    ("levels", "state"),
+    [({BOTTOM: True}, GRIP_ERROR), ({BOTTOM: False}, STAND_BY), ({}, STAND_BY)],
+    ids=["recorded active", "recorded inactive", "unknown"],
+)
+def test_what_nobody_knows_of_two_coils_is_decided_by_the_sensors_and_nothing_else(
+    description: Description, levels: dict[str, bool], state: int
+) -> None:
+    """Its sensors say gone: that never overrules a level or a record, or a broken wire would drop a part."""
+    opposite = Opposite(line="BACK", pulse_s=0.1)
+    parts = {
+        name: part.model_copy(update={"opposite": opposite}) if part.line == BOTTOM else part
+        for name, part in description.actuators.items()
+    }
+    tool = VirtualTool(description.model_copy(update={"actuators": parts}), found=levels)
+    tool.run(1.5)
+    assert tool.status.ee == state
+
+
+def test_what_nobody_knows_and_no_sensor_proves_gone_is_held(description: Description) -> None:
+    parts = {
+        name: part.model_copy(update={"opposite": Opposite(line="BACK", pulse_s=0.1)})
+        if part.line == BOTTOM
+        else part
+        for name, part in description.actuators.items()
+    }
+    tool = VirtualTool(description.model_copy(update={"actuators": parts}), found={})
+    tool.link = False
+    tool.run(5.1)
+    assert (tool.status.ee, tool.status.held) == (GRIP_ERROR, True)
 
 
 def test_active_outputs_without_sensors_are_a_latched_error(description: Description) -> None:
