@@ -23,6 +23,7 @@ def rule_faults(facts: Facts) -> Iterator[Fault]:
     yield from _unread(facts)
     yield from _board_units(facts)
     yield from _reserved(facts)
+    yield from _pulses(facts)
     yield from _endings(facts)
     yield from _files(facts)
 
@@ -56,6 +57,24 @@ def _board_units(facts: Facts) -> Iterator[Fault]:
 
 def _given(facts: Facts, *path: str) -> bool:
     return facts.written(*path) and facts.get(*path) is not None
+
+
+def _pulses(facts: Facts) -> Iterator[Fault]:
+    """A pulse is over before the output is to change again."""
+    stanzas: list[tuple[Keys, tuple[str, ...]]] = [(("tool_changer",), ("unlock_max_s", "prove_s"))]
+    stanzas += [(("actuators", name), ("timeout_s", "reset_s", "release_s")) for name, _ in facts.actuators()]
+    for stanza, keys in stanzas:
+        path = (*stanza, "opposite", "pulse_s")
+        pulse_s = facts.get(*path) if facts.written(*path) else None
+        if not isinstance(pulse_s, int | float):
+            continue
+        for key in keys:
+            limit_s = facts.get(*stanza, key)
+            if isinstance(limit_s, int | float) and pulse_s >= limit_s:
+                what = "the pulse is not over when its output may change again"
+                yield Fault.at(
+                    facts.places.value(*path), "EE-222", what, expected=f"less than {key} = {limit_s:g}"
+                )
 
 
 def _names(facts: Facts, key: str) -> Iterator[Fault]:
