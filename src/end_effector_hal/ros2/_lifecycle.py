@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -61,6 +62,8 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         self._given = {each.name: declared(self, each) for each in PARAMETERS if MANAGER in each.nodes}
         self._hash = ""
         self._group: NodeGroup | None = None
+        self._starting = threading.RLock()
+        """Held while nodes start: a signal that comes meanwhile ends them all, not those that were there already."""
         self._guard_transitions()
         self._own = NodeGroup(process, (MANAGER,))
         self._own.add(self, MANAGER)
@@ -131,16 +134,25 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                 where=str(description.source),
                 todo="Clean up and configure again.",
             )
-        self._group = group = NodeGroup(self._process, self._names, self._arguments, self._given, description)
         try:
-            for name in self._names:
-                start_node(name, RclpyNode(name, group))
-            group.start()
+            group = self._start_group(description)
             self._wait_until_ready(group, description, ready_s)
         except BaseException:
             self._end_group()
             raise
         be_steady()
+
+    def _start_group(self, description: Description) -> NodeGroup:
+        with self._starting:
+            if self._process.ending:
+                raise UsageError(f"{description.name} was ended before its nodes began.")
+            self._group = group = NodeGroup(
+                self._process, self._names, self._arguments, self._given, description
+            )
+            for name in self._names:
+                start_node(name, RclpyNode(name, group))
+            group.start()
+        return group
 
     def _wait_until_ready(self, group: NodeGroup, description: Description, ready_s: float) -> None:
         last: list[StateMessage | None] = [None]
@@ -164,7 +176,8 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             )
 
     def _end_group(self) -> None:
-        group, self._group = self._group, None
+        with self._starting:
+            group, self._group = self._group, None
         if group is not None:
             group.close()
 
