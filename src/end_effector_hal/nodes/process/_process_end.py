@@ -9,6 +9,8 @@ import time
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.wires import be_steady
 
+LOOK_S = 0.5
+
 
 class ProcessEnd:
     """Thread-safe; ``begun`` is set when the process shall end.
@@ -33,7 +35,8 @@ class ProcessEnd:
     def wait(self) -> int:
         """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
         be_steady()
-        self.begun.wait()
+        while not self.begun.wait(LOOK_S):
+            pass  # the kernel may give a signal to another thread: its handler runs when this one looks
         if self._failed is not None:
             raise self._failed
         return 0
