@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 from typing import Any
 
 from end_effector_hal.description import ToolChanger as ChangerStanza
@@ -87,29 +88,23 @@ def _text(number: int, kind: Kind) -> str:
 def _binary(channels: NewChannels) -> Place:
     """Pressures first, 16 bits each; then the bits, eight in a byte."""
     first = 2 * _count(channels, Kind.PRESSURE)
-    counted = {Kind.PRESSURE: 0, Kind.BIT: 0}
-
-    def place(_: int, kind: Kind) -> str:
-        index = counted[kind]
-        counted[kind] += 1
-        if kind is Kind.PRESSURE:
-            return f"record: {{byte: {2 * index}, value_type: int16}}"
-        return f"record: {{byte: {first + index // 8}, bitmask: {1 << index % 8}}}"
-
-    return place
+    return _counted(
+        lambda index: f"record: {{byte: {2 * index}, value_type: int16}}",
+        lambda index: f"record: {{byte: {first + index // 8}, bitmask: {1 << index % 8}}}",
+    )
 
 
 def _modbus() -> Place:
-    counted = {Kind.PRESSURE: 0, Kind.BIT: 0}
+    return _counted(
+        lambda index: f"modbus: {{unit: 1, address: {index}, register_type: input, value_type: int16}}",
+        lambda index: f"modbus: {{unit: 1, address: {index}, register_type: discrete_input}}",
+    )
 
-    def place(_: int, kind: Kind) -> str:
-        index = counted[kind]
-        counted[kind] += 1
-        if kind is Kind.PRESSURE:
-            return f"modbus: {{unit: 1, address: {index}, register_type: input, value_type: int16}}"
-        return f"modbus: {{unit: 1, address: {index}, register_type: discrete_input}}"
 
-    return place
+def _counted(pressure: Callable[[int], str], bit: Callable[[int], str]) -> Place:
+    """Pressures and bits are counted apart, each from 0 on."""
+    written, numbers = {Kind.PRESSURE: pressure, Kind.BIT: bit}, {Kind.PRESSURE: count(), Kind.BIT: count()}
+    return lambda _, kind: written[kind](next(numbers[kind]))
 
 
 def _board() -> Place:

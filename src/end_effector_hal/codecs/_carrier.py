@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
-from end_effector_hal.codecs._codec import Codec, parity_of, resolution_of
+from end_effector_hal.codecs._codec import Carrier, Codec, parity_of, resolution_of
 from end_effector_hal.codecs._registry import get_codec
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Kind
@@ -17,28 +17,6 @@ if TYPE_CHECKING:
 INPUTS = "the board"
 """For a sentence: what brings the inputs of the board."""
 PERIOD_MS = 20
-
-
-class Carrier(Protocol):
-    """What a detector needs to know of where its readings come from; every `Codec` is one.
-
-    It may have more: ``resolution_pa``, ``seq_bits``, ``clock_bits`` and ``sources``, see `sources_of`.
-    """
-
-    @property
-    def name(self) -> str:
-        """For a sentence."""
-        ...
-
-    @property
-    def channels(self) -> Mapping[str, Kind]:
-        """What it carries."""
-        ...
-
-    @property
-    def period_us(self) -> int:
-        """Nominal time between two frames; of several sources, the longest."""
-        ...
 
 
 class FrameSource(NamedTuple):

@@ -47,16 +47,15 @@ class Decoder(Protocol):
         ...
 
 
-class Codec(Protocol):
-    """A wire format. A channel that is not in ``channels`` is not fitted.
+class Carrier(Protocol):
+    """What a detector needs to know of where its readings come from; every `Codec` is one.
 
-    It may have more: ``parity``, ``resolution_pa``, ``seq_bits`` and ``clock_bits``; see `parity_of`,
-    `resolution_of`, `sequence_of`.
+    It may have more: ``resolution_pa``, ``seq_bits``, ``clock_bits`` and ``sources``, see `sources_of`.
     """
 
     @property
     def name(self) -> str:
-        """As a description names it."""
+        """For a sentence."""
         ...
 
     @property
@@ -66,8 +65,16 @@ class Codec(Protocol):
 
     @property
     def period_us(self) -> int:
-        """Nominal time between two frames."""
+        """Nominal time between two frames; of several sources, the longest."""
         ...
+
+
+class Codec(Carrier, Protocol):
+    """A wire format. A channel that is not in ``channels`` is not fitted.
+
+    It may have more: ``parity``, ``resolution_pa``, ``seq_bits`` and ``clock_bits``; see `parity_of`,
+    `resolution_of`, `sequence_of`.
+    """
 
     @property
     def baudrate(self) -> int:

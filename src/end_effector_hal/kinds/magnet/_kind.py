@@ -31,13 +31,7 @@ class Magnet(DeviceKind[MagnetActuator]):
 
     def preset(self, part: MagnetActuator) -> EvidenceConditions | None:
         """By the sensor of its part."""
-        return part_conditions(
-            part.part_bit,
-            part.gone_bit,
-            confirmed_ms=part.confirmed_ms,
-            lost_ms=part.lost_ms,
-            gone_ms=part.gone_ms,
-        )
+        return part_conditions(part)
 
     def not_fitted(self, part: MagnetActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """What proves a release."""

@@ -72,13 +72,7 @@ class Vacuum(DeviceKind[VacuumActuator]):
 
     def preset(self, part: VacuumActuator) -> EvidenceConditions | None:
         """By its switches, where there are any."""
-        return part_conditions(
-            part.part_bit,
-            part.gone_bit,
-            confirmed_ms=part.confirmed_ms,
-            lost_ms=part.lost_ms,
-            gone_ms=part.gone_ms,
-        )
+        return part_conditions(part)
 
     def detector(self, part: VacuumActuator, supply: Supply) -> Detector:
         """From samples of one vacuum circuit, or from its switches."""
