@@ -261,7 +261,7 @@ def _read(part: str, physics: Mapping[str, type[Device]], links: Iterable[str]) 
     ):
         if not known:
             raise UsageError(f"{part!r} names a link, and the links of this tool have no names.")
-        raise UsageError(f"{part!r} names no link.", todo=did_you_mean(device, known))
+        raise UsageError(f"{part!r}: no link is named {device!r}.", todo=did_you_mean(device, known))
     number = _number(part, values, fault.number) if fault.number else math.nan
     if values:
         raise UsageError(f"{part!r} has too many parts.", todo=f"Expected: {fault.usage}.")
