@@ -88,8 +88,8 @@ def refusal(description: Description, command: str, status: Status, senses: Sens
 
 def _grip_refusal(description: Description, status: Status, senses: SensorState, at: int) -> str:
     locks = description.interlocks
-    if locks.il_07 and not senses.readings.link_up(at):
-        return f"IL-07: the {description.sensors_are('not up')}."
+    if locks.il_07 and (down := senses.readings.down(at)):
+        return f"IL-07: the {description.sensors_are('not up', down[0].link)}."
     present = feedback(description, senses)
     if locks.il_07 and present:
         return f"IL-07: {present}"

@@ -26,6 +26,9 @@ def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Descripti
     tree.setdefault("name", _UNREAD)
     if "link" in tree:
         _fill(tree["link"], ("link",), "")
+    for name, link in tree["links"].items() if isinstance(tree.get("links"), dict) else ():
+        if isinstance(link, dict):
+            _fill(link, ("links", name), "")
     if isinstance(tree.get("tool_changer"), dict):
         _fill(tree["tool_changer"], ("tool_changer",), "")
     # the whole stanza is gone where one of its names is broken
