@@ -126,6 +126,13 @@ class SensorState:
         return f"{display_name(name)} {kind_of(part).empty}" if found else ""
 
     @property
+    def emptied(self) -> tuple[int, ...]:
+        """Actuators that have gripped nothing, by their place in the sequence; what is confirmed has something."""
+        return tuple(
+            [i for i, each in self.by_conditions if each.empty and self.evidence[i] is not Evidence.CONFIRMED]
+        )
+
+    @property
     def confirmed(self) -> bool:
         """Whether every actuator is proven to grip."""
         return self.evidence.count(Evidence.CONFIRMED) == len(self.evidence)

@@ -31,7 +31,8 @@ def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Descripti
             _fill(link, ("links", name), "")
     if isinstance(tree.get("tool_changer"), dict):
         _fill(tree["tool_changer"], ("tool_changer",), "")
-    actuators = {name: each for name, each in tree["actuators"].items() if isinstance(each, dict)}
+    # the whole stanza is gone where one of its names is broken
+    actuators = {name: each for name, each in tree.get("actuators", {}).items() if isinstance(each, dict)}
     for name, stanza in actuators.items():
         _fill(stanza, ("actuators", name), str(stanza["kind"]))
     sequence = tree.get("sequence")
