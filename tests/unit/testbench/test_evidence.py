@@ -19,8 +19,8 @@ def tool(kind: str, evidence: str, channels: str, more: str = "") -> Description
     channel = ", channel: none" if kind in ("vacuum", "cylinder") else ""
     text = (
         f"name: tool\nlink: {{port: p, frame: {{text: {{}}}}}}\nchannels: {{{channels}}}\nsequence: [it]\n"
-        f"actuators: {{it: {{kind: {kind}, line: A{channel}, evidence: {{{evidence}}}}}}}\nsupply: {{channel: none}}\n"
-        f"{more}"
+        f"actuators: {{it: {{kind: {kind}, line: A{channel}, evidence: {{{evidence}}}}}}}\n"
+        f"supply: {{channel: none}}\n{more}"
     )
     examination = examine_text(text, "tool.yaml")
     assert examination.description is not None, examination.lines()
