@@ -51,7 +51,7 @@ class SensorSet:
         self._channels = {
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }
-        self._parts = description.ordered
+        self._parts, self._named = description.ordered, bool(description.named_links)
         self._noticed: tuple[str, ...] = ()
         self.revision = 0
         """How often something may have changed."""
@@ -140,15 +140,21 @@ class SensorSet:
         A link that is down, and an actuator of a held part without evidence, are told elsewhere.
         """
         said, readings = [*self.refusals(at), *self.now.doubts(at)], self.now.readings
-        if not readings.link_up(at):
+        down = readings.down(at)
+        if down and not self._named:
             return tuple(said)
         said += self._findings(at)
-        stale = readings.stale(at)
+        silent = {channel for source in down for channel in source.channels}
+        stale = [name for name in readings.stale(at) if name not in silent]
         lacking = [name for name in self._wanted if name in stale] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
         settling = {self._parts[i][0] for i, each in self.now.by_conditions if each.settles(at)}
-        unknown = [name for name in self._unknown() if name not in settling]
+        unknown = [
+            name
+            for name in self._unknown()
+            if name not in settling and silent.isdisjoint(self._channels[name])
+        ]
         told = {channel for name in unknown for channel in self._channels[name]} if held else set()
         if missing := [name for name in lacking if name not in told]:
             said.append(f"No valid reading of {', '.join(missing)}.")
