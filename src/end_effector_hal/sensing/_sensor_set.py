@@ -149,11 +149,11 @@ class SensorSet:
         lacking = [name for name in self._wanted if name in stale] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
-        contradicting = {self._parts[i][0] for i, each in self.now.by_conditions if each.contradicts}
+        settling = {self._parts[i][0] for i, each in self.now.by_conditions if each.settles(at)}
         unknown = [
             name
             for name in self._unknown()
-            if name not in contradicting and silent.isdisjoint(self._channels[name])
+            if name not in settling and silent.isdisjoint(self._channels[name])
         ]
         told = {channel for name in unknown for channel in self._channels[name]} if held else set()
         if missing := [name for name in lacking if name not in told]:

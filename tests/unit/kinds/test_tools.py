@@ -157,6 +157,19 @@ def test_a_magnet_that_is_switched_off_has_not_released_before_its_sensor_says_s
     assert feed(tool, 0.5, cylinder_extended=False, cylinder_retracted=False).evidence == (Evidence.PARTIAL,)
 
 
+def test_switches_that_change_one_after_the_other_are_no_alarm() -> None:
+    """The part is gone a little before its own switch says so: for 40 ms neither is proven."""
+    tool = gripped("magnet")
+    told = len(tool.statuses)
+    tool.command("drop")
+    feed(tool, 0.04, cylinder_extended=True, cylinder_retracted=True)
+    feed(tool, 1.0, cylinder_extended=False, cylinder_retracted=True)
+    seen = tool.statuses[told:]
+    assert Evidence.UNKNOWN in {status.evidence[0] for status in seen}
+    assert [status.alarms for status in seen if status.alarms] == []
+    assert tool.status.ee == STAND_BY
+
+
 def test_a_part_that_is_seen_between_open_fingers_is_not_gripped() -> None:
     tool = ready("vacuum_switch")
     assert feed(tool, 0.5, tool_present=True).evidence[2] is Evidence.GONE
