@@ -1,4 +1,4 @@
-"""``eehal listen``: what arrives on each channel of the link, live; and thresholds from what was recorded."""
+"""``eehal listen``: what arrives on each channel, live; and thresholds from what was recorded."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ SAMPLE = 65_536
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(description: Path, seconds: float | None, suggest: Path | None, as_json: bool) -> None:
-    """Show what arrives on each channel of the link of DESCRIPTION: value, evidence, age, rate, errors.
+    """Show what arrives on each channel of DESCRIPTION: value, evidence, age, rate, errors.
 
     It opens the port and nothing else: no arbiter is asked and no line moves. On a terminal a table that is refreshed,
     elsewhere a line for each change. A link that somebody reads is left alone.
