@@ -9,7 +9,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -28,7 +28,7 @@ demo-all: setup ## the same, then a cancel, a release that fails, unlock and loc
 # Collecting all tests takes ten seconds: the parts that need few files collect no others
 OF_PROCESSES = tests/acceptance $(shell grep -rlE 'mark\.(wall|ros)\b' tests/unit --include='test_*.py')
 OF_TIMES = $(shell grep -rlE 'mark\.alone\b' tests --include='test_*.py')
-# Real processes mostly wait: four workers on two processors. Three of them run the nodes of ROS, see tests/conftest.py
+# Real processes mostly wait: four workers on two processors. All run nodes of ROS at first, see tests/conftest.py
 SHARED := --dist loadfile --no-loadscope-reorder
 
 test: setup ## all tests: of logic, of real processes, then those that measure times
@@ -38,7 +38,7 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 
 test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
-	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/contract tests/acceptance/ros2
+	@$(APART) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) -p no:cacheprovider tests/acceptance/contract tests/acceptance/ros2 $(WALL_OPTIONS)
 
 contract-edits: setup ros2 ## by hand: edits of the transport, each of which the contract must find (10 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited
@@ -56,6 +56,10 @@ test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library 
 nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line arbiter fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
+
+test-page: setup ## the live page in a real browser: Debian's Chromium
+	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
+	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q --durations=0 --durations-min=1 tests/acceptance/page
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py

@@ -2,7 +2,7 @@
 
 from .client import ArbiterClient, PredicateSender
 from .rules import Exclusion, LineArbiter, Need, Policy, SecondCoil
-from .server import ArbiterServer, serve
+from .server import ArbiterServer, listen, serve
 
 __all__ = [
     "ArbiterClient",
@@ -13,5 +13,6 @@ __all__ = [
     "Policy",
     "PredicateSender",
     "SecondCoil",
+    "listen",
     "serve",
 ]

@@ -22,6 +22,7 @@ _COMMANDS = {
     "listen": "what arrives on each channel, live; thresholds from a recording",
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",
+    "page": "the live page of a tool, in a browser",
     "replay": "decide a recorded run once more, and judge it by its network",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",

@@ -162,6 +162,7 @@ def command(
         if simulate:
             loaded = stack.enter_context(simulated(loaded))
             click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
+            click.echo(f"Live in a browser: eehal page {loaded.source}", err=True)
         tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits))
         if record is not None:
             _record(tool, stack.enter_context(Recording(record, loaded, limits=limits)))

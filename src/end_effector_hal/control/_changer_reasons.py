@@ -64,19 +64,33 @@ def _fault(description: Description, status: Status) -> str:
 def _unlock_refusal(
     description: Description, changer: ToolChanger, status: Status, senses: SensorState
 ) -> str:
-    state, at_rest = status.changer, status.ee
-    if state is not ChangerState.LOCKED:
-        return f"An unlock is accepted when the tool changer is LOCKED; it is {state.name}."
-    locks = description.interlocks
+    if status.changer is not ChangerState.LOCKED:
+        return f"An unlock is accepted when the tool changer is LOCKED; it is {status.changer.name}."
+    found = unlock_blocking(description, changer, status, senses)
+    untold = "The unlock is not taken now: the gripping program has not said yet that nothing is gripped."
+    return found["IL-01"] or found["IL-02"] or untold
+
+
+def unlock_blocking(
+    description: Description, changer: ToolChanger, status: Status, senses: SensorState
+) -> dict[str, str]:
+    """What IL-01 and IL-02 say against an unlock now, a sentence each; empty: nothing."""
+    locks, at_rest, said = description.interlocks, status.ee, {"IL-01": "", "IL-02": ""}
     if locks.il_01 and at_rest not in _REST:
-        return f"IL-01: unlock only in STAND_BY; the end-effector is {at_rest.name}."
-    if locks.il_01 and not senses.nothing_gripped:
-        return f"IL-01: {_not_released(description, changer, senses)}"
-    if locks.il_02 and changer.stand_bit in senses.readings.carried and not senses.in_stand:
-        return f"IL-02: the tool is not in its stand ({changer.stand_bit} is off or has no valid reading), nor absent."
-    if locks.il_02 and not senses.in_stand and not status.armed:
-        return f"IL-02: no sensor shows where the tool is: arm first, then unlock within {changer.arm_s:g} s."
-    return "The unlock is not taken now: the gripping program has not said yet that nothing is gripped."
+        said["IL-01"] = f"IL-01: unlock only in STAND_BY; the end-effector is {at_rest.name}."
+    elif locks.il_01 and not senses.nothing_gripped:
+        said["IL-01"] = f"IL-01: {_not_released(description, changer, senses)}"
+    if locks.il_02 and not senses.in_stand:
+        bit = changer.stand_bit
+        if bit in senses.readings.carried:
+            said["IL-02"] = (
+                f"IL-02: the tool is not in its stand ({bit} is off or has no valid reading), nor absent."
+            )
+        elif not status.armed:
+            said["IL-02"] = (
+                f"IL-02: no sensor shows where the tool is: arm first, then unlock within {changer.arm_s:g} s."
+            )
+    return said
 
 
 def _not_released(description: Description, changer: ToolChanger, senses: SensorState) -> str:

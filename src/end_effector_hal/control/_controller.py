@@ -10,9 +10,9 @@ from end_effector_hal.description import Description
 from end_effector_hal.sensing import LOCKED, FrameJudge, HoldMonitor, SensorSet, predicates_fitted
 from end_effector_hal.signals import PART, Frame, memory_of, recall
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
-from timed_automata import Event, Execution, Network, Observation, Step
+from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
-from ._reasons import no_maintenance, refusal
+from ._reasons import blocking, no_maintenance, refusal
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status
 from ._status_builder import StatusBuilder
@@ -153,6 +153,34 @@ class Controller:
             self._statuses.blame(Cause.NONE, -1, self._at)
             self._hold.dropped()
         return Answer(True), statuses + self._told(reaction.steps)
+
+    def refusal(self, name: str) -> str:
+        """Why a command would be refused now, in the words of its refusal; empty: it would be accepted.
+
+        Nothing is changed by asking.
+        """
+        if self._execution.takes(Event(name)):
+            return ""
+        return refusal(self._description, name, self.status(), self._senses.now, self._at)
+
+    @property
+    def blocking(self) -> dict[str, str]:
+        """What each interlock says against a grip or an unlock now, a sentence; empty: nothing."""
+        return blocking(self._description, self.status(), self._senses.now, self._at)
+
+    @property
+    def senses(self) -> SensorSet:
+        """What the sensors prove, for those who show it."""
+        return self._senses
+
+    @property
+    def hold(self) -> HoldMonitor:
+        """What is watched while a part is held, for those who show it."""
+        return self._hold
+
+    def locations(self) -> ExecutionSnapshot | None:
+        """Where the automata stand; None: they were not started yet."""
+        return self._execution.snapshot()
 
     def refused(self, at: int) -> list[Status]:
         """The line arbiter refused to activate what the last status asked for."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import lost_words
+from end_effector_hal.kinds import kind_of, lost_words
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
 
-from ._changer_reasons import changer_refusal, feedback
+from ._changer_reasons import changer_refusal, feedback, unlock_blocking
 from ._status import Status
 
 
@@ -20,6 +20,9 @@ def explain(description: Description, cause: int, cause_at: int, senses: SensorS
         return (
             f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts.{empty}"
         )
+    if cause == Cause.EMPTY and actuator:
+        tried = f"all {actuator.attempts} attempts have" if actuator.attempts > 1 else "its only attempt has"
+        return f"{who} {kind_of(actuator).empty}: {tried} failed."
     if cause == Cause.LOST and actuator:
         return f"{who} was lost: {lost_words(actuator, senses.readings, at)}."
     if cause == Cause.REFUSED:
@@ -84,19 +87,31 @@ def refusal(description: Description, command: str, status: Status, senses: Sens
 
 
 def _grip_refusal(description: Description, status: Status, senses: SensorState, at: int) -> str:
-    locks = description.interlocks
-    if locks.il_07 and not senses.readings.link_up(at):
-        return f"IL-07: the {description.sensors_are('not up')}."
-    present = feedback(description, senses)
-    if locks.il_07 and present:
-        return f"IL-07: {present}"
-    if locks.il_05 and description.tool_changer and senses.tool is not ToolEvidence.LOCKED:
-        return f"IL-05: the tool is not proven to be locked (its sensors say {senses.tool.name})."
-    if locks.il_05 and status.unlock_output:
-        return "IL-05: the unlock output is active."
+    found = blocking(description, status, senses, at)
+    return found["IL-07"] or found["IL-05"] or found["IL-06"] or "The grip is not taken now."
+
+
+def blocking(description: Description, status: Status, senses: SensorState, at: int) -> dict[str, str]:
+    """What each interlock of the programs says against a grip or an unlock now, a sentence; empty: nothing.
+
+    Of those that a description can switch off; the line arbiter has its own.
+    """
+    locks, said = description.interlocks, dict.fromkeys(("IL-01", "IL-02", "IL-05", "IL-06", "IL-07"), "")
+    if locks.il_07 and (down := senses.readings.down(at)):
+        said["IL-07"] = f"IL-07: the {description.sensors_are('not up', down[0].link)}."
+    elif locks.il_07 and (present := feedback(description, senses)):
+        said["IL-07"] = f"IL-07: {present}"
+    if (changer := description.tool_changer) is not None:
+        if locks.il_05 and senses.tool is not ToolEvidence.LOCKED:
+            said["IL-05"] = (
+                f"IL-05: the tool is not proven to be locked (its sensors say {senses.tool.name})."
+            )
+        said |= unlock_blocking(description, changer, status, senses)
+    if locks.il_05 and status.unlock_output and not said["IL-05"]:
+        said["IL-05"] = "IL-05: the unlock output is active."
     if locks.il_06 and not senses.supply.ok:
-        return f"IL-06: {_no_air(description, senses)}"
-    return "The grip is not taken now."
+        said["IL-06"] = f"IL-06: {_no_air(description, senses)}"
+    return said
 
 
 def _no_air(description: Description, senses: SensorState) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, ClassVar, Literal, NamedTuple, Protocol
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkable
 
 from end_effector_hal.signals import ChannelReadings, Kind
 from end_effector_hal.vocabulary import Evidence
@@ -77,6 +77,19 @@ class HoldWatch(Protocol):
     def dropped(self) -> None:
         """Nothing is held any more."""
         ...
+
+
+@runtime_checkable
+class LeakWatch(HoldWatch, Protocol):
+    """One that follows a pressure as well."""
+
+    @property
+    def leak_kpa_s(self) -> float:
+        """By how much it falls in a second; 0: it does not, or too little is known."""
+
+    @property
+    def lost_in_s(self) -> float | None:
+        """Until the part would be lost; None: never, as it goes now."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, period_of
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import AlarmKind, HoldFinding, fault_of, is_guarded, kind_of
+from end_effector_hal.kinds import AlarmKind, HoldFinding, HoldWatch, fault_of, is_guarded, kind_of
 from end_effector_hal.signals import PART
 from end_effector_hal.vocabulary import Evidence, display_name
 
@@ -61,6 +61,10 @@ class HoldMonitor:
     def secure(self) -> bool:
         """Whether everything is confirmed by a fresh reading, and secure where its kind knows more than that."""
         return self._senses.now.confirmed and self._watched_secure
+
+    def watch_over(self, index: int) -> HoldWatch | None:
+        """What watches an actuator, by its place in the sequence; None: its evidence is enough."""
+        return self._watches.get(index)
 
     @property
     def _watched_secure(self) -> bool:

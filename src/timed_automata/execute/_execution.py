@@ -126,6 +126,15 @@ class Execution:
         taken = self._receive(event.channel, channel, writes)
         return Reaction(taken is not None, (*steps, *([taken] if taken else []), *self._at_once()))
 
+    def takes(self, event: Event) -> bool:
+        """Whether an edge would receive an event now, before anything that is due; nothing is changed by asking.
+
+        Raises:
+            UsageError: no such input, or a variable that is not interface or out of range.
+        """
+        channel, writes = self._boundary.input(event.channel), self._boundary.writes(event.writes)
+        return self._successors.received(self._state, channel, writes) is not None
+
     def write(self, writes: Mapping[str, int], at: int | None = None) -> tuple[Step, ...]:
         """Set interface variables without an event.
 

@@ -1,4 +1,4 @@
-"""The arbiter's Unix socket."""
+"""A Unix socket for those who may command the lines: the arbiter's, and those of the programs beside it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from pathlib import Path
 from end_effector_hal.errors import UsageError, WireError
 
 
-def listen(path: Path, group: str | None = None) -> socket.socket:
-    """Make the socket for the arbiter's user and one group only (mode 0660).
+def listen(path: Path, group: str | None = None, *, whose: str = "the line arbiter") -> socket.socket:
+    """Make a socket for this user and one group only (mode 0660).
 
     It is bound under another name first, so that a client that finds it can connect.
 
     Args:
         path: where.
         group: whose members may command the lines; default: that of the process.
+        whose: for the sentence of an error.
 
     Raises:
         UsageError: there is no such group.
@@ -29,7 +30,7 @@ def listen(path: Path, group: str | None = None) -> socket.socket:
         fresh.unlink(missing_ok=True)
         os.fchmod(listener.fileno(), 0o600)  # until it belongs to the group
         listener.bind(str(fresh))
-        _give(fresh, number, group)
+        _give(fresh, number, group, whose)
         fresh.chmod(0o660)
         listener.listen(64)
         listener.setblocking(False)
@@ -40,14 +41,14 @@ def listen(path: Path, group: str | None = None) -> socket.socket:
         raise
     except OSError as error:
         listener.close()
-        raise no_socket(path, error) from error
+        raise no_socket(path, error, whose) from error
     return listener
 
 
-def no_socket(path: Path, error: OSError) -> WireError:
+def no_socket(path: Path, error: OSError, whose: str = "the line arbiter") -> WireError:
     """The error for a socket that cannot be made."""
     return WireError(
-        f"the socket of the line arbiter cannot be made: {error.strerror or error}.",
+        f"the socket of {whose} cannot be made: {error.strerror or error}.",
         where=str(path),
         todo="Give a path of less than 90 letters in a directory that can be written.",
     )
@@ -64,12 +65,12 @@ def _number(group: str) -> int:
         ) from None
 
 
-def _give(path: Path, number: int, group: str | None) -> None:
+def _give(path: Path, number: int, group: str | None, whose: str) -> None:
     try:
         os.chown(path, -1, number)
     except PermissionError as error:
         raise WireError(
-            f"the socket of the line arbiter cannot be given to the group {group}: {error.strerror}.",
+            f"the socket of {whose} cannot be given to the group {group}: {error.strerror}.",
             where=str(path.parent),
-            todo="Run the arbiter as a member of that group.",
+            todo="Run it as a member of that group.",
         ) from error

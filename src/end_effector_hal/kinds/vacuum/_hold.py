@@ -62,6 +62,16 @@ class VacuumWatch:
             yield from self._weak(who, self.kpa, since, at)
             yield from self._leak(who, self.kpa, at)
 
+    @property
+    def leak_kpa_s(self) -> float:
+        """By how much the vacuum falls in a second."""
+        return self.trend.falls
+
+    @property
+    def lost_in_s(self) -> float | None:
+        """Until it is under the threshold of loss."""
+        return None if self.kpa is None else self.trend.falls_by(self.kpa - self._part.lost_kpa)
+
     def dropped(self) -> None:
         """What comes next is no trend of what was held."""
         self.trend.clear()

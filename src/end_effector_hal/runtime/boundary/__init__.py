@@ -1,9 +1,9 @@
 """The boundary of a program: what goes in and what comes out, recorded as it happens."""
 
-from ._open import DESCRIPTION, MODEL, open_recorder
-from ._recorded_controller import AnyController, RecordedController
+from ._open import DESCRIPTION, MODEL, open_recorder, open_stream
+from ._recorded_controller import AnyController, RecordedController, feed
 from ._recorder import NULL_RECORDER, Recorder
-from ._records import DECIDED, INPUTS, KINDS, OBSERVED, STATE, Header
+from ._records import DECIDED, INPUTS, KINDS, OBSERVED, PUBLISHED, STATE, STREAMED, Header, Published
 
 __all__ = [
     "DECIDED",
@@ -13,10 +13,15 @@ __all__ = [
     "MODEL",
     "NULL_RECORDER",
     "OBSERVED",
+    "PUBLISHED",
     "STATE",
+    "STREAMED",
     "AnyController",
     "Header",
+    "Published",
     "RecordedController",
     "Recorder",
+    "feed",
     "open_recorder",
+    "open_stream",
 ]

@@ -10,8 +10,9 @@ from pathlib import Path
 from secrets import token_hex
 
 from end_effector_hal.control import model_constants
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, socket_path
 from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, content_hash, product_version
+from end_effector_hal.runtime.stream import PROGRAM_WORDS, RecordStream, program_socket
 from end_effector_hal.wires import now_us
 
 from ._recorder import Recorder
@@ -27,10 +28,11 @@ def open_recorder(
     *,
     at: int | None = None,
     limits: RecordingLimits | None = None,
+    stream: RecordStream | None = None,
 ) -> Recorder:
     """A recorder that writes ``<program>.mcap`` and its further segments into a folder; does not wait for the disk.
 
-    ``at``: the time of the run now, µs; by default that of the monotonic clock.
+    ``at``: the time of the run now, µs; by default that of the monotonic clock. ``stream``: gets the same records.
     """
     at = now_us() if at is None else at
     model = description.automata_path.read_bytes()
@@ -48,8 +50,16 @@ def open_recorder(
         )
 
     return Recorder(
-        TraceWriter(folder, program, KINDS, now=at, attachments=attachments, header=header, limits=limits)
+        TraceWriter(folder, program, KINDS, now=at, attachments=attachments, header=header, limits=limits),
+        stream,
     )
+
+
+def open_stream(description: Description, program: str) -> RecordStream:
+    """The stream of a program, which is not served yet."""
+    first = header_of(description, program, now_us())
+    path, beside = program_socket(description, program), socket_path(description)
+    return RecordStream(path, beside, lambda at: replace(first, at=at), PROGRAM_WORDS[program])
 
 
 def header_of(description: Description, program: str, at: int) -> Header:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
@@ -93,3 +94,21 @@ class RecordedController:
 
 
 AnyController = Controller | RecordedController
+_CALLS: Mapping[str, Callable[[AnyController, Any], object]] = {
+    "start": lambda controller, record: controller.start(
+        record.levels, record.at, sensor_fault=record.sensor_fault
+    ),
+    "frame": lambda controller, record: controller.frame(
+        Frame(record.stamp, record.seq, record.device_ms, record.values), record.at
+    ),
+    "command": lambda controller, record: controller.command(record.name, record.at),
+    "tell": lambda controller, record: controller.update_peer(record.values, record.at),
+    "refused": lambda controller, record: controller.refused(record.at),
+    "acknowledge": lambda controller, record: controller.acknowledge(record.at),
+    "time": lambda controller, record: controller.advance(record.at),
+}
+
+
+def feed(controller: AnyController, kind: str, record: Any) -> None:
+    """Give a controller a recorded input, as its program did; ``kind`` is one of `INPUTS`."""
+    _CALLS[kind](controller, record)

@@ -1,35 +1,41 @@
-"""The recording of a program: wrappers around its controller and its lines, and the segments of its trace."""
+"""The records of a program: wrappers around its controller and its lines, the segments of its trace, its stream."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-from end_effector_hal.control import Controller
+from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.recording import TraceWriter
 from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.runtime.outputs import LineWriter
+from end_effector_hal.runtime.stream import Commander, Entry, RecordStream
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 from timed_automata import Network
 
-from ._recorded_controller import AnyController, RecordedController
+from ._recorded_controller import AnyController, Put, RecordedController
 from ._recorded_lines import RecordedLines
-from ._records import STATE
+from ._records import PUBLISHED, STATE, Published
 
 _log = logging.getLogger("end_effector_hal.runtime")
 
 
 class Recorder:
-    """Wraps the controller and the lines of a program; without a writer it leaves them as they are.
+    """Wraps the controller and the lines of a program; without a writer and a stream it leaves them as they are.
 
     A failing recording reaches the program as :attr:`trouble` only.
+
+    Args:
+        writer: of the trace; None: nothing is recorded.
+        stream: for those who look on; None: nobody can.
     """
 
-    def __init__(self, writer: TraceWriter | None = None) -> None:
-        self._writer = writer
+    def __init__(self, writer: TraceWriter | None = None, stream: RecordStream | None = None) -> None:
+        self._writer, self._stream = writer, stream
         self._controller: RecordedController | None = None
+        self._published: Published | None = None
         self._defect = ""
 
     @property
@@ -42,27 +48,40 @@ class Recorder:
         if self._writer is not None:
             self._writer.on_trouble = on_trouble
 
+    def serve(self, command: Commander, alive: Callable[[], bool], nudge: Callable[[], None]) -> None:
+        """Serve the stream from now on; see `RecordStream.serve`."""
+        if self._stream is not None:
+            self._stream.serve(command, alive, nudge)
+
     def controller(
         self, description: Description, network: Network, program: str, judge: FrameJudge | None = None
     ) -> AnyController:
         """A new controller."""
-        if self._writer is None:
+        if (put := self._put) is None:
             return Controller(description, network, program, judge=judge)
-        self._controller = RecordedController(description, network, program, self._writer.put, judge)
+        self._controller = RecordedController(description, network, program, put, judge)
         self._controller.snapshot()  # the first one takes milliseconds: better now than in a grip
         return self._controller
 
     def lines(self, lines: LineWriter) -> LineWriter:
         """Lines to write to."""
-        if self._writer is None:
-            return lines
-        return RecordedLines(lines, self._writer.put)
+        return lines if (put := self._put) is None else RecordedLines(lines, put)
+
+    def published(self, status: Status, refused: Mapping[str, str]) -> None:
+        """A status as it was published; ``refused``: why commands do not even come to the automata now."""
+        if self._stream is not None:
+            self._published = Published(status.at, status, refused)
+            self._stream.put(PUBLISHED, status.at, self._published)
 
     def flush(self) -> None:
-        """Write what was recorded, and begin the next segment if it is time; never waits.
+        """Pass on what was recorded, and begin the next segment if it is time; never waits.
 
         The program calls it between its jobs, so that it costs no reaction.
         """
+        if (stream := self._stream) is not None:
+            stream.flush()
+            if stream.wants_state:
+                stream.begin(self._state_now())
         if self._writer is None:
             return
         self._writer.flush()
@@ -76,8 +95,24 @@ class Recorder:
 
     def close(self) -> None:
         """Nothing more comes; waits two seconds at most for the disk."""
+        if self._stream is not None:
+            self._stream.close()
         if self._writer is not None:
             self._writer.close()
+
+    @property
+    def _put(self) -> Put | None:
+        """Takes each record."""
+        sinks = [sink.put for sink in (self._writer, self._stream) if sink is not None]
+        if len(sinks) < 2:
+            return sinks[0] if sinks else None
+        first, second = sinks
+
+        def both(kind: str, at: int, content: object) -> None:
+            first(kind, at, content)
+            second(kind, at, content)
+
+        return both
 
     def _begin_segment(self, writer: TraceWriter) -> None:
         snapshot = self._controller.snapshot() if self._controller is not None else None
@@ -85,6 +120,18 @@ class Recorder:
             writer.begin(now_us(), ())
         else:
             writer.begin(snapshot.at, ((STATE, snapshot.at, snapshot),))
+
+    def _state_now(self) -> list[Entry]:
+        """Where the program stands, for one who begins to look on."""
+        entries: list[Entry] = []
+        try:
+            if self._controller is not None and (snapshot := self._controller.snapshot()) is not None:
+                entries.append((STATE, snapshot.at, snapshot))
+        except Exception:  # noqa: BLE001 a defect of the recorder ends no program
+            _log.exception("no page can show where the program stands")
+        if self._published is not None:
+            entries.append((PUBLISHED, self._published.at, self._published))
+        return entries
 
 
 NULL_RECORDER = Recorder()

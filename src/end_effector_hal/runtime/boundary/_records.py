@@ -131,6 +131,16 @@ class OwnerSeen:
     why: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Published:
+    """A status as the world gets it, with what the program knows beside its automata; in no recording."""
+
+    at: int
+    status: Status
+    refused: Mapping[str, str]
+    """Sentences by command, of those that do not come to the automata now: no lines, no arbiter, maintenance."""
+
+
 INPUTS: Mapping[str, type] = {
     "start": Start,
     "frame": FrameTaken,
@@ -155,3 +165,6 @@ KINDS: Mapping[str, type] = {
     "lines": LinesWritten,
     "owner": OwnerSeen,
 }
+PUBLISHED = "published"
+STREAMED: Mapping[str, type] = {**KINDS, PUBLISHED: Published}
+"""What the stream of a program has."""

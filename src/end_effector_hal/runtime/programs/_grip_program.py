@@ -49,11 +49,10 @@ class GripProgram(Program):
             self._adoption.outputs.let_go(lines, at)
         return super()._on_time(at)
 
-    def _decide(self, name: str) -> tuple[Answer, list[Status]]:
+    def _obstacle(self, name: str) -> str:
         if name == "grip" and self._maintenance.active:
-            why = "a grip is refused during maintenance."
-            return Answer(False, f"IL-12: {why} {self._maintenance.notice}"), []
-        return super()._decide(name)
+            return f"IL-12: a grip is refused during maintenance. {self._maintenance.notice}"
+        return super()._obstacle(name)
 
     def _notices(self) -> tuple[str, ...]:
         notice = self._maintenance.notice

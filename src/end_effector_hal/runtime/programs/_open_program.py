@@ -8,7 +8,7 @@ from typing import TypeVar
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.arbiter import connect_arbiter
-from end_effector_hal.runtime.boundary import NULL_RECORDER, open_recorder
+from end_effector_hal.runtime.boundary import Recorder, open_recorder, open_stream
 from end_effector_hal.sensing import FrameJudge
 
 from ._latest_status import Listener
@@ -45,9 +45,10 @@ def open_program(
     """
     lines = connect_arbiter(description, program.NAME, patience_s=patience_s)
     try:
-        recorder = NULL_RECORDER
+        stream = open_stream(description, program.NAME)
+        recorder = Recorder(stream=stream)
         if traces is not None:
-            recorder = open_recorder(traces, description, program.NAME, limits=limits)
+            recorder = open_recorder(traces, description, program.NAME, limits=limits, stream=stream)
         opened = program(description, lines, on_status, recorder, judge=judge)
         lines.attend(alive=lambda: opened.alive, on_lost=opened.arbiter_lost, on_faults=opened.faults_changed)
     except BaseException:  # Ctrl-C, too: who leaves in order has not died

@@ -16,6 +16,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
+from end_effector_hal.runtime.stream import PROGRAM_WORDS
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
@@ -70,12 +71,13 @@ class Program(ABC):
         self._reset()
         self._worker = SerialWorker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
         self._latest = LatestStatus(self._adoption.controller.status(), on_status)
-        recorder.attend(lambda: self._worker.submit(lambda: self._reaction([])))
+        recorder.attend(self._look_around)
         self._thread = threading.Thread(target=self._run, name=f"program {self.NAME}", daemon=True)
 
     def start(self) -> None:
         """Begin: read the lines, read the sensors, adopt."""
         self._thread.start()
+        self._recorder.serve(self._asked, lambda: self.alive, self._look_around)
 
     @property
     def alive(self) -> bool:
@@ -149,12 +151,19 @@ class Program(ABC):
         """What is due at ``at``, once the program has begun."""
         return self._adoption.time_passed(at)
 
-    def _decide(self, name: str) -> tuple[Answer, list[Status]]:
+    def _obstacle(self, name: str) -> str:
+        """Why a command does not even come to the automata now, a sentence; empty: it does."""
         adoption = self._adoption
         if not adoption.begun:
-            return Answer(False, f"The lines are not adopted yet. {adoption.obstacle}".rstrip()), []
+            return f"The lines are not adopted yet. {adoption.obstacle}".rstrip()
         if adoption.outputs.lost and name in ACTIVATING:
-            return Answer(False, "Nothing can be activated while the line arbiter is lost."), []
+            return "Nothing can be activated while the line arbiter is lost."
+        return ""
+
+    def _decide(self, name: str) -> tuple[Answer, list[Status]]:
+        if obstacle := self._obstacle(name):
+            return Answer(False, obstacle), []
+        adoption = self._adoption
         answer, statuses = adoption.controller.command(name, self._clock())
         if answer.accepted:
             self._why = adoption.outputs.refused = ""
@@ -179,6 +188,17 @@ class Program(ABC):
 
     def _prepare(self) -> bool:
         return self._adoption.look_ahead()
+
+    def _look_around(self) -> None:
+        """Something beside the automata may have changed."""
+        self._worker.submit(lambda: self._reaction([]))
+
+    def _asked(self, word: str) -> Answer:
+        """A command by its word in `PROGRAM_WORDS`."""
+        if word == "acknowledge":
+            self.acknowledge()
+            return Answer(True)
+        return self.command(word)
 
     # Jobs: in whatever thread has the turn, and nothing here waits.
 
@@ -268,4 +288,7 @@ class Program(ABC):
             statuses = [self._adoption.now(self._clock())]
         for status in statuses:
             self._shown_notices = notices
-            self._publish_one(self._completed(status, notices))
+            completed = self._completed(status, notices)
+            obstacles = {word: why for word in PROGRAM_WORDS[self.NAME] if (why := self._obstacle(word))}
+            self._recorder.published(completed, obstacles)
+            self._publish_one(completed)

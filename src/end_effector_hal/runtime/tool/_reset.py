@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import WireError
-from end_effector_hal.runtime.programs import Program
 
 
-def reset(description: Description, grip: Program, *others: Answer) -> Answer:
+class AcknowledgingProgram(Protocol):
+    """What a reset needs of the gripping program."""
+
+    def acknowledge(self) -> None:
+        """Alarms that are over were seen."""
+
+
+def reset(description: Description, grip: AcknowledgingProgram, *others: Answer) -> Answer:
     """Clear what the line arbiter has latched, and the alarms about a held part that are over.
 
     GRIP_ERROR and RELEASE_ERROR stay: those need a Drop. A fault that still is the case stays as well.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +11,7 @@ from pydantic_core import to_json
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime.boundary import DECIDED, INPUTS, STATE, RecordedController
-from end_effector_hal.signals import Frame
+from end_effector_hal.runtime.boundary import DECIDED, INPUTS, STATE, RecordedController, feed
 from timed_automata import Network
 
 from ._differs import NOTHING, Difference, first_difference
@@ -52,21 +50,6 @@ def replay(
         UsageError: a record cannot be read.
     """
     return _Replay(trace, description, network, before).run()
-
-
-_CALLS: Mapping[str, Callable[[RecordedController, Any], object]] = {
-    "start": lambda controller, record: controller.start(
-        record.levels, record.at, sensor_fault=record.sensor_fault
-    ),
-    "frame": lambda controller, record: controller.frame(
-        Frame(record.stamp, record.seq, record.device_ms, record.values), record.at
-    ),
-    "command": lambda controller, record: controller.command(record.name, record.at),
-    "tell": lambda controller, record: controller.update_peer(record.values, record.at),
-    "refused": lambda controller, record: controller.refused(record.at),
-    "acknowledge": lambda controller, record: controller.acknowledge(record.at),
-    "time": lambda controller, record: controller.advance(record.at),
-}
 
 
 class _Replay:
@@ -130,7 +113,7 @@ class _Replay:
                 self._controller = self._new_controller()
             if self._controller is None:
                 return Difference(record.at, kind, f"{kind} before the start", NOTHING)
-            _CALLS[kind](self._controller, record)
+            feed(self._controller, kind, record)
         except ReportedError as error:
             return Difference(record.at, kind, "taken", f"refused: {error}")
         return None

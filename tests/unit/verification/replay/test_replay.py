@@ -29,7 +29,10 @@ WORDS = {
     Command.CANCEL: "cancel",
 }
 TELLING = {"start", "command", "begin", "write", "event", "step", "answer", "status"}
-QUESTIONS = {"deadline", "discrete_state", "look_ahead", "refuse_maintenance", "status", "snapshot"}
+QUESTIONS = {
+    "blocking", "deadline", "discrete_state", "hold", "locations", "look_ahead", "refusal", "refuse_maintenance",
+    "senses", "snapshot", "status",
+}  # fmt: skip
 """What changes nothing in a controller, and so is not recorded."""
 
 

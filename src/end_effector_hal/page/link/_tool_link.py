@@ -1,0 +1,81 @@
+"""Both programs of a tool, and its commands."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import Any
+
+from end_effector_hal.control import PROGRAMS, Answer
+from end_effector_hal.description import Description
+from end_effector_hal.page.view import ToolView
+from end_effector_hal.runtime import reset
+from end_effector_hal.runtime.stream import program_of, program_socket
+from end_effector_hal.wires import now_us
+
+from ._program_link import ProgramLink
+
+RESET_S = 5.0
+
+
+class ToolLink:
+    """Brings the records to a view, and commands to the programs.
+
+    Args:
+        description: the tool.
+        view: gets the records.
+    """
+
+    def __init__(self, description: Description, view: ToolView) -> None:
+        self._description, self._view = description, view
+        self._links = {
+            name: ProgramLink(
+                program_socket(description, name), name, partial(self._take, name), partial(self._lost, name)
+            )
+            for name in PROGRAMS
+        }
+
+    async def run(self) -> None:
+        """Follow both programs until it is cancelled."""
+        await asyncio.gather(*(link.run() for link in self._links.values()))
+
+    async def command(self, word: str) -> Answer:
+        """Ask for a command of `PROGRAM_WORDS`, or ``reset``; an answer in any case."""
+        if word == "reset":
+            return await self._reset()
+        return await self._links[program_of(word)].ask(word)
+
+    async def _reset(self) -> Answer:
+        """As `EndEffector.reset`: the tool changer, then what the programs and the line arbiter have latched."""
+        answers = []
+        status = self._view.status()
+        if status is not None and status.changer_fault:
+            answers.append(await self._reset_changer())
+        acknowledged = await self._links["grip"].ask("acknowledge")
+        if not acknowledged.accepted:
+            answers.append(acknowledged)
+        return await asyncio.to_thread(reset, self._description, _Acknowledged(), *answers)
+
+    async def _reset_changer(self) -> Answer:
+        answer = await self._links["tool_change"].ask("reset")
+        until = now_us() + round(RESET_S * 1e6)
+        while answer.accepted and now_us() < until:
+            await asyncio.sleep(0.05)
+            status = self._view.status()
+            if status is not None and not status.changer_fault:
+                return answer
+        status = self._view.status()
+        return Answer(False, status.reason if status else "") if answer.accepted else answer
+
+    def _take(self, program: str, kind: str, at: int, record: Any) -> None:
+        self._view.take(program, kind, at, record, now_us())
+
+    def _lost(self, program: str, why: str) -> None:
+        self._view.lose(program, why, now_us())
+
+
+class _Acknowledged:
+    """The gripping program was asked before."""
+
+    def acknowledge(self) -> None:
+        pass

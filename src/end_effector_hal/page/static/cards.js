@@ -1,0 +1,132 @@
+// A card for each actuator: output, evidence, pressure against its marks, attempts, the time-out, the hold.
+import { make, put, svg, seconds } from "/static/dom.js";
+
+const WIDTH = 360;
+const plain = (kpa) => (Math.abs(kpa) < 0.05 ? "0.0" : kpa.toFixed(1));
+const EVIDENCE = { UNKNOWN: "? unknown", GONE: "○ gone", PARTIAL: "◐ partial", CONFIRMED: "● confirmed" };
+
+export class Cards {
+  constructor(list, drawn) {
+    this.cards = drawn.cards.map((card, index) => new Card(card, index));
+    list.replaceChildren(...this.cards.map((card) => card.element));
+  }
+
+  show(view) {
+    if (!view.cards) return;
+    view.cards.forEach((now, index) => this.cards[index].show(now));
+  }
+}
+
+class Card {
+  constructor(drawn, index) {
+    this.drawn = drawn;
+    this.pill = make("span", { className: "pill" });
+    const title = make("h3", {}, make("span", {}, `${index + 1}`), drawn.label);
+    this.output = make("dd");
+    this.evidence = make("dd");
+    this.pairs = make("dl", { className: "pairs" },
+      make("div", {}, make("dt", {}, "Output"), this.output), make("div", {}, make("dt", {}, "Evidence"), this.evidence));
+    this.bits = drawn.bits.map((bit) => {
+      const value = make("dd");
+      this.pairs.append(make("div", {}, make("dt", {}, bit.replaceAll("_", " ")), value));
+      return value;
+    });
+    this.element = make("li", { className: "card" }, make("header", {}, title, this.pill));
+    if (drawn.pressure) {
+      this.value = make("b");
+      this.margin = make("span", { className: "margin" });
+      this.element.append(make("div", { className: "reading" }, this.value, make("span", {}, drawn.unit), this.margin), this.gauge());
+    }
+    this.attempts = make("div", { className: "attempts", hidden: true });
+    this.timer = make("div", { className: "timer", hidden: true });
+    this.timerText = make("span");
+    this.timerBar = make("span");
+    this.timer.append(this.timerText, make("span", { className: "bar" }, this.timerBar));
+    this.hold = make("div", { className: "hold", hidden: true });
+    this.element.append(this.pairs, this.attempts, this.timer, this.hold);
+  }
+
+  x(kpa) {
+    return Math.max(0, Math.min(WIDTH, (WIDTH * kpa) / this.drawn.most));
+  }
+
+  gauge() {
+    this.fill = svg("rect", { class: "fill", x: 0, y: 18, width: 0, height: 14, rx: 3 });
+    const box = svg("svg", { class: "gauge", viewBox: `0 0 ${WIDTH} 54`, preserveAspectRatio: "none", "aria-hidden": "true" });
+    box.append(svg("rect", { class: "track", x: 0, y: 18, width: WIDTH, height: 14, rx: 3 }), this.fill);
+    box.setAttribute("preserveAspectRatio", "xMidYMid meet");
+    // words above and below in turn, moved apart so that none lies over another
+    const marks = this.drawn.marks.map((mark) => ({ ...mark, x: this.x(mark.at) })).sort((a, b) => a.x - b.x);
+    const ends = [-10, -10];
+    marks.forEach((mark, index) => {
+      const below = index % 2;
+      const text = `${mark.word} ${+mark.at.toFixed(0)}`;
+      const width = text.length * 5.5;
+      const left = Math.min(WIDTH - width, Math.max(ends[below] + 6, mark.x - width / 2, 0));
+      ends[below] = left + width;
+      const y = below ? 48 : 10;
+      box.append(svg("line", { class: "mark", x1: mark.x, x2: mark.x, y1: 16, y2: 34 }));
+      box.append(svg("line", { class: "lead", x1: mark.x, x2: left + width / 2, y1: below ? 34 : 16, y2: below ? 39 : 12 }));
+      const words = svg("text", { x: left, y, textLength: width, lengthAdjust: "spacingAndGlyphs" });
+      words.textContent = text;
+      box.append(words);
+    });
+    return box;
+  }
+
+  show(now) {
+    this.element.dataset.phase = now.phase;
+    put(this.pill, now.phase === "releasing" ? "RELEASING" : now.state);
+    put(this.output, now.output ? `● on${now.kept ? ", kept" : ""}` : "○ off");
+    put(this.evidence, EVIDENCE[now.evidence]);
+    this.bits.forEach((element, index) => put(element, now.bits[index] === undefined || now.bits[index] === null ? "?" : now.bits[index] ? "on" : "off"));
+    if (this.value) {
+      put(this.value, now.kpa === null ? "–" : plain(now.kpa));
+      this.fill.setAttribute("width", now.kpa === null ? 0 : this.x(now.kpa));
+      put(this.margin, now.kpa === null ? "no valid reading" : now.margin_kpa === null ? "" : `margin ${now.margin_kpa >= 0 ? "+" : "−"}${Math.abs(now.margin_kpa).toFixed(1)} kPa`);
+    }
+    this.showAttempt(now.attempt, now.phase);
+    this.showTimer(now.timer);
+    this.showHold(now.hold);
+  }
+
+  showAttempt(attempt, phase) {
+    this.attempts.hidden = !attempt;
+    if (!attempt) return;
+    const key = JSON.stringify([attempt.number, attempt.confirmed, phase]);
+    if (this.attemptKey !== key) {
+      this.attemptKey = key;
+      const dots = [];
+      for (let number = 1; number <= attempt.of; number += 1) {
+        const last = number === attempt.number;
+        const kind = number > attempt.number ? "" : !last ? "failed" : attempt.confirmed ? "good" : phase === "pending" ? "now" : "failed";
+        dots.push(make("i", { className: kind, "aria-hidden": "true" }));
+      }
+      this.attemptText = make("span");
+      this.attempts.replaceChildren(...dots, this.attemptText);
+    }
+    put(this.attemptText, `attempt ${attempt.number} of ${attempt.of}${attempt.confirmed ? `, confirmed after ${attempt.seconds.toFixed(2)} s` : ""}`);
+  }
+
+  showTimer(timer) {
+    this.timer.hidden = !timer;
+    if (!timer) return;
+    put(this.timerText, `${timer.what} in ${seconds(timer.left_s)} of ${timer.of_s.toFixed(1)} s`);
+    this.timerBar.style.width = `${(100 * timer.left_s) / timer.of_s}%`;
+  }
+
+  showHold(hold) {
+    this.hold.hidden = !hold;
+    if (!hold) return;
+    const leaks = hold.leak_kpa_s > 0.02;
+    const falls = leaks && hold.lost_in_s !== null;
+    this.hold.className = `hold${falls ? " leak" : hold.secure === false ? " weak" : ""}`;
+    const left = falls ? `■ lost in ${seconds(hold.lost_in_s)}` : hold.secure === false ? "▲ weak" : "● secure";
+    const right = hold.leak_kpa_s === null ? "" : leaks ? `leak ${hold.leak_kpa_s.toFixed(2)} kPa/s` : "no leak";
+    const text = hold.secure === null ? "● held" : left;
+    if (this.holdKey !== text + right) {
+      this.holdKey = text + right;
+      this.hold.replaceChildren(make("span", {}, text), make("span", {}, right));
+    }
+  }
+}

@@ -1,0 +1,104 @@
+// Buttons. Each is forbidden or not as the HAL says, in its words; a page commands only with the control.
+import { byId, make, put } from "/static/dom.js";
+
+const LABELS = { grip: "Grip", drop: "Drop", cancel: "Cancel", lock: "Lock", arm: "Arm unlock", unlock: "Unlock", reset: "Reset faults" };
+const STYLES = { drop: "danger", cancel: "cancel", lock: "plain", arm: "plain", unlock: "plain", reset: "plain" };
+const ASKS = { drop: ["Drop what is held?", "All outputs of the grip are released now, in the declared order. A part that hangs falls."] };
+const NO_STOP = "No emergency stop.";
+const csrf = document.querySelector("meta[name=csrf]").content;
+
+export class Commands {
+  constructor(page, drawn) {
+    this.page = page;
+    this.buttons = {};
+    this.refused = {};
+    byId("buttons").replaceChildren(...drawn.buttons.map((word) => this.make(word)));
+    this.take = byId("control-take");
+    this.take.onclick = () => this.control(this.mine ? "release" : "take");
+    clearInterval(Commands.renewal);
+    Commands.renewal = setInterval(() => { if (this.mine) this.control("renew"); }, 3000);
+  }
+
+  make(word) {
+    const why = make("span", { className: "why", id: `why-${word}` });
+    // not `disabled`: a forbidden button can be reached with the keyboard, and says why
+    const button = make("button", { type: "button", className: STYLES[word] || "", id: `command-${word}`, textContent: LABELS[word] });
+    button.setAttribute("aria-describedby", why.id);
+    button.addEventListener("click", () => this.press(word));
+    this.buttons[word] = { button, why };
+    return make("div", { className: `command${word === "cancel" ? " for-cancel" : ""}` }, button, why);
+  }
+
+  show(view) {
+    const control = view.control;
+    this.mine = control.holder === this.page;
+    const who = byId("control-who");
+    who.classList.toggle("mine", this.mine);
+    put(who, this.mine ? "This page has the control." : control.holder ? `${control.name} has the control.` : "Nobody has the control.");
+    put(this.take, this.mine ? "Give it back" : "Take control");
+    this.take.disabled = !this.mine && Boolean(control.holder);
+    for (const [word, refusal] of Object.entries(view.buttons)) {
+      const cancel = word === "cancel";
+      const why = refusal || (this.mine || cancel ? "" : "Take control first.");
+      this.set(word, why, cancel ? `${NO_STOP} ${view.cancel}` : why);
+    }
+  }
+
+  unheard() {
+    for (const word of Object.keys(this.buttons)) this.set(word, "The process of this page is not heard.", "The process of this page is not heard.");
+  }
+
+  set(word, refusal, text) {
+    const { button, why } = this.buttons[word];
+    this.refused[word] = refusal;
+    const disabled = refusal ? "true" : "false";
+    if (button.getAttribute("aria-disabled") !== disabled) button.setAttribute("aria-disabled", disabled);
+    put(why, text);
+  }
+
+  async press(word) {
+    if (this.refused[word]) {
+      this.answer(`${LABELS[word]}: ${this.refused[word]}`, false);
+      return;
+    }
+    if (ASKS[word] && !(await confirmed(...ASKS[word]))) return;
+    this.answer(`${LABELS[word]} …`, null);
+    const said = await this.post("/command", word);
+    this.answer(`${LABELS[word]}: ${said.accepted ? said.reason || "accepted." : said.reason}`, said.accepted);
+  }
+
+  async control(word) {
+    const said = await this.post("/control", word);
+    if (!said.accepted && said.reason) this.answer(said.reason, false);
+  }
+
+  async post(path, word) {
+    try {
+      const answer = await fetch(path, {
+        method: "POST",
+        headers: { "content-type": "application/json", "x-eehal-csrf": csrf },
+        body: JSON.stringify({ page: this.page, word }),
+      });
+      return answer.ok ? await answer.json() : { accepted: false, reason: (await answer.text()).trim() };
+    } catch {
+      return { accepted: false, reason: "The process of this page is not heard: what became of it is unknown." };
+    }
+  }
+
+  answer(text, accepted) {
+    const line = byId("answer");
+    line.className = `answer${accepted === null ? "" : accepted ? " done" : " refused"}`;
+    line.textContent = text;
+  }
+}
+
+function confirmed(title, text) {
+  const dialog = byId("confirm");
+  put("confirm-title", title);
+  put("confirm-text", text);
+  dialog.returnValue = "no";
+  dialog.showModal();
+  return new Promise((resolve) => {
+    dialog.addEventListener("close", () => resolve(dialog.returnValue === "yes"), { once: true });
+  });
+}

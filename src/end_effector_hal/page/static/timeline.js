@@ -1,0 +1,213 @@
+// Lanes of states on a canvas, pressures below with uPlot, on one scale of time; a click opens the nearest event.
+import { byId, make } from "/static/dom.js";
+
+const LABELS = 118;
+const RIGHT = 16;
+const LANE = 26;
+const KEPT_S = 185;
+const COLOURS = ["#0b6fc2", "#c2570c", "#0d8a5a", "#8a4fc7", "#a3781a", "#c23a6b"];
+
+export class TimeLine {
+  constructor(drawn, open) {
+    this.drawn = drawn;
+    this.open = open;
+    this.span = 60;
+    this.still = false;
+    this.data = [[], ...drawn.pressures.map(() => [])];
+    this.changes = Object.fromEntries(drawn.lanes.map((lane) => [lane.name, []]));
+    this.events = [];
+    this.now = 0;
+    this.canvas = byId("lanes");
+    this.canvas.style.height = `${drawn.lanes.length * LANE + 24}px`;
+    this.canvas.onclick = (event) => this.click(event);
+    for (const button of document.querySelectorAll("[data-span]")) {
+      button.onclick = () => {
+        this.span = Number(button.dataset.span);
+        for (const other of document.querySelectorAll("[data-span]")) other.setAttribute("aria-pressed", String(other === button));
+        this.draw();
+      };
+    }
+    const still = byId("hold-still");
+    still.onclick = () => {
+      this.still = !this.still;
+      still.setAttribute("aria-pressed", String(this.still));
+    };
+    this.plots = this.makePlots();
+    window.onresize = () => this.resize();
+    this.lastDrawn = 0;
+  }
+
+  makePlots() {
+    byId("plots").replaceChildren();
+    const groups = [true, false].map((below) => this.drawn.pressures.map((each, index) => ({ ...each, index })).filter((each) => each.below === below));
+    return groups.filter((group) => group.length).map((group) => {
+      const holder = make("div");
+      byId("plots").append(holder);
+      const style = getComputedStyle(document.documentElement);
+      const ink = style.getPropertyValue("--muted").trim();
+      const grid = { stroke: style.getPropertyValue("--line").trim(), width: 1 };
+      const marks = this.drawn.cards.filter((card) => group.some((each) => each.name === card.name)).flatMap((card) => card.marks)
+        .filter((mark, index, all) => ["lost", "confirmed", "secure"].includes(mark.word) && all.findIndex((other) => other.word === mark.word && other.at === mark.at) === index);
+      const most = Math.max(...this.drawn.cards.filter((card) => group.some((each) => each.name === card.name)).map((card) => card.most));
+      const options = {
+        width: this.width(), height: 170, legend: { live: false }, cursor: { drag: { x: false, y: false }, y: false },
+        padding: [12, RIGHT, 0, 0],
+        scales: { x: { time: false, range: () => [this.now - this.span, this.now] }, y: { range: [Math.min(0, -most * 0.04), most] } },
+        axes: [
+          { stroke: ink, grid, ticks: grid, values: (_, ticks) => ticks.map((tick) => (tick < 0 ? "" : `${tick} s`)) },
+          { stroke: ink, grid, ticks: grid, size: LABELS, label: group[0].below ? "kPa below ambient" : "kPa", labelSize: 18 },
+        ],
+        series: [{}, ...group.map((each) => ({ label: each.label, stroke: COLOURS[each.index % COLOURS.length], width: 1.6, dash: each.index % 2 ? [7, 4] : undefined, points: { show: false } }))],
+        hooks: { draw: [(plot) => drawMarks(plot, marks, ink)] },
+      };
+      return { plot: new window.uPlot(options, this.slice(group), holder), group };
+    });
+  }
+
+  width() {
+    return Math.max(200, byId("timeline").clientWidth - 26);
+  }
+
+  slice(group) {
+    return [this.data[0], ...group.map((each) => this.data[each.index + 1])];
+  }
+
+  add(view) {
+    const epoch = this.drawn.epoch;
+    for (const row of view.samples) {
+      this.data[0].push((row[0] - epoch) / 1e6);
+      for (let index = 1; index < row.length; index += 1) this.data[index].push(row[index]);
+    }
+    for (const change of view.changes) this.changes[change.lane]?.push({ at: (change.at - epoch) / 1e6, word: change.word });
+    this.events.push(...view.log.filter((entry) => entry.detail && entry.kind !== "automaton"));
+    if (this.still) return;
+    this.now = (view.at - epoch) / 1e6;
+    this.forget();
+    if (!document.hidden && performance.now() - this.lastDrawn > 190) this.draw();
+  }
+
+  forget() {
+    const from = this.now - KEPT_S;
+    const first = this.data[0].findIndex((at) => at >= from);
+    if (first > 500) for (const column of this.data) column.splice(0, first);
+    for (const lane of Object.values(this.changes)) while (lane.length > 1 && lane[1].at < from) lane.shift();
+    this.events = this.events.filter((entry) => (entry.at - this.drawn.epoch) / 1e6 >= from);
+  }
+
+  draw() {
+    this.lastDrawn = performance.now();
+    for (const { plot, group } of this.plots) plot.setData(this.slice(group));
+    this.drawLanes();
+  }
+
+  resize() {
+    for (const { plot } of this.plots) plot.setSize({ width: this.width(), height: 170 });
+    this.draw();
+  }
+
+  x(at, width) {
+    return LABELS + ((at - (this.now - this.span)) / this.span) * (width - LABELS - RIGHT);
+  }
+
+  drawLanes() {
+    const canvas = this.canvas;
+    const ratio = window.devicePixelRatio || 1;
+    const width = this.width();
+    const height = this.drawn.lanes.length * LANE + 24;
+    canvas.width = width * ratio;
+    canvas.height = height * ratio;
+    canvas.style.width = `${width}px`;
+    const pen = canvas.getContext("2d");
+    pen.scale(ratio, ratio);
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name) => style.getPropertyValue(name).trim();
+    pen.font = `12px ${style.getPropertyValue("--font")}`;
+    pen.textBaseline = "middle";
+    this.drawn.lanes.forEach((lane, index) => {
+      const y = index * LANE + 20;
+      pen.fillStyle = colour("--muted");
+      pen.textAlign = "right";
+      pen.fillText(fit(pen, lane.label, LABELS - 14), LABELS - 10, y + LANE / 2 - 2);
+      pen.textAlign = "left";
+      const changes = this.changes[lane.name];
+      changes.forEach((change, number) => {
+        const end = number + 1 < changes.length ? changes[number + 1].at : this.now;
+        const from = Math.max(LABELS, this.x(change.at, width));
+        const to = Math.min(width - RIGHT, this.x(end, width));
+        if (to <= LABELS || !change.word) return;
+        const [fill, ink] = toneOf(change.word);
+        pen.fillStyle = colour(fill);
+        pen.fillRect(from, y, Math.max(1, to - from - 1), LANE - 4);
+        pen.fillStyle = colour(ink);
+        const text = fit(pen, change.word, to - from - 8);
+        if (text === change.word || text.length > 4) pen.fillText(text, from + 5, y + LANE / 2 - 2);
+      });
+    });
+    for (const entry of this.events) {
+      const x = this.x((entry.at - this.drawn.epoch) / 1e6, width);
+      if (x < LABELS || x > width - RIGHT) continue;
+      pen.fillStyle = colour(entry.kind === "time-out" ? "--warn" : "--muted");
+      pen.beginPath();
+      pen.moveTo(x, 14);
+      pen.lineTo(x - 4, 5);
+      pen.lineTo(x + 4, 5);
+      pen.fill();
+    }
+  }
+
+  click(event) {
+    const width = this.width();
+    const x = event.offsetX;
+    const nearest = this.events.map((entry) => [Math.abs(this.x((entry.at - this.drawn.epoch) / 1e6, width) - x), entry]).sort((a, b) => a[0] - b[0])[0];
+    this.open(nearest && nearest[0] < 30 ? nearest[1] : null);
+  }
+}
+
+function toneOf(word) {
+  if (/ERROR|FAULT/.test(word)) return ["--bad-soft", "--bad"];
+  if (/RELEASING/.test(word)) return ["--release-soft", "--release"];
+  if (/PENDING|GRIPPING|ING$/.test(word)) return ["--busy-soft", "--busy"];
+  if (/^(OFF|STAND-BY|RETRACTED|OPEN|INACTIVE|UNKNOWN)$/.test(word)) return ["--idle-soft", "--muted"];
+  return ["--ok-soft", "--ok"];
+}
+
+function fit(pen, text, width) {
+  if (pen.measureText(text).width <= width) return text;
+  let cut = text;
+  while (cut.length && pen.measureText(`${cut}…`).width > width) cut = cut.slice(0, -1);
+  return cut ? `${cut}…` : "";
+}
+
+function drawMarks(plot, marks, ink) {
+  const pen = plot.ctx;
+  const ratio = window.devicePixelRatio || 1;
+  pen.save();
+  pen.strokeStyle = ink;
+  pen.fillStyle = ink;
+  pen.setLineDash([3 * ratio, 3 * ratio]);
+  pen.font = `${10.5 * ratio}px sans-serif`;
+  pen.textAlign = "left";
+  const labels = [];
+  let last = Infinity;
+  for (const mark of [...marks].sort((a, b) => a.at - b.at)) {
+    const y = plot.valToPos(mark.at, "y", true);
+    pen.beginPath();
+    pen.moveTo(plot.bbox.left, y);
+    pen.lineTo(plot.bbox.left + plot.bbox.width, y);
+    pen.stroke();
+    if (last - y > 11 * ratio) {
+      labels.push([mark.word, y]);
+      last = y;
+    }
+  }
+  pen.textBaseline = "middle";
+  const paper = getComputedStyle(document.documentElement).getPropertyValue("--paper").trim();
+  for (const [word, y] of labels) {
+    const width = pen.measureText(word).width;
+    pen.fillStyle = paper;
+    pen.fillRect(plot.bbox.left + 6 * ratio, y - 6 * ratio, width + 8 * ratio, 12 * ratio);
+    pen.fillStyle = ink;
+    pen.fillText(word, plot.bbox.left + 10 * ratio, y);
+  }
+  pen.restore();
+}

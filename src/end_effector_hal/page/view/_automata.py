@@ -1,0 +1,178 @@
+"""The executed automata as they stand in their file, and where they are: locations, the last edge, clocks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from end_effector_hal.control import PROGRAMS, Controller, model_constants
+from end_effector_hal.description import Description
+from timed_automata import DrawnEdge, DrawnLocation, Label, Network, Step, Template
+
+_BOUND = re.compile(r"\b(?P<clock>[A-Za-z_]\w*)\s*<=?\s*(?P<bound>[^&|]+)")
+_TERM = re.compile(r"(?P<number>\d+)|(?P<name>[A-Z]\w*)(\[(?P<index>\w+)\])?")
+_AT_PLACES = ("invariant",)
+_ON_EDGES = ("select", "guard", "synchronisation", "assignment", "comments")
+_SPACING = 220
+
+
+class AutomataView:
+    """Drawn once; lit by what the controllers are in.
+
+    Args:
+        network: its document has the coordinates.
+        description: names the executed processes.
+    """
+
+    def __init__(self, network: Network, description: Description) -> None:
+        self._processes = [
+            (process, program)
+            for process in network.processes
+            for program in PROGRAMS
+            if {process.template, process.name} & set(getattr(description.automata, program))
+        ]
+        self._templates = {
+            template.name.content.strip(): template
+            for template in network.document.templates
+            if template.name.content.strip() in {process.template for process, _ in self._processes}
+        }
+        self._constants = model_constants(description)
+        self._edges = {
+            edge.place.where(0): number
+            for template in self._templates.values()
+            for number, edge in enumerate(template.edges)
+        }
+        self._last: dict[str, dict[str, int]] = {}
+        self._sequence = description.sequence
+
+    def drawn(self) -> dict[str, Any]:
+        """Templates with their coordinates, and the processes that are made of them."""
+        return {
+            "templates": [_template(name, each) for name, each in self._templates.items()],
+            "processes": [
+                {"name": process.name, "template": process.template, "who": self._who(process.name)}
+                for process, _ in self._processes
+            ],
+        }
+
+    def step(self, step: Step) -> None:
+        """Edges were taken."""
+        for edge in step.edges:
+            if (number := self._edges.get(edge.where)) is not None:
+                self._last[edge.process] = {"edge": number, "at": step.at}
+
+    def now(self, controllers: Mapping[str, Controller | None], at: int) -> dict[str, Any]:
+        """By process: its location, the last edge, its clocks with their bounds, in ms."""
+        snapshots = {name: each.locations() if each else None for name, each in controllers.items()}
+        shown: dict[str, Any] = {}
+        for process, program in self._processes:
+            if (snapshot := snapshots[program]) is None:
+                continue
+            location = snapshot.locations[process.name]
+            shown[process.name] = {
+                "location": location,
+                "last": self._last.get(process.name),
+                "clocks": self._clocks(process.template, process.name, location, snapshot.zeros, at),
+            }
+        return shown
+
+    def _who(self, process: str) -> str:
+        found = re.fullmatch(r"\w+\((\d+)\)", process)
+        return self._sequence[int(found[1])] if found and int(found[1]) < len(self._sequence) else ""
+
+    def _clocks(
+        self, template: str, process: str, location: str, zeros: Mapping[str, int], at: int
+    ) -> list[dict[str, Any]]:
+        """The clocks that the invariant of a location bounds."""
+        drawn = next((each for each in self._templates[template].locations if _name(each) == location), None)
+        text = drawn.labels["invariant"].text.content if drawn and "invariant" in drawn.labels else ""
+        clocks = []
+        for found in _BOUND.finditer(text):
+            clock = found["clock"]
+            zero = zeros.get(f"{process}.{clock}", zeros.get(f"{template}.{clock}", zeros.get(clock)))
+            if zero is not None:
+                bound = found["bound"].strip()
+                limit_ms = self._number(bound, process)
+                clocks.append({"name": clock, "ms": (at - zero) / 1000, "bound": bound, "limit_ms": limit_ms})
+        return clocks
+
+    def _number(self, bound: str, process: str) -> int | None:
+        """A sum of constants and numbers, such as ``T_CONFIRM[i] + D``; None: it is something else."""
+        instance = re.fullmatch(r"\w+\((\d+)\)", process)
+        total = 0
+        for term in bound.split("+"):
+            found = _TERM.fullmatch(term.strip())
+            if found is None:
+                return None
+            value: Any = int(term) if found["number"] else self._constants.get(found["name"])
+            if found["index"] is not None:
+                index = int(instance[1]) if instance and found["index"] == "i" else None
+                value = value[index] if isinstance(value, list) and index is not None else None
+            if not isinstance(value, int):
+                return None
+            total += value
+        return total
+
+
+def _name(location: DrawnLocation) -> str:
+    return location.name.text.content.strip() if location.name else ""
+
+
+def _template(name: str, template: Template) -> dict[str, Any]:
+    spots = _spots(template)
+    numbers = {each.id: index for index, each in enumerate(template.locations)}
+    return {
+        "name": name,
+        "locations": [
+            {
+                "name": _name(each),
+                "x": spots[each.id][0],
+                "y": spots[each.id][1],
+                "initial": each.id == template.initial,
+                "mark": "C" if each.committed else "U" if each.urgent else "",
+                "labels": [
+                    *_labels([each.name] if each.name else [], spots[each.id], -10, -34),
+                    *_labels(
+                        [each.labels[k] for k in _AT_PLACES if k in each.labels], spots[each.id], -10, 16
+                    ),
+                ],
+            }
+            for each in template.locations
+        ],
+        "edges": [_edge(each, spots, numbers) for each in template.edges],
+    }
+
+
+def _edge(
+    edge: DrawnEdge, spots: Mapping[str, tuple[int, int]], numbers: Mapping[str, int]
+) -> dict[str, Any]:
+    way = [spots[edge.source], *((nail.x, nail.y) for nail in edge.nails), spots[edge.target]]
+    middle = (
+        way[len(way) // 2] if len(way) > 2 else ((way[0][0] + way[1][0]) // 2, (way[0][1] + way[1][1]) // 2)
+    )
+    labels = [edge.labels[kind] for kind in _ON_EDGES if kind in edge.labels]
+    return {
+        "source": numbers[edge.source],
+        "target": numbers[edge.target],
+        "way": way,
+        "labels": _labels(labels, middle, 6, 0),
+    }
+
+
+def _labels(labels: list[Label], spot: tuple[int, int], dx: int, dy: int) -> list[dict[str, Any]]:
+    found = []
+    for label in labels:
+        x, y = (label.at.x, label.at.y) if label.at else (spot[0] + dx, spot[1] + dy)
+        lines = [line.expandtabs(4).rstrip() for line in label.text.content.strip("\n").split("\n")]
+        found.append({"kind": label.kind, "x": x, "y": y, "lines": lines})
+        dy += 15 * len(lines)
+    return found
+
+
+def _spots(template: Template) -> dict[str, tuple[int, int]]:
+    """Where the locations are; those without coordinates stand in a row below."""
+    known = {each.id: (each.at.x, each.at.y) for each in template.locations if each.at}
+    below = max((y for _, y in known.values()), default=0) + _SPACING
+    missing = [each.id for each in template.locations if not each.at]
+    return known | {name: (number * _SPACING, below) for number, name in enumerate(missing)}

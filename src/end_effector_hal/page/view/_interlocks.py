@@ -1,0 +1,114 @@
+"""The interlocks of the contract, IL-01 to IL-13: what each says now, and why."""
+
+from __future__ import annotations
+
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.control import Controller, Status
+from end_effector_hal.description import Description
+from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, predicates_fitted
+from end_effector_hal.vocabulary import EndEffectorState
+
+_RULES = {
+    "IL-01": "Unlock only when nothing is gripped or held",
+    "IL-02": "Unlock only in the stand, or armed",
+    "IL-03": "The unlock output ends by itself",
+    "IL-04": "Locked is proven by both bits",
+    "IL-05": "No gripping unless the tool is locked",
+    "IL-06": "No new grip under the least supply pressure",
+    "IL-07": "No grip with feedback present or invalid",
+    "IL-08": "Never suction and blow-off together",
+    "IL-09": "Only a Drop releases a held part",
+    "IL-10": "A valve is on or off for 50 ms at least",
+    "IL-11": "Nothing is activated by itself after a start or a fault",
+    "IL-12": "Single outputs in maintenance only",
+    "IL-13": "No activation while the e-stop is open",
+}
+_BLOCKS = {"IL-01": "unlock", "IL-02": "unlock", "IL-05": "grip", "IL-06": "grip", "IL-07": "grip"}
+_AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
+_CHANGER = "There is no tool changer."
+FULFILLED, BLOCKING, NOT_FITTED, OFF, NOT_ASKED = "fulfilled", "blocking", "not fitted", "off", "not asked"
+
+
+class InterlockTable:
+    """What the description says of each, and what the programs say now."""
+
+    def __init__(self, description: Description) -> None:
+        self._description = description
+        self._fitted = predicates_fitted(description, carrier_of(description))
+        carried = carrier_of(description).channels
+        self._supply = description.supply.channel in carried
+        locks = description.interlocks
+        self._on = {
+            "IL-01": locks.il_01, "IL-02": locks.il_02, "IL-05": locks.il_05, "IL-06": locks.il_06,
+            "IL-07": locks.il_07, "IL-09": locks.il_09,
+        }  # fmt: skip
+        self._static = self._by_description()
+
+    def now(
+        self, status: Status | None, grip: Controller | None, change: Controller | None, at: int
+    ) -> list[dict[str, str]]:
+        """All of them, in their order."""
+        said: dict[str, str] = {}
+        if grip is not None:
+            found = grip.blocking
+            said |= {name: found[name] for name in ("IL-05", "IL-06", "IL-07")}
+        if change is not None:
+            found = change.blocking
+            said |= {name: found[name] for name in ("IL-01", "IL-02")}
+        if status is not None:
+            said |= self._by_status(status, change, at)
+        gripping = status is not None and status.ee not in _AT_REST
+        return [self._row(name, said, gripping=gripping) for name in _RULES]
+
+    def _row(self, name: str, said: dict[str, str], *, gripping: bool) -> dict[str, str]:
+        row = {"id": name, "rule": _RULES[name], "blocks": _BLOCKS.get(name, "")}
+        if name == "IL-07" and gripping and name not in self._static:
+            return {**row, "state": NOT_ASKED, "why": "asked when a grip begins"}
+        if name in self._static:
+            state, why = self._static[name]
+            return {**row, "state": state, "why": why}
+        why = said.get(name, "").removeprefix(f"{name}: ")
+        return {**row, "state": BLOCKING if why else FULFILLED, "why": why}
+
+    def _by_description(self) -> dict[str, tuple[str, str]]:
+        tool, found = self._description, dict[str, tuple[str, str]]()
+        changer = tool.tool_changer
+        for name, on in self._on.items():
+            if not on:
+                found[name] = OFF, "switched off in the description"
+        if changer is None:
+            found |= dict.fromkeys(("IL-01", "IL-02", "IL-03", "IL-04", "IL-05"), (NOT_FITTED, _CHANGER))
+        else:
+            if changer.latching:
+                found["IL-03"] = NOT_FITTED, "the tool changer is declared latching"
+            if LOCKED not in self._fitted:
+                why = f"no sensor {changer.locked_bit} and {changer.unlocked_bit}"
+                found |= {"IL-04": (NOT_FITTED, why), "IL-05": (NOT_FITTED, why)}
+            if NOTHING_GRIPPED not in self._fitted:
+                found["IL-01"] = NOT_FITTED, "no sensor shows what is gripped"
+        if not self._supply and "IL-06" not in found:
+            found["IL-06"] = NOT_FITTED, "no sensor shows the supply pressure"
+        if not tool.blow_off_lines:
+            found["IL-08"] = NOT_FITTED, "there is no blow-off"
+        if E_STOP_CLOSED not in self._fitted:
+            found["IL-13"] = NOT_FITTED, "there is no e-stop input"
+        return found
+
+    def _by_status(self, status: Status, change: Controller | None, at: int) -> dict[str, str]:
+        said: dict[str, str] = {}
+        for alarm in status.alarms:
+            name = alarm[:5]
+            if name in _RULES and not alarm.startswith("Over"):
+                said[name] = alarm
+        if status.changer_fault and status.reason.startswith("IL-04"):
+            said["IL-04"] = status.reason
+        if status.maintenance:
+            said["IL-12"] = "Maintenance is on: no grip until it ends."
+        e_stop = self._description.e_stop
+        if e_stop is not None and change is not None and "IL-13" not in said:
+            closed = change.senses.now.readings.get(e_stop.channel, change.status().at)
+            if not closed:
+                said["IL-13"] = (
+                    f"the e-stop is {'open' if closed is False else 'not known'} ({e_stop.channel})"
+                )
+        return said

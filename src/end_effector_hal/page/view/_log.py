@@ -1,0 +1,160 @@
+"""What happened, as one log: transitions, time-outs, commands, refusals, alarms; each with its cause."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, display_name
+from timed_automata import Document, Step, Template
+
+KEPT = 1_000
+"""Entries that are remembered."""
+LONGEST = 600
+"""Letters of a guard."""
+_INDEX = re.compile(r"(\w+)\[(\d+)\]")
+
+
+class EventLog:
+    """Entries as JSON: number, time, kind, text, and what stands behind it.
+
+    Args:
+        description: the tool.
+        document: its UPPAAL file, for the guards.
+    """
+
+    def __init__(self, description: Description, document: Document) -> None:
+        self._description = description
+        self._labels = {
+            edge.place.where(0): (template, number)
+            for template in document.templates
+            for number, edge in enumerate(template.edges)
+        }
+        self.entries: deque[dict[str, Any]] = deque(maxlen=KEPT)
+        self._count = 0
+        self._asked: dict[str, str] = {}
+        self._alarms: dict[str, tuple[str, ...]] = {}
+
+    def since(self, number: int) -> list[dict[str, Any]]:
+        """What came after the entry of that number."""
+        return [entry for entry in self.entries if entry["n"] > number]
+
+    @property
+    def newest(self) -> int:
+        """The number of the newest entry; 0: there is none."""
+        return self._count
+
+    def take(self, program: str, kind: str, record: Any, readings: Mapping[str, Any]) -> None:
+        """One record; ``readings``: what the sensors say then."""
+        if kind == "step":
+            self._step(program, record, readings)
+        elif kind == "command":
+            self._asked[program] = record.name
+        elif kind == "answer":
+            word = self._asked.pop(program, "command")
+            if not record.accepted:
+                self.add(record.at, "refusal", f"{word.capitalize()} refused. {record.reason}", program)
+            else:
+                self.add(record.at, "command", f"{word.capitalize()} accepted.", program)
+        elif kind == "refused":
+            self.add(record.at, "refusal", "The line arbiter refused an activation.", program)
+        elif kind == "lines" and record.error:
+            self.add(record.at, "refusal", record.error, program)
+        elif kind == "owner":
+            there = "is there again" if record.there else f"was lost. {record.why}"
+            self.add(
+                record.at,
+                "alarm",
+                f"The line arbiter {there}".rstrip() + ("." if record.there else ""),
+                program,
+            )
+        elif kind == "published":
+            self._published(program, record.status)
+
+    def add(
+        self, at: int, kind: str, text: str, who: str = "", detail: Mapping[str, Any] | None = None
+    ) -> None:
+        """One entry."""
+        self._count += 1
+        self.entries.append(
+            {"n": self._count, "at": at, "kind": kind, "text": text, "who": who, "detail": detail}
+        )
+
+    def _published(self, program: str, status: Status) -> None:
+        before = self._alarms.get(program, ())
+        self._alarms[program] = status.alarms
+        elsewhere = {alarm for name, alarms in self._alarms.items() if name != program for alarm in alarms}
+        for alarm in status.alarms:
+            if alarm not in before and alarm not in elsewhere:
+                self.add(status.at, "alarm", alarm, program)
+        for alarm in before:
+            if alarm not in status.alarms and alarm not in elsewhere:
+                self.add(status.at, "over", f"No longer: {alarm}", program)
+
+    def _step(self, program: str, step: Step, readings: Mapping[str, Any]) -> None:
+        edges = [self._edge(edge.process, edge.source, edge.target, edge.where) for edge in step.edges]
+        timed = step.due is not None and any(edge["clock"] for edge in edges)
+        changes = [f"{change.name} = {change.new}" for change in step.changes]
+        words = self._words([(change.name, change.new) for change in step.changes])
+        detail = {
+            "edges": edges,
+            "received": step.received,
+            "changes": changes,
+            "late_ms": step.late_us / 1000,
+            "missed": step.missed,
+            "readings": dict(readings),
+        }
+        moved = f"{step.edges[0].process}: {step.edges[0].source} → {step.edges[0].target}"
+        kind = "time-out" if timed and words else "transition" if words else "automaton"
+        self.add(step.at, kind, "; ".join(words) or moved, program, detail)
+        if step.missed:
+            self.add(step.at, "alarm", f"Taken {step.late_us / 1000:.1f} ms late: beyond the bound.", program)
+
+    def _edge(self, process: str, source: str, target: str, where: str) -> dict[str, Any]:
+        template, number = self._labels.get(where, (None, -1))
+        labels = _labels(template, number)
+        clock = bool(re.search(r"\b\w\s*>=", labels.get("guard", "")))
+        return {
+            "process": process,
+            "source": source,
+            "target": target,
+            "number": number,
+            "clock": clock,
+            **labels,
+        }
+
+    def _words(self, changes: Sequence[tuple[str, int]]) -> list[str]:
+        """What changed, in the words of the tool."""
+        parts, said = self._description.ordered, []
+        for name, value in changes:
+            if name == "ee":
+                said.append(f"State {EndEffectorState(value).label}")
+            elif name == "changer":
+                said.append(f"Tool changer {ChangerState(value).name}")
+            elif name == "unlock_valve":
+                said.append(f"Unlock output {'on' if value else 'off'}")
+            elif name in ("command", "changer_command") and value != Command.NONE:
+                said.append(f"Command {Command(value).label}")
+            elif (found := _INDEX.fullmatch(name)) and found[1] in ("actuator", "valve"):
+                who, part = parts[int(found[2])]
+                if found[1] == "valve":
+                    said.append(f"{display_name(who)} output {'on' if value else 'off'}")
+                else:
+                    said.append(f"{display_name(who)} {kind_of(part).states(value).label}")
+        return said
+
+
+def _labels(template: Template | None, number: int) -> dict[str, str]:
+    if template is None:
+        return {}
+    labels = template.edges[number].labels
+    return {
+        kind: " ".join(labels[kind].text.content.split())[:LONGEST]
+        for kind in ("guard", "synchronisation", "assignment", "comments")
+        if kind in labels
+    }

@@ -1,0 +1,79 @@
+"""A program as the page sees it: a controller that gets the same inputs, and so stands where that one stands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from end_effector_hal.control import Controller, Status
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.recording import content_hash
+from end_effector_hal.runtime.boundary import INPUTS, PUBLISHED, STATE, Header, Published, feed
+from timed_automata import Network
+
+
+class Replica:
+    """Follows one program by its records; it decides nothing, and asks the same automata what they would say.
+
+    Args:
+        description: the tool.
+        network: its automata.
+        program: ``grip`` or ``tool_change``.
+
+    Attributes:
+        connected: whether its stream is there.
+        why: why nothing is shown of it, a sentence; empty: it is shown.
+        heard_at: µs of the last sign of life.
+    """
+
+    def __init__(self, description: Description, network: Network, program: str) -> None:
+        self._description, self._network, self.program = description, network, program
+        self.connected, self.why, self.heard_at = False, f"The {program} program is not heard yet.", 0
+        self.controller: Controller | None = None
+        self.published: Published | None = None
+
+    @property
+    def status(self) -> Status | None:
+        """As the world gets it; None: nothing is known yet."""
+        return self.published.status if self.published else None
+
+    def take(self, kind: str, record: Any) -> None:
+        """One record.
+
+        Raises:
+            ReportedError: it does not fit what came before: a new state is needed.
+        """
+        if kind == "header":
+            self._begin(record)
+        elif kind == STATE:
+            self.controller = self._new()
+            self.controller.resume(record)
+        elif kind == "start":
+            self.controller = self._new()
+            feed(self.controller, kind, record)
+        elif kind in INPUTS and self.controller is not None:
+            feed(self.controller, kind, record)
+        elif kind == PUBLISHED:
+            self.published = record
+
+    def lose(self, why: str) -> None:
+        """The stream is gone."""
+        self.connected, self.why = False, why
+
+    def refusal(self, word: str) -> str:
+        """Why the program would refuse a command now; empty: it would accept it."""
+        if not self.connected:
+            return self.why
+        if self.published is None or self.controller is None:
+            return f"The {self.program} program has not said yet where it stands."
+        return self.published.refused.get(word) or self.controller.refusal(word)
+
+    def _begin(self, header: Header) -> None:
+        expected = content_hash(self._description)
+        if header.hash != expected or header.program != self.program:
+            what = f"The {self.program} program runs another description ({header.source}, {header.hash})"
+            raise ReportedError(f"{what} than this page ({expected}).")
+        self.connected, self.why, self.controller, self.published = True, "", None, None
+
+    def _new(self) -> Controller:
+        return Controller(self._description, self._network, self.program)

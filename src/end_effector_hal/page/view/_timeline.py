@@ -1,0 +1,87 @@
+"""What is drawn over time: pressures as samples, states as lanes."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from itertools import islice
+from typing import Any
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.vocabulary import display_name
+
+from ._cards import is_releasing
+
+KEPT_US = 180_000_000
+MOST_SAMPLES = 20_000
+MOST_CHANGES = 4_000
+
+
+class TimeLine:
+    """The last three minutes, and what came since somebody looked.
+
+    Args:
+        description: the tool.
+        pressures: name, channel and whether it is below ambient, of what is drawn.
+    """
+
+    def __init__(self, description: Description, pressures: Sequence[tuple[str, str, bool]]) -> None:
+        self._pressures = pressures
+        self._parts = description.ordered
+        self._changer = description.tool_changer is not None
+        self._samples: deque[list[Any]] = deque(maxlen=MOST_SAMPLES)
+        self._changes: deque[dict[str, Any]] = deque(maxlen=MOST_CHANGES)
+        self._last: dict[str, str] = {}
+        self.sampled = self.changed = 0
+        """How many there were."""
+
+    def frame(self, at: int, values: Mapping[str, Any]) -> None:
+        """One frame of the sensors."""
+        row: list[Any] = [at]
+        for _, channel, below in self._pressures:
+            value = values.get(channel)
+            row.append(None if value is None else (-value if below else value) / 1000)
+        self._samples.append(row)
+        self.sampled += 1
+        while self._samples and self._samples[0][0] < at - KEPT_US:
+            self._samples.popleft()
+
+    def status(self, status: Status) -> None:
+        """One status of the tool."""
+        words = {"": status.ee.label}
+        for index, (name, part) in enumerate(self._parts):
+            state = kind_of(part).states(status.actuators[index])
+            words[name] = "RELEASING" if is_releasing(status, index) else state.label
+        if self._changer:
+            words["tool changer"] = status.changer.name
+        self._note(status.at, words)
+
+    def gap(self, at: int) -> None:
+        """Nothing is known from here on."""
+        if self._last:
+            self._note(at, dict.fromkeys(self._last, ""))
+
+    def since(self, sampled: int, changed: int) -> dict[str, Any]:
+        """Samples and changes beyond these numbers."""
+        new = min(len(self._samples), self.sampled - sampled)
+        fresh = min(len(self._changes), self.changed - changed)
+        return {
+            "samples": list(islice(self._samples, len(self._samples) - new, None)),
+            "changes": list(islice(self._changes, len(self._changes) - fresh, None)),
+        }
+
+    @property
+    def lanes(self) -> list[dict[str, str]]:
+        """Their names, from top to bottom."""
+        own = [{"name": "", "label": "End-effector"}]
+        own += [{"name": name, "label": display_name(name)} for name, _ in self._parts]
+        return [*own, *([{"name": "tool changer", "label": "Tool changer"}] if self._changer else [])]
+
+    def _note(self, at: int, words: dict[str, str]) -> None:
+        for lane, word in words.items():
+            if self._last.get(lane) != word:
+                self._changes.append({"at": at, "lane": lane, "word": word})
+                self.changed += 1
+        self._last = words

@@ -1,0 +1,262 @@
+"""The whole page as JSON, from the records of both programs."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.control import PROGRAMS, Status, network_of
+from end_effector_hal.control.goals import tool_status
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import content_hash
+from end_effector_hal.runtime.stream import program_of
+from end_effector_hal.verification.proof import kept_verdict
+from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
+
+from ._automata import AutomataView
+from ._cards import Cards
+from ._interlocks import InterlockTable
+from ._log import EventLog
+from ._replica import Replica
+from ._timeline import TimeLine
+
+STALE_US = 1_200_000
+"""No news for so long: nothing that is shown counts as present."""
+_RATE_US = 2_000_000
+_BUTTONS = ("grip", "drop", "cancel", "lock", "arm", "unlock", "reset")
+_CHANGER_WORDS = ("lock", "arm", "unlock")
+_GOING = {
+    Command.GRIP: "Grip", Command.RELEASE: "Release", Command.LOCK: "Lock", Command.UNLOCK: "Unlock",
+    Command.CANCEL: "Cancel",
+}  # fmt: skip
+
+
+class ToolView:
+    """Sans-IO: records and time in, views out; times in µs on the monotonic clock.
+
+    Args:
+        description: the tool; its programs must run the same one.
+        at: now.
+
+    Raises:
+        ModelError, UsageError: its automata, or what brings its channels, cannot be loaded.
+    """
+
+    def __init__(self, description: Description, at: int) -> None:
+        self.description, self.begun_at = description, at
+        network, carrier = network_of(description), carrier_of(description)
+        self._hash = content_hash(description)
+        self._period_us = carrier.period_us
+        self._replicas = {name: Replica(description, network, name) for name in PROGRAMS}
+        self._cards = Cards(description, dict(carrier.channels))
+        self._interlocks = InterlockTable(description)
+        self.log = EventLog(description, network.document)
+        self.timeline = TimeLine(description, self._cards.pressures)
+        self._automata = AutomataView(network, description)
+        self._frames: deque[int] = deque(maxlen=400)
+        self._command: tuple[Command, int] = (Command.NONE, at)
+        self._state: tuple[EndEffectorState, int] = (EndEffectorState.OFF, at)
+        self._heard: dict[str, bool] = dict.fromkeys(PROGRAMS, False)
+
+    # What comes.
+
+    def take(self, program: str, kind: str, at: int, record: Any, now: int) -> None:
+        """One record of a program.
+
+        Args:
+            program: whose.
+            kind: of the record.
+            at: when it happened.
+            record: the dataclass of its kind; None for ``alive``.
+            now: the present.
+
+        Raises:
+            ReportedError: it does not fit what came before: connect again.
+        """
+        replica = self._replicas[program]
+        replica.heard_at = now
+        if kind == "alive":
+            return
+        replica.take(kind, record)
+        if kind == "header" and not self._heard[program]:
+            self._heard[program] = True
+            self.log.add(at, "page", f"The {program} program is heard.", program)
+        if program == "grip" and kind == "frame":
+            self._frames.append(at)
+            self.timeline.frame(at, record.values)
+        if kind == "step":
+            self._automata.step(record)
+        self.log.take(program, kind, record, self._readings(program))
+        if kind == "published" and (status := self.status()) is not None:
+            self._follow(status)
+
+    def lose(self, program: str, why: str, now: int) -> None:
+        """The stream of a program is gone."""
+        self._replicas[program].lose(why)
+        if self._heard[program]:
+            self._heard[program] = False
+            self.log.add(now, "page", why, program)
+            self.timeline.gap(now)
+
+    # What is shown.
+
+    def status(self) -> Status | None:
+        """Of the whole tool; None: nothing is known yet."""
+        grip, change = (self._replicas[name].status for name in PROGRAMS)
+        if grip is None:
+            return None
+        if change is None:
+            return grip
+        return tool_status(grip, change, max(grip.at, change.at))
+
+    def refusal(self, word: str) -> str:
+        """Why a button would be refused by the HAL now; empty: it would be accepted."""
+        if word == "reset":  # both programs and the line arbiter are asked; what is not latched needs none
+            return next((each.why for each in self._replicas.values() if not each.connected), "")
+        return self._replicas[program_of(word)].refusal(word)
+
+    @property
+    def buttons(self) -> tuple[str, ...]:
+        """Those that this tool has."""
+        fitted = self.description.tool_changer is not None
+        return tuple(word for word in _BUTTONS if fitted or word not in _CHANGER_WORDS)
+
+    def drawn(self) -> dict[str, Any]:
+        """What never changes."""
+        tool = self.description
+        return {
+            "name": tool.name,
+            "summary": tool.summary,
+            "source": str(tool.source),
+            "hash": self._hash,
+            "epoch": self.begun_at,
+            "cards": self._cards.drawn(),
+            "lanes": self.timeline.lanes,
+            "pressures": [
+                {"name": name, "label": display_name(name), "below": below}
+                for name, _, below in self._cards.pressures
+            ],
+            "buttons": list(self.buttons),
+            "sensors": tool.sensors,
+            "expected_hz": 1e6 / self._period_us,
+            "stale_s": STALE_US / 1e6,
+            "automata": self._automata.drawn(),
+        }
+
+    def now(self, at: int) -> dict[str, Any]:
+        """What is shown at ``at``."""
+        status = self.status()
+        view: dict[str, Any] = {
+            "at": at,
+            "news": self._news(at),
+            "rate_hz": self._rate_hz(at),
+            "state": None,
+            "cards": None,
+            "interlocks": self._interlocks.now(
+                status, self._replicas["grip"].controller, self._replicas["tool_change"].controller, at
+            ),
+            "buttons": {word: self.refusal(word) for word in self.buttons},
+            "cancel": self._cancel_words(status),
+            "verdict": self._verdict(),
+            "automata": self._automata.now(
+                {name: each.controller for name, each in self._replicas.items()}, at
+            ),
+        }
+        if status is not None:
+            view["state"] = self._state_now(status, at)
+            view["cards"] = self._cards.now(status, self._replicas["grip"].controller, at)
+        return view
+
+    def _rate_hz(self, at: int) -> float:
+        window_us = max(_RATE_US // 4, min(_RATE_US, at - self.begun_at))
+        return sum(each > at - window_us for each in self._frames) / (window_us / 1e6)
+
+    def _news(self, at: int) -> dict[str, Any]:
+        silent = {
+            name: each
+            for name, each in self._replicas.items()
+            if not each.connected or at - each.heard_at > STALE_US
+        }
+        heard = [each.heard_at for each in self._replicas.values()]
+        age_s = (at - min(heard)) / 1e6 if all(heard) else None
+        whys = [each.why or f"The {name} program is silent." for name, each in silent.items()]
+        return {"fresh": not silent, "age_s": age_s, "why": " ".join(dict.fromkeys(whys))}
+
+    def _state_now(self, status: Status, at: int) -> dict[str, Any]:
+        command, since = self._command
+        return {
+            "word": status.ee.label,
+            "name": status.ee.name,
+            "since_s": (at - self._state[1]) / 1e6,
+            "held": status.held,
+            "lift_allowed": status.lift_allowed,
+            "secure": status.secure,
+            "maintenance": status.maintenance,
+            "reason": status.reason,
+            "alarms": list(status.alarms),
+            "changer": status.changer.name if self.description.tool_changer else None,
+            "unlock_output": status.unlock_output,
+            "armed": status.armed,
+            "link_up": status.link_up,
+            "stale": list(status.stale),
+            "worst_late_ms": status.worst_late_us / 1000,
+            "missed": status.missed,
+            "bound_ms": self.description.bounds.reaction_ms,
+            "goal": None if command is Command.NONE else self._goal(command, status, (at - since) / 1e6),
+        }
+
+    def _goal(self, command: Command, status: Status, so_far_s: float) -> dict[str, Any]:
+        durations, changer = self.description.durations, self.description.tool_changer
+        at_most_s = {
+            Command.GRIP: durations.grip_ms / 1000,
+            Command.RELEASE: durations.release_ms / 1000,
+            Command.CANCEL: durations.cancel_ms / 1000,
+        }.get(command, changer.prove_s if changer else None)
+        return {"name": _GOING.get(command, command.label), "so_far_s": so_far_s, "at_most_s": at_most_s}
+
+    def _cancel_words(self, status: Status | None) -> str:
+        """What a cancel would do now."""
+        if refused := self.refusal("cancel"):
+            return refused
+        if status is not None and status.ee is EndEffectorState.GRIPPING:
+            tool = self.description
+            kept = [name for name in tool.sequence if tool.endings_of(name).gripping.cancel != "release"]
+            if not kept:
+                return "Now: the grip ends, and what was engaged is released in reverse order."
+            names = ", ".join(map(display_name, kept))
+            return f"Now: the grip ends; {names} stay{'s' if len(kept) == 1 else ''} active, as declared."
+        return "Now: what runs is cancelled."
+
+    def _verdict(self) -> dict[str, Any]:
+        try:
+            found = kept_verdict(self.description)
+        except UsageError:
+            found = None
+        if found is None:
+            return {
+                "holds": None,
+                "text": "Not verified: `eehal verify` has not proven this description here.",
+            }
+        return {"holds": found.holds, "text": str(found), "at": found.at, "requirements": found.requirements}
+
+    # What was.
+
+    def _follow(self, status: Status) -> None:
+        self.timeline.status(status)
+        if status.command is not self._command[0]:
+            self._command = status.command, status.at
+        if status.ee is not self._state[0]:
+            self._state = status.ee, status.at
+
+    def _readings(self, program: str) -> dict[str, Any]:
+        controller = self._replicas[program].controller
+        if controller is None:
+            return {}
+        at, now = controller.status().at, controller.senses.now
+        values = {name: now.readings.get(name, at) for name in now.readings.carried}
+        return {
+            name: value if value is None or isinstance(value, bool) else value / 1000
+            for name, value in values.items()
+        }

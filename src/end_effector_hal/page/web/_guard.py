@@ -1,0 +1,76 @@
+"""Who may ask for what: token, cookie, Host, Origin, CSRF. Sans-IO."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from secrets import compare_digest
+
+from ._address import PageAddress
+
+CSRF_HEADER = "x-eehal-csrf"
+_NOT_LET_IN = "Open the address that `eehal page` has printed: it has the token of this start."
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request: its method, path, headers in lower case, the cookie of the page and the token, where they are."""
+
+    method: str
+    path: str
+    headers: dict[str, str]
+    cookie: str = ""
+    token: str = ""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A request that is not served: the status of HTTP, and a sentence."""
+
+    status: int
+    why: str
+
+
+class Guard:
+    """The rules, always all of them, since a POST moves valves.
+
+    Rule 1: The Host is one of ours: a name of somebody else that leads to this address is refused.
+    Rule 2: Whoever has the token gets the cookie; everything else takes the cookie.
+    Rule 3: A request that another site has begun is refused, by Origin and by Sec-Fetch-Site.
+    Rule 4: A POST has an Origin, which is ours, and the CSRF token of the page in a header.
+    Rule 5: There is GET and POST, and nothing else.
+    """
+
+    def __init__(self, address: PageAddress) -> None:
+        self._address = address
+
+    def refuse(self, asked: Asked) -> Refusal | None:
+        """Why a request is not served; None: it is."""
+        headers, host = asked.headers, asked.headers.get("host", "").lower()
+        if host not in self._address.hosts:
+            return Refusal(421, "This name is none of this page's; --name adds one.")
+        if asked.method not in ("GET", "HEAD", "POST"):
+            return Refusal(405, "There is GET and POST.")
+        origin = headers.get("origin")
+        if origin is not None and origin.lower() != f"http://{host}":
+            return Refusal(403, "Another site has asked for this.")
+        foreign = headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none")
+        navigates = asked.method == "GET" and headers.get("sec-fetch-mode") == "navigate"
+        if foreign and not navigates:
+            return Refusal(403, "Another site has asked for this.")
+        if self.lets_in(asked):
+            return None
+        if not _same(asked.cookie, self._address.session):
+            return Refusal(401, _NOT_LET_IN)
+        if asked.method == "POST" and origin is None:
+            return Refusal(403, "A command has an Origin.")
+        if asked.method == "POST" and not _same(headers.get(CSRF_HEADER, ""), self._address.csrf):
+            return Refusal(403, "A command has the CSRF token of its page. Load the page again.")
+        return None
+
+    def lets_in(self, asked: Asked) -> bool:
+        """Whether the request brings the token, for which it gets the cookie."""
+        return asked.method == "GET" and asked.path == "/" and _same(asked.token, self._address.token)
+
+
+def _same(given: str, secret: str) -> bool:
+    return compare_digest(given.encode(), secret.encode())

@@ -1,0 +1,108 @@
+"""Those who look at the page: each gets what is new for it; one who does not keep up is dropped, and comes again."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic_core import to_json
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.page.view import ToolView
+from end_effector_hal.wires import now_us
+
+from ._control import ControlLease
+
+MOST_PAGES = 12
+PERIOD_S = 0.1
+MOST_WAITING = 20
+"""Messages for one page: two seconds."""
+
+
+@dataclass(eq=False)
+class Visitor:
+    """One open page; what it has got so far.
+
+    Attributes:
+        id: chosen by the page, at random.
+        name: for the others.
+    """
+
+    id: str
+    name: str
+    waiting: asyncio.Queue[bytes | None] = field(default_factory=lambda: asyncio.Queue(MOST_WAITING))
+    logged: int = 0
+    sampled: int = 0
+    changed: int = 0
+
+
+class Hub:
+    """Makes the view ten times a second, once for all."""
+
+    def __init__(self, view: ToolView, control: ControlLease) -> None:
+        self._view, self._control = view, control
+        self._visitors: list[Visitor] = []
+        self._numbers: dict[str, int] = {}
+
+    def name_of(self, page: str) -> str:
+        """``page 2``: the same for one page as long as this process runs."""
+        if len(self._numbers) > 1000:
+            self._numbers.clear()
+        return f"Page {self._numbers.setdefault(page, len(self._numbers) + 1)}"
+
+    async def run(self) -> None:
+        """Send until it is cancelled."""
+        while True:
+            self._send(now_us())
+            await asyncio.sleep(PERIOD_S)
+
+    def enter(self, page: str) -> Visitor:
+        """One more; raises UsageError when there are too many."""
+        if len(self._visitors) >= MOST_PAGES:
+            raise UsageError(f"{MOST_PAGES} pages are open already.", todo="Close one.")
+        visitor = Visitor(page, self.name_of(page))
+        self._visitors.append(visitor)
+        return visitor
+
+    async def events(self, visitor: Visitor) -> AsyncIterator[bytes]:
+        """What one page gets, as server-sent events."""
+        try:
+            yield _event("drawn", {**self._view.drawn(), "page": visitor.id, "page_name": visitor.name})
+            while (message := await visitor.waiting.get()) is not None:
+                yield message
+        finally:
+            self._leave(visitor)
+
+    def close(self) -> None:
+        """Nobody gets anything more."""
+        for visitor in list(self._visitors):
+            self._leave(visitor)
+
+    def _leave(self, visitor: Visitor) -> None:
+        if visitor in self._visitors:
+            self._visitors.remove(visitor)
+        while not visitor.waiting.empty():
+            visitor.waiting.get_nowait()
+        visitor.waiting.put_nowait(None)
+
+    def _send(self, at: int) -> None:
+        if not self._visitors:
+            return
+        view = {**self._view.now(at), "control": self._control.shown(at), "pages": len(self._visitors)}
+        for visitor in list(self._visitors):
+            try:
+                visitor.waiting.put_nowait(_event("view", {**view, **self._news(visitor)}))
+            except asyncio.QueueFull:
+                self._leave(visitor)
+
+    def _news(self, visitor: Visitor) -> dict[str, Any]:
+        log, line = self._view.log, self._view.timeline
+        news = {"log": log.since(visitor.logged), **line.since(visitor.sampled, visitor.changed)}
+        visitor.logged, visitor.sampled, visitor.changed = log.newest, line.sampled, line.changed
+        return news
+
+
+def _event(name: str, content: dict[str, Any]) -> bytes:
+    return b"event: " + name.encode() + b"\ndata: " + to_json(content) + b"\n\n"

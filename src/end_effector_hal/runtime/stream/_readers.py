@@ -1,0 +1,110 @@
+"""Those who read a stream: how many there may be, how much waits for each, what they may say."""
+
+from __future__ import annotations
+
+import selectors
+import socket
+from collections.abc import Iterator
+
+from ._protocol import LONGEST
+
+MOST_READERS = 16
+MOST_BYTES = 2_000_000
+"""What waits for a reader who takes its time; one for whom more would wait is dropped."""
+
+
+class StreamReader:
+    """One connection; nothing here waits."""
+
+    def __init__(self, sock: socket.socket) -> None:
+        sock.setblocking(False)
+        self.sock = sock
+        self.follows = False
+        """It has the state from which the records go on."""
+        self.commands_waiting = 0
+        self._out = bytearray()
+        self._rest = b""
+
+    @property
+    def behind(self) -> bool:
+        """Whether something waits for it."""
+        return bool(self._out)
+
+    def put(self, data: bytes) -> bool:
+        """Send it as soon as it can be; False: too much waits already."""
+        if len(self._out) + len(data) > MOST_BYTES:
+            return False
+        self._out += data
+        return self.send()
+
+    def send(self) -> bool:
+        """Send what can be sent now; False: the connection is gone."""
+        try:
+            while self._out:
+                sent = self.sock.send(memoryview(self._out)[:65_536])
+                del self._out[:sent]
+        except BlockingIOError:
+            pass
+        except OSError:
+            return False
+        return True
+
+    def receive(self) -> tuple[list[bytes], bool]:
+        """The whole messages that came, and whether the connection goes on; an overlong one ends it."""
+        try:
+            data = self.sock.recv(4 * LONGEST)
+        except BlockingIOError:
+            return [], True
+        except OSError:
+            return [], False
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        return lines, bool(data) and len(self._rest) <= LONGEST
+
+
+class StreamReaders:
+    """All of them, registered with a selector, each with itself as its data."""
+
+    def __init__(self, selector: selectors.BaseSelector) -> None:
+        self._selector = selector
+        self._open: dict[StreamReader, None] = {}
+
+    def __iter__(self) -> Iterator[StreamReader]:
+        return iter(list(self._open))
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def accept(self, listener: socket.socket) -> None:
+        """Accept one who waits; who is too many is closed at once."""
+        try:
+            sock, _ = listener.accept()
+        except OSError:
+            return
+        if len(self._open) >= MOST_READERS:
+            sock.close()
+            return
+        reader = StreamReader(sock)
+        self._open[reader] = None
+        self._selector.register(sock, selectors.EVENT_READ, reader)
+
+    def put(self, reader: StreamReader, data: bytes) -> None:
+        """Send it to one; one who does not keep up is dropped."""
+        if reader in self._open:
+            self._go_on(reader, reader.put(data))
+
+    def send(self, reader: StreamReader) -> None:
+        """Send what waits for one."""
+        self._go_on(reader, reader.send())
+
+    def drop(self, reader: StreamReader) -> None:
+        """End its connection."""
+        if self._open.pop(reader, self) is None:
+            self._selector.unregister(reader.sock)
+            reader.sock.close()
+
+    def _go_on(self, reader: StreamReader, goes_on: bool) -> None:
+        if not goes_on:
+            self.drop(reader)
+            return
+        events = selectors.EVENT_READ | (selectors.EVENT_WRITE if reader.behind else 0)
+        self._selector.modify(reader.sock, events, reader)

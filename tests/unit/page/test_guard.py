@@ -1,0 +1,82 @@
+"""Who may ask the page for what."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from end_effector_hal.page import PageAddress
+from end_effector_hal.page.web import Asked, Guard
+
+ADDRESS = PageAddress("127.0.0.1", 8137)
+GUARD = Guard(ADDRESS)
+OURS = {"host": "127.0.0.1:8137"}
+GET = Asked("GET", "/", OURS, cookie=ADDRESS.session)
+MAY = {**OURS, "origin": "http://127.0.0.1:8137", "x-eehal-csrf": ADDRESS.csrf}
+POST = Asked("POST", "/command", MAY, cookie=ADDRESS.session)
+
+
+def status_of(asked: Asked) -> int:
+    refusal = GUARD.refuse(asked)
+    return refusal.status if refusal else 200
+
+
+def test_the_token_lets_one_in_and_then_the_cookie_does() -> None:
+    assert status_of(replace(GET, cookie="")) == 401
+    first = replace(GET, cookie="", token=ADDRESS.token)
+    assert status_of(first) == 200
+    assert GUARD.lets_in(first)
+    assert status_of(GET) == 200
+    assert not GUARD.lets_in(GET)
+
+
+@pytest.mark.parametrize(
+    ("asked", "status"),
+    [
+        (replace(GET, token="guess", cookie=""), 401),
+        (replace(GET, cookie=ADDRESS.token), 401),
+        (replace(GET, cookie="ü"), 401),
+        (replace(GET, path="/events", cookie="", token=ADDRESS.token), 401),
+        (replace(POST, cookie="", token=ADDRESS.token), 401),
+        (replace(GET, headers={"host": "evil.example:8137"}), 421),
+        (replace(GET, headers={"host": "127.0.0.1:80"}), 421),
+        (replace(GET, headers={}), 421),
+        (replace(GET, headers={**OURS, "origin": "http://evil.example"}), 403),
+        (replace(GET, headers={**OURS, "origin": "null"}), 403),
+        (replace(GET, headers={**OURS, "sec-fetch-site": "cross-site"}), 403),
+        (replace(GET, headers={**OURS, "sec-fetch-site": "same-site", "sec-fetch-mode": "cors"}), 403),
+        (replace(POST, headers={**POST.headers, "origin": "http://localhost:8137"}), 403),
+        (replace(POST, headers={**POST.headers, "origin": "https://127.0.0.1:8137"}), 403),
+        (replace(POST, headers={key: POST.headers[key] for key in ("host", "x-eehal-csrf")}), 403),
+        (replace(POST, headers={**POST.headers, "x-eehal-csrf": "guess"}), 403),
+        (replace(POST, headers={key: POST.headers[key] for key in ("host", "origin")}), 403),
+        (replace(POST, headers={**POST.headers, "sec-fetch-site": "cross-site"}), 403),
+        (replace(POST, method="PUT"), 405),
+        (replace(POST, method="OPTIONS"), 405),
+        (POST, 200),
+        (replace(GET, headers={**OURS, "sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}), 200),
+        (replace(GET, headers={"host": "localhost:8137"}), 200),
+    ],
+)
+def test_every_rule_refuses(asked: Asked, status: int) -> None:
+    assert status_of(asked) == status
+
+
+def test_beyond_loopback_only_the_names_that_were_given_count() -> None:
+    guard = Guard(PageAddress("0.0.0.0", 80, ("cell-7",)))
+    for host, served in (
+        ("cell-7:80", True),
+        ("0.0.0.0:80", True),
+        ("localhost:80", False),
+        ("10.0.0.9:80", False),
+    ):
+        refusal = guard.refuse(Asked("GET", "/", {"host": host}))
+        assert (refusal is not None and refusal.status != 421) is served
+
+
+def test_secrets_are_new_at_each_start_and_in_no_repr() -> None:
+    one, other = PageAddress("127.0.0.1", 1), PageAddress("127.0.0.1", 1)
+    secrets = {one.token, one.session, one.csrf, other.token, other.session, other.csrf}
+    assert len(secrets) == 6
+    assert not any(secret in repr((one, other)) for secret in secrets)

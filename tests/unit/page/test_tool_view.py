@@ -1,0 +1,187 @@
+"""What the page shows, in virtual time: the records of real controllers in, views out."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from typing import Any
+
+import pytest
+from pydantic import TypeAdapter
+from pydantic_core import to_json
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.page.view import STALE_US, ToolView
+from end_effector_hal.runtime.boundary import PUBLISHED, STREAMED, Published, RecordedController
+from end_effector_hal.runtime.boundary._open import header_of
+from end_effector_hal.vocabulary import EndEffectorState as State
+from tests.support.virtual_tool import VirtualTool
+
+
+@cache
+def adapter(kind: str) -> TypeAdapter[Any]:
+    return TypeAdapter(STREAMED[kind])
+
+
+class Watched:
+    """A tool in virtual time with a page; each record goes through JSON, as on the socket."""
+
+    def __init__(self, description: Description, scenario: str = "nominal") -> None:
+        self.description = description
+        self.view = ToolView(description, 0)
+        self.now = 0
+        for program in ("grip", "tool_change"):
+            self.send(program, "header", 0, header_of(description, program, 0))
+
+        def recorded(tool: Description, network: Any, program: str) -> RecordedController:
+            return RecordedController(tool, network, program, lambda *entry: self.put(program, *entry))
+
+        self.tool = VirtualTool(description, scenario, controller=recorded)  # type: ignore[arg-type]
+
+    def put(self, program: str, kind: str, at: int, content: object) -> None:
+        self.send(program, kind, at, content)
+        if isinstance(content, Status):
+            self.send(program, PUBLISHED, at, Published(at, content, {}))
+
+    def send(self, program: str, kind: str, at: int, content: object) -> None:
+        self.now = max(self.now, at)
+        plain = json.loads(to_json(content, fallback=dict))
+        self.view.take(program, kind, at, adapter(kind).validate_python(plain), self.now)
+
+    def shown(self) -> dict[str, Any]:
+        """As the browser gets it."""
+        found: dict[str, Any] = json.loads(to_json(self.view.now(self.now)))
+        return found
+
+    def texts(self, kind: str) -> list[str]:
+        return [entry["text"] for entry in self.view.log.entries if entry["kind"] == kind]
+
+
+def test_a_grip_is_shown_as_it_goes(verdin: Description) -> None:
+    watched = Watched(verdin)
+    watched.tool.run(1.5)
+    ready = watched.shown()
+    assert (ready["state"]["word"], ready["state"]["held"], ready["state"]["changer"]) == (
+        "STAND-BY",
+        False,
+        "LOCKED",
+    )
+    assert ready["news"]["fresh"]
+    assert 45 <= ready["rate_hz"] <= 51
+    assert ready["buttons"]["grip"] == ""
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(0.2)
+    first = watched.shown()
+    assert first["state"]["goal"]["name"] == "Grip"
+    assert first["state"]["goal"]["at_most_s"] == verdin.durations.grip_ms / 1000
+    card = first["cards"][0]
+    assert (card["state"], card["phase"]) == ("PENDING ON", "pending")
+    assert (card["attempt"]["number"], card["attempt"]["of"]) == (1, 3)
+    assert card["timer"]["what"] == "time-out"
+    assert 4.5 < card["timer"]["left_s"] <= 5.0
+    assert first["cancel"].startswith("Now: the grip ends")
+    watched.tool.run(4.0)
+    held = watched.shown()
+    assert (held["state"]["word"], held["state"]["held"], held["state"]["lift_allowed"]) == (
+        "GRIPPED",
+        True,
+        True,
+    )
+    assert held["cards"][0]["hold"]["secure"] is True
+    assert held["cards"][0]["kpa"] > 75
+    assert held["cards"][0]["margin_kpa"] == pytest.approx(held["cards"][0]["kpa"] - 50)
+    assert held["automata"]["Gripper"]["location"] == "Gripped"
+    assert held["automata"]["Changer"]["location"] == "Locked"
+    assert "State GRIPPED" in watched.texts("transition")
+
+
+def test_what_a_button_says_is_what_the_automata_answer(verdin: Description) -> None:
+    """Asked before and after, in each state of a grip and a drop."""
+    watched = Watched(verdin)
+    states = set()
+    for command, seconds in ((None, 1.5), ("grip", 0.2), (None, 4.0), ("drop", 0.1), (None, 4.0)):
+        if command:
+            assert watched.tool.command(command).accepted
+        watched.tool.run(seconds)
+        said = watched.shown()["buttons"]
+        states.add(watched.tool.status.ee)
+        for word in ("grip", "drop", "cancel", "lock", "unlock"):
+            if said[word]:
+                answer = watched.tool.command(word)
+                assert (answer.accepted, answer.reason) == (False, said[word])
+    assert states == {State.STAND_BY, State.GRIPPING, State.GRIPPED, State.RELEASING}
+
+
+def test_a_failing_attempt_is_shown_with_its_time_out(verdin: Description) -> None:
+    watched = Watched(verdin, "fails-once:cylinder")
+    watched.tool.run(1.5)
+    assert watched.tool.command("grip").accepted
+    while not (timeouts := watched.texts("time-out")):
+        watched.tool.run(0.1)
+    entry = next(entry for entry in watched.view.log.entries if entry["kind"] == "time-out")
+    assert "T_CONFIRM" in entry["detail"]["edges"][0]["guard"]
+    assert entry["detail"]["readings"]["supply"] > 400
+    assert timeouts
+    watched.tool.run(2.0)
+    attempts = [card["attempt"] for card in watched.shown()["cards"] if card["attempt"]]
+    assert max(attempt["number"] for attempt in attempts) == 2
+
+
+def test_interlocks_say_why(verdin: Description) -> None:
+    watched = Watched(verdin)
+    watched.tool.run(1.5)
+    rows = {row["id"]: row for row in watched.shown()["interlocks"]}
+    assert list(rows) == [f"IL-{number:02}" for number in range(1, 14)]
+    assert rows["IL-05"]["state"] == rows["IL-07"]["state"] == "fulfilled"
+    assert rows["IL-13"]["state"] == "not fitted"
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(4.0)
+    rows = {row["id"]: row for row in watched.shown()["interlocks"]}
+    assert (rows["IL-01"]["state"], rows["IL-01"]["blocks"]) == ("blocking", "unlock")
+    assert rows["IL-01"]["why"] == "unlock only in STAND_BY; the end-effector is GRIPPED."
+
+
+def test_without_news_nothing_counts_as_present(verdin: Description) -> None:
+    watched = Watched(verdin)
+    watched.tool.run(1.5)
+    watched.now += STALE_US
+    assert watched.shown()["news"]["fresh"]
+    watched.now += 1
+    stale = watched.shown()["news"]
+    assert not stale["fresh"]
+    assert "is silent" in stale["why"]
+    watched.view.lose("grip", "The grip program has ended its connection.", watched.now)
+    shown = watched.shown()
+    assert shown["buttons"]["grip"] == "The grip program has ended its connection."
+    assert shown["news"]["why"].startswith("The grip program has ended its connection.")
+
+
+def test_a_page_that_comes_later_stands_where_the_program_stands(verdin: Description) -> None:
+    early = Watched(verdin)
+    early.tool.run(1.5)
+    assert early.tool.command("grip").accepted
+    early.tool.run(0.9)
+    late = ToolView(verdin, early.now)
+    for program, controller in (("grip", early.tool.grip), ("tool_change", early.tool.change)):
+        snapshot = json.loads(to_json(controller.snapshot(), fallback=dict))
+        for kind, content in (
+            ("header", header_of(verdin, program, 0)),
+            ("state", adapter("state").validate_python(snapshot)),
+            (PUBLISHED, Published(early.now, controller.status(), {})),
+        ):
+            late.take(program, kind, early.now, content, early.now)
+    one, other = early.shown(), json.loads(to_json(late.now(early.now)))
+    for key in ("cards", "buttons", "interlocks"):
+        assert one[key] == other[key]
+    assert {name: each["location"] for name, each in one["automata"].items()} == {
+        name: each["location"] for name, each in other["automata"].items()
+    }
+
+
+def test_a_program_with_another_description_is_not_shown(verdin: Description) -> None:
+    view = ToolView(verdin, 0)
+    other = verdin.model_copy(update={"name": "another"})
+    with pytest.raises(ReportedError, match="runs another description"):
+        view.take("grip", "header", 0, header_of(other, "grip", 0), 0)

@@ -1,0 +1,237 @@
+"""The stream of a program: what a reader gets, and that nobody can make the program wait."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import pytest
+
+from end_effector_hal.control import Answer
+from end_effector_hal.runtime.stream import MOST_BYTES, MOST_READERS, MOST_WAITING, RecordStream
+from end_effector_hal.wires import now_us
+from tests.support.patience import wait_until
+
+pytestmark = pytest.mark.wall
+
+
+class Served:
+    """A stream, and a program that does nothing but look whether a state is wanted."""
+
+    def __init__(self, folder: Path) -> None:
+        arbiter = folder / "a.sock"
+        arbiter.touch()
+        self.path = folder / "a.sock.grip"
+        self.asked: list[str] = []
+        self.works = True
+        self.hold = threading.Event()
+        self.hold.set()
+        self.stream = RecordStream(self.path, arbiter, lambda at: {"program": "grip"}, ("grip", "cancel"))
+        self.stream.serve(self.command, lambda: self.works, self.nudge)
+        self.state = 0
+
+    def command(self, word: str) -> Answer:
+        self.hold.wait(10)
+        self.asked.append(word)
+        return Answer(word == "grip", "" if word == "grip" else "There is nothing to cancel.")
+
+    def nudge(self) -> None:
+        self.state += 1
+        self.stream.begin([("state", 0, {"number": self.state})])
+
+    def reader(self) -> Reading:
+        return Reading(self.path)
+
+
+class Reading:
+    def __init__(self, path: Path) -> None:
+        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.sock.settimeout(10)
+        self.sock.connect(str(path))
+        self.file = self.sock.makefile("rb")
+
+    def next(self, *, but: str = "alive") -> dict[str, Any]:
+        try:
+            while (found := json.loads(self.file.readline() or b"null")) and found["kind"] == but:
+                pass
+        except ConnectionResetError:
+            return {"kind": "end"}
+        return found or {"kind": "end"}
+
+    def ask(self, **message: object) -> dict[str, Any]:
+        self.sock.sendall(json.dumps(message).encode() + b"\n")
+        return self.next()
+
+    def close(self) -> None:
+        self.file.close()
+        self.sock.close()
+
+
+@pytest.fixture
+def served() -> Iterator[Served]:
+    # a socket's path may be 108 bytes long only
+    made = Served(Path(mkdtemp(prefix="eehal-stream-")))
+    yield made
+    made.hold.set()
+    made.stream.close()
+    assert not made.path.exists()
+
+
+def test_a_reader_begins_with_a_state_and_gets_every_record_from_there_on(served: Served) -> None:
+    served.stream.put("frame", 1, {"lost": True})  # nobody reads
+    served.stream.flush()
+    reader = served.reader()
+    assert [reader.next()["kind"], reader.next()["content"]] == ["header", {"number": 1}]
+    for number in range(3):
+        served.stream.put("frame", number, {"number": number})
+    served.stream.flush()
+    assert [reader.next()["content"]["number"] for _ in range(3)] == [0, 1, 2]
+    second = served.reader()
+    assert [second.next()["kind"], second.next()["content"]] == ["header", {"number": 2}]
+    served.stream.put("frame", 9, {"number": 9})
+    served.stream.flush()
+    assert reader.next()["content"] == second.next()["content"] == {"number": 9}
+    reader.close()
+    second.close()
+
+
+def test_who_never_reads_is_dropped_and_the_program_never_waits(served: Served) -> None:
+    """The program's side takes microseconds, whatever the readers do."""
+    idle = [served.reader() for _ in range(3)]
+    keeps_up = served.reader()
+    assert keeps_up.next()["kind"] == "header"
+    assert keeps_up.next()["kind"] == "state"
+    got: list[int] = []
+    thread = threading.Thread(target=_read_numbers, args=(keeps_up, got), daemon=True)
+    thread.start()
+    filler, longest = "x" * 2_000, 0.0
+    count = 3 * MOST_BYTES // 2_000
+    for number in range(count):
+        begun = time.perf_counter()
+        served.stream.put("frame", number, {"number": number, "filler": filler})
+        served.stream.flush()
+        longest = max(longest, time.perf_counter() - begun)
+        if number % 200 == 199:
+            wait_until("the records are read", lambda last=number: got and got[-1] == last)
+    assert longest < 0.05
+    assert got == list(range(count))
+    for each in idle:
+        wait_until("it is dropped", lambda each=each: _is_dropped(each))
+        each.close()
+    keeps_up.sock.shutdown(socket.SHUT_RDWR)
+    thread.join(10)
+    keeps_up.close()
+
+
+def _read_numbers(reader: Reading, got: list[int]) -> None:
+    while (found := reader.next())["kind"] == "frame":
+        got.append(found["content"]["number"])
+
+
+def _is_dropped(reader: Reading) -> bool:
+    reader.sock.setblocking(True)
+    reader.sock.settimeout(5)
+    try:
+        while reader.sock.recv(1 << 20):
+            pass
+    except ConnectionResetError:
+        return True
+    return True
+
+
+def test_records_that_were_lost_are_followed_by_a_new_state(served: Served) -> None:
+    reader = served.reader()
+    assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
+    served.stream.put("frame", 0, {})
+    for number in range(MOST_WAITING + 1):
+        served.stream.put("frame", number, {})
+    served.stream.flush()  # more than may wait
+    found = reader.next()
+    while found["kind"] == "frame":
+        found = reader.next()
+    assert [found["kind"], reader.next()["content"]] == ["header", {"number": 2}]
+    reader.close()
+
+
+def test_a_command_is_answered_and_one_that_is_late_or_unknown_is_not_executed(served: Served) -> None:
+    reader = served.reader()
+    assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
+    soon = now_us() + 1_000_000
+    assert reader.ask(id=1, command="grip", until_us=soon)["accepted"]
+    refused = reader.ask(id=2, command="cancel", until_us=soon)
+    assert (refused["id"], refused["reason"]) == (2, "There is nothing to cancel.")
+    assert "too late" in reader.ask(id=3, command="grip", until_us=now_us() - 1)["reason"]
+    assert "its time is wrong" in reader.ask(id=4, command="grip", until_us=now_us() + 60_000_000)["reason"]
+    assert "no such command" in reader.ask(id=5, command="fly", until_us=soon)["reason"]
+    for malformed in ({}, {"id": "1", "command": "grip", "until_us": soon}, {"id": 1, "command": ["grip"]}):
+        assert "This is no command" in reader.ask(**malformed)["reason"]
+    assert served.asked == ["grip", "cancel"]
+    reader.close()
+
+
+def test_commands_that_wait_are_bounded_and_a_command_that_waited_too_long_is_not_executed(
+    served: Served,
+) -> None:
+    served.hold.clear()
+    reader = served.reader()
+    assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
+    until = now_us() + 300_000
+    for number in range(8):
+        message = {"id": number, "command": "grip", "until_us": until}
+        reader.sock.sendall(json.dumps(message).encode() + b"\n")
+    answers = [reader.next() for _ in range(4)]
+    assert {answer["reason"] for answer in answers} == {
+        "Too many commands wait already: this one is not executed."
+    }
+    wait_until("their time is over", lambda: now_us() > until)
+    served.hold.set()
+    rest = [reader.next() for _ in range(4)]
+    assert [answer["accepted"] for answer in rest] == [True, False, False, False]
+    assert served.asked == ["grip"]
+    reader.close()
+
+
+def test_there_is_a_sign_of_life_only_while_the_program_works(served: Served) -> None:
+    reader = served.reader()
+    assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
+    assert reader.next(but="")["kind"] == "alive"
+    served.works = False
+    reader.sock.settimeout(1.5)
+    with pytest.raises(TimeoutError):
+        reader.next()  # whatever was on its way is passed over
+    reader.close()
+
+
+def test_there_is_room_for_so_many_readers_and_an_overlong_message_ends_one(served: Served) -> None:
+    readers = [served.reader() for _ in range(MOST_READERS)]
+    for each in readers:
+        assert each.next()["kind"] == "header"
+    surplus = served.reader()
+    assert surplus.next()["kind"] == "end"
+    readers[0].sock.sendall(b"x" * 10_000)
+    while readers[0].next()["kind"] != "end":
+        pass
+    for each in (*readers, surplus):
+        each.close()
+
+
+def test_the_socket_has_the_rights_of_the_line_arbiter(served: Served) -> None:
+    found = served.path.stat()
+    assert found.st_mode & 0o777 == 0o660
+    assert found.st_gid == (served.path.parent / "a.sock").stat().st_gid
+
+
+def test_a_socket_that_cannot_be_made_is_a_warning(caplog: pytest.LogCaptureFixture) -> None:
+    nowhere = Path("/nowhere/a.sock")
+    stream = RecordStream(nowhere.with_name("a.sock.grip"), nowhere, lambda at: {}, ("grip",))
+    stream.serve(lambda word: Answer(True), lambda: True, lambda: None)
+    stream.put("frame", 0, {})
+    stream.flush()
+    stream.close()
+    assert "no page can show this program" in caplog.text
