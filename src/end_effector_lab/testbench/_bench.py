@@ -271,7 +271,11 @@ class Bench:
         if description.e_stop is not None:
             values[description.e_stop.channel] = scenario.estop_ok
         for name, shown in self._conditions.items():
-            values |= shown.at(devices[name])
+            for channel, value in shown.at(devices[name]):
+                if isinstance(value, bool):
+                    values[channel] = value
+                else:
+                    values[channel] = self._shown(name, channel, value, at)
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
         self._swap(values)
         return values
