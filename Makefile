@@ -9,7 +9,7 @@ UV := build/uv/bin/uv
 BIN := $(VENV)/bin
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -56,6 +56,10 @@ test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library 
 nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line arbiter fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
+
+test-page: setup ## the live page in a real browser: Debian's Chromium
+	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
+	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q --durations=0 --durations-min=1 tests/acceptance/page
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py

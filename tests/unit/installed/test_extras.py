@@ -22,7 +22,12 @@ NO_FIGURE = f"Note: There is no figure. Figures need matplotlib, {INSTALL_LAB}"
 
 
 def test_the_extras() -> None:
-    assert extras() == {"bags": ("rosbags",), "lab": ("matplotlib",), "modbus": ("pymodbus",)}
+    assert extras() == {
+        "bags": ("rosbags",),
+        "lab": ("matplotlib",),
+        "modbus": ("pymodbus",),
+        "page": ("starlette", "uvicorn"),
+    }
 
 
 def test_plot(tmp_path: Path) -> None:

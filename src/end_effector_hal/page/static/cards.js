@@ -1,7 +1,7 @@
 // A card for each actuator: output, evidence, pressure against its marks, attempts, the time-out, the hold.
 import { make, put, svg, seconds } from "/static/dom.js";
 
-const WIDTH = 300;
+const WIDTH = 360;
 const plain = (kpa) => (Math.abs(kpa) < 0.05 ? "0.0" : kpa.toFixed(1));
 const EVIDENCE = { UNKNOWN: "? unknown", GONE: "○ gone", PARTIAL: "◐ partial", CONFIRMED: "● confirmed" };
 
@@ -61,7 +61,7 @@ class Card {
     marks.forEach((mark, index) => {
       const below = index % 2;
       const text = `${mark.word} ${+mark.at.toFixed(0)}`;
-      const width = text.length * 5.6;
+      const width = text.length * 5.5;
       const left = Math.min(WIDTH - width, Math.max(ends[below] + 6, mark.x - width / 2, 0));
       ends[below] = left + width;
       const y = below ? 48 : 10;

@@ -140,7 +140,7 @@ export class TimeLine {
         pen.fillRect(from, y, Math.max(1, to - from - 1), LANE - 4);
         pen.fillStyle = colour(ink);
         const text = fit(pen, change.word, to - from - 8);
-        if (text.length > 2) pen.fillText(text, from + 5, y + LANE / 2 - 2);
+        if (text === change.word || text.length > 4) pen.fillText(text, from + 5, y + LANE / 2 - 2);
       });
     });
     for (const entry of this.events) {
@@ -187,6 +187,7 @@ function drawMarks(plot, marks, ink) {
   pen.setLineDash([3 * ratio, 3 * ratio]);
   pen.font = `${10.5 * ratio}px sans-serif`;
   pen.textAlign = "left";
+  const labels = [];
   let last = Infinity;
   for (const mark of [...marks].sort((a, b) => a.at - b.at)) {
     const y = plot.valToPos(mark.at, "y", true);
@@ -195,9 +196,18 @@ function drawMarks(plot, marks, ink) {
     pen.lineTo(plot.bbox.left + plot.bbox.width, y);
     pen.stroke();
     if (last - y > 11 * ratio) {
-      pen.fillText(mark.word, plot.bbox.left + 4 * ratio, y - 3 * ratio);
+      labels.push([mark.word, y]);
       last = y;
     }
+  }
+  pen.textBaseline = "middle";
+  const paper = getComputedStyle(document.documentElement).getPropertyValue("--paper").trim();
+  for (const [word, y] of labels) {
+    const width = pen.measureText(word).width;
+    pen.fillStyle = paper;
+    pen.fillRect(plot.bbox.left + 6 * ratio, y - 6 * ratio, width + 8 * ratio, 12 * ratio);
+    pen.fillStyle = ink;
+    pen.fillText(word, plot.bbox.left + 10 * ratio, y);
   }
   pen.restore();
 }

@@ -9,7 +9,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.kinds import LeakWatch, kind_of
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.signals import Kind
-from end_effector_hal.vocabulary import ACTIVE, PENDING, EndEffectorState, display_name
+from end_effector_hal.vocabulary import ACTIVE, PENDING, EndEffectorState, Evidence, display_name
 
 _MARKS = ("gone", "lost_at_once", "lost", "confirmed", "secure")
 
@@ -91,8 +91,7 @@ class Cards:
             "timer": self._timer(index, part, status, at),
             "hold": None,
         }
-        releasing = status.ee is EndEffectorState.RELEASING
-        if releasing and not status.outputs[index] and state == ACTIVE:
+        if is_releasing(status, index):
             card["phase"] = "releasing"
         report = next((step for step in status.steps if step.name == name), None)
         if report is not None and report.attempts:
@@ -146,5 +145,11 @@ class Cards:
     def _releases(self, index: int, status: Status) -> bool:
         """Whether the unwinding waits for this one: of those that are inactive and not gone yet, the newest."""
         order = [self._description.sequence.index(name) for name in self._description.releasing]
-        waits = [i for i in order if not status.outputs[i] and status.actuators[i] == ACTIVE]
+        waits = [i for i in order if is_releasing(status, i)]
         return bool(waits) and waits[-1] == index
+
+
+def is_releasing(status: Status, index: int) -> bool:
+    """Whether an actuator is deactivated, and its feedback is not gone yet."""
+    releasing = status.ee in (EndEffectorState.RELEASING, EndEffectorState.RELEASE_ERROR)
+    return releasing and not status.outputs[index] and status.evidence[index] is not Evidence.GONE

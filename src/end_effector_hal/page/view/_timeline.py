@@ -10,7 +10,9 @@ from typing import Any
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.vocabulary import EndEffectorState, display_name
+from end_effector_hal.vocabulary import display_name
+
+from ._cards import is_releasing
 
 KEPT_US = 180_000_000
 MOST_SAMPLES = 20_000
@@ -49,9 +51,9 @@ class TimeLine:
     def status(self, status: Status) -> None:
         """One status of the tool."""
         words = {"": status.ee.label}
-        for (name, part), state, output in zip(self._parts, status.actuators, status.outputs, strict=True):
-            releasing = status.ee is EndEffectorState.RELEASING and state == 2 and not output
-            words[name] = "RELEASING" if releasing else kind_of(part).states(state).label
+        for index, (name, part) in enumerate(self._parts):
+            state = kind_of(part).states(status.actuators[index])
+            words[name] = "RELEASING" if is_releasing(status, index) else state.label
         if self._changer:
             words["tool changer"] = status.changer.name
         self._note(status.at, words)

@@ -1,0 +1,229 @@
+"""The live page in a real browser: what an operator sees and does."""
+
+from __future__ import annotations
+
+import os
+import signal
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.acceptance.page.conftest import Live
+from tests.support.patience import wait_until
+
+SHOTS = Path(os.environ.get("EEHAL_SHOTS", "runs/page"))
+FRESH_MS = 20_000
+
+
+@pytest.fixture
+def nominal(tmp_path: Path) -> Iterator[Live]:
+    with Live(tmp_path, "nominal") as live:
+        yield live
+
+
+def opened(chromium: Any, live: Live, **options: Any) -> Any:
+    """A page that has news; it fails on any error in the browser, and remembers whom it asked."""
+    context = chromium.new_context(**{"viewport": {"width": 1440, "height": 900}, **options})
+    context.set_default_timeout(20_000)
+    page = context.new_page()
+    page.faults = []
+    page.asked = set()
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    page.on("console", lambda said: page.faults.append(said.text) if said.type == "error" else None)
+    page.on("request", lambda request: page.asked.add(request.url.split("/")[2]))
+    page.goto(live.url)
+    page.wait_for_selector("body:not(.stale)", timeout=FRESH_MS)
+    return page
+
+
+def shows(page: Any, name: str, text: str, timeout_ms: int = 20_000) -> None:
+    page.locator(f"#{name}", has_text=text).wait_for(timeout=timeout_ms)
+
+
+def shot(page: Any, name: str, *, whole: bool = False) -> None:
+    SHOTS.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=str(SHOTS / f"{name}.png"), full_page=whole)
+
+
+def press_forbidden(page: Any, word: str) -> None:
+    """With the keyboard: the browser's driver clicks on nothing that is disabled."""
+    page.focus(f"#command-{word}")
+    page.keyboard.press("Enter")
+
+
+def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    shows(page, "state-word", "STAND-BY")
+    shows(page, "why-grip", "Take control first.")
+    press_forbidden(page, "grip")
+    shows(page, "answer", "Take control first.")
+    page.click("#control-take")
+    shows(page, "control-who", "This page has the control.")
+    page.click("#command-grip")
+    shows(page, "state-word", "GRIPPED")
+    shows(page, "held-word", "YES")
+    shows(page, "lift-word", "YES")
+    # a forbidden button: the sentence of the HAL, before and after it is pressed
+    sentence = "IL-01: unlock only in STAND_BY; the end-effector is GRIPPED."
+    shows(page, "why-unlock", sentence)
+    assert page.get_attribute("#command-unlock", "aria-disabled") == "true"
+    press_forbidden(page, "unlock")
+    shows(page, "answer", sentence)
+    shot(page, "refused-unlock")
+    page.wait_for_selector("#cards .hold")
+    shot(page, "nominal", whole=True)
+    # Drop asks again; no is no
+    page.click("#command-drop")
+    page.click("dialog button[value=no]")
+    shows(page, "state-word", "GRIPPED")
+    page.click("#command-drop")
+    page.click("dialog button[value=yes]")
+    shows(page, "state-word", "STAND-BY")
+    shows(page, "held-word", "NO")
+    log = page.inner_text("#log")
+    assert "State GRIPPED" in log
+    assert "Page 1: drop." in log
+    page.locator("#log button", has_text="State GRIPPED").first.click()
+    shows(page, "event", "guard")
+    assert page.asked == {nominal.url.split("/")[2]}, "no request leaves the machine"
+    assert not page.faults
+    page.context.close()
+
+
+def test_two_browsers_and_one_control(chromium: Any, nominal: Live) -> None:
+    one, two = opened(chromium, nominal), opened(chromium, nominal)
+    one.click("#control-take")
+    shows(two, "control-who", "Page 1 has the control.")
+    assert two.is_disabled("#control-take")
+    press_forbidden(two, "grip")
+    shows(two, "answer", "Take control first.")
+    one.click("#command-grip")
+    shows(two, "state-word", "GRIPPED")
+    one.context.close()  # closing it moves no line, and its control ends by itself
+    two.wait_for_selector("#control-take:not(:disabled)", timeout=20_000)
+    shows(two, "state-word", "GRIPPED")
+    two.click("#control-take")
+    shows(two, "control-who", "This page has the control.")
+    two.context.close()
+
+
+def test_a_hal_that_dies_turns_the_page_grey_and_comes_back(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    shows(page, "state-word", "STAND-BY")
+    nominal.hal.end(signal.SIGKILL)
+    page.wait_for_selector("body.stale", timeout=1_200 + 300)
+    shows(page, "news", "What you see is old.")
+    assert page.get_attribute("#command-grip", "aria-disabled") == "true"
+    shot(page, "no-news")
+    nominal.hal = nominal.start_hal()
+    page.wait_for_selector("body:not(.stale)", timeout=30_000)
+    shows(page, "state-word", "STAND-BY")
+    # stopped, not dead: the connection is there, and nothing comes
+    nominal.hal.child.send_signal(signal.SIGSTOP)
+    page.wait_for_selector("body.stale", timeout=1_200 + 600)
+    nominal.hal.child.send_signal(signal.SIGCONT)
+    page.wait_for_selector("body:not(.stale)", timeout=30_000)
+    assert not page.faults
+    page.context.close()
+
+
+def test_the_page_itself_that_dies_is_said_too(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    nominal.page.child.send_signal(signal.SIGSTOP)
+    page.wait_for_selector("body.stale", timeout=1_200 + 600)
+    shows(page, "news", "The process of this page is not heard.")
+    nominal.page.child.send_signal(signal.SIGCONT)
+    page.wait_for_selector("body:not(.stale)", timeout=20_000)
+    page.context.close()
+
+
+def test_a_phone_in_the_dark(chromium: Any, nominal: Live) -> None:
+    page = opened(
+        chromium,
+        nominal,
+        viewport={"width": 390, "height": 844},
+        color_scheme="dark",
+        has_touch=True,
+        device_scale_factor=2,
+    )
+    shows(page, "state-word", "STAND-BY")
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390, (
+        "nothing stands out to the right"
+    )
+    box = page.locator("#command-cancel").bounding_box()
+    assert box["y"] + box["height"] <= 844, "cancel is in reach"
+    page.click("#control-take")
+    page.click("#command-grip")
+    shows(page, "state-word", "GRIPPED")
+    shot(page, "phone")
+    page.context.close()
+
+
+def test_the_keyboard_reaches_everything(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    reached = set()
+    for _ in range(30):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("() => document.activeElement.id"))
+    words = ("grip", "drop", "cancel", "lock", "arm", "unlock", "reset")
+    assert {"control-take", "log-kind", *(f"command-{word}" for word in words)} <= reached
+    page.focus("#control-take")
+    page.keyboard.press("Enter")
+    shows(page, "control-who", "This page has the control.")
+    page.context.close()
+
+
+def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
+    with Live(tmp_path, "never-confirms:cylinder") as live:
+        page = opened(chromium, live)
+        shows(page, "state-word", "STAND-BY")
+        page.click("#control-take")
+        page.click("#command-grip")
+        page.locator("#cards .attempts:not([hidden])", has_text="attempt 2 of 3").wait_for(timeout=20_000)
+        page.locator("#cards .timer:not([hidden])", has_text="time-out in").wait_for()
+        shows(page, "goal-detail", "at most 58.00 s")
+        shot(page, "failing-attempt", whole=True)
+        page.click("#control-take")  # gives it back: who sees that a grip must end may end it
+        shows(page, "control-who", "Nobody has the control.")
+        shows(page, "why-cancel", "No emergency stop.")
+        page.click("#command-cancel")
+        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-reason", "The grip was cancelled.")
+        page.context.close()
+
+
+def test_a_part_that_is_held_with_a_leak(chromium: Any, tmp_path: Path) -> None:
+    with Live(tmp_path, "leak-grows:top_vacuum:2") as live:
+        page = opened(chromium, live, color_scheme="dark")
+        shows(page, "state-word", "STAND-BY")
+        page.click("#control-take")
+        page.click("#command-grip")
+        page.locator("#cards .hold.leak", has_text="lost in").wait_for(timeout=40_000)
+        page.locator("#log", has_text="Leak: Top vacuum").wait_for(timeout=30_000)
+        shot(page, "held-with-a-leak", whole=True)
+        page.context.close()
+
+
+def test_nobody_comes_in_without_the_token(nominal: Live) -> None:
+    host = nominal.url.split("/?")[0]
+    for path, headers in (
+        ("/", {}),
+        ("/static/app.js", {}),
+        ("/events?page=0123456789abcdef", {}),
+        ("/", {"Host": "evil.example"}),
+    ):
+        request = urllib.request.Request(f"{host}{path}", headers=headers)
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(request)
+        assert refused.value.code in (401, 421)
+        assert "default-src 'none'" in refused.value.headers["content-security-policy"]
+        refused.value.close()
+    posted = urllib.request.Request(f"{host}/command", data=b'{"page":"0123456789abcdef","word":"grip"}')
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        urllib.request.urlopen(posted)
+    refused.value.close()
+    wait_until("the HAL works", lambda: nominal.hal.child.poll() is None)
