@@ -28,7 +28,7 @@ demo-all: setup ## the same, then a cancel, a release that fails, unlock and loc
 # Collecting all tests takes ten seconds: the parts that need few files collect no others
 OF_PROCESSES = tests/acceptance $(shell grep -rlE 'mark\.(wall|ros)\b' tests/unit --include='test_*.py')
 OF_TIMES = $(shell grep -rlE 'mark\.alone\b' tests --include='test_*.py')
-# Real processes mostly wait: four workers on two processors. Three of them run the nodes of ROS, see tests/conftest.py
+# Real processes mostly wait: four workers on two processors. All run nodes of ROS at first, see tests/conftest.py
 SHARED := --dist loadfile --no-loadscope-reorder
 
 test: setup ## all tests: of logic, of real processes, then those that measure times
@@ -38,7 +38,7 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 
 test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
-	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/contract tests/acceptance/ros2
+	@$(APART) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) -p no:cacheprovider tests/acceptance/contract tests/acceptance/ros2 $(WALL_OPTIONS)
 
 contract-edits: setup ros2 ## by hand: edits of the transport, each of which the contract must find (10 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited

@@ -25,7 +25,10 @@ _TCP_LEFT_OPEN = (
 _LONGEST = (
     "ros 0",
     "ros 1",
-    "contract",
+    "contract 0",
+    "contract 1",
+    "contract 0 in five",
+    "contract 1 in five",
     "test_jaw",
     "test_contributing",
     "test_end_effector",
@@ -62,18 +65,19 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def _group(name: str) -> str:
-    """What one worker runs of these tests, by the name of one of them: a file, the contract, or half of `ros1`.
+    """What one worker runs of these tests, by the name of one of them: a file, or half of those that need nodes.
 
-    Nodes take a quarter of a processor also while nobody asks them: three sets, for as long as they are needed.
+    Nodes take a quarter of a processor also while nobody asks them: few sets, for as long as they are needed.
     """
     file = name.partition("::")[0]
+    half = crc32(file.encode()) % 2
     if "acceptance/contract/" in file:
-        return "contract"
-    return f"ros {crc32(file.encode()) % 2}" if "acceptance/ros1/" in file else Path(file).stem
+        return f"contract {half}" + (" in five" if "[five" in name else "")
+    return f"ros {half}" if "acceptance/ros1/" in file else Path(file).stem
 
 
 class Groups(LoadFileScheduling):
-    """As ``--dist loadfile``, with those that need nodes in three workers."""
+    """As ``--dist loadfile``, with those that need nodes in a few workers."""
 
     def _split_scope(self, nodeid: str) -> str:
         return _group(nodeid)

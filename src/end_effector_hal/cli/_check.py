@@ -93,7 +93,8 @@ def check(path: Path) -> Checked:
     examination = examine(path)
     faults, likely = list(examination.faults), examination.likely
     match, automata = None, tuple[Diagnostic, ...]()
-    if likely is not None and not examination.is_broken("link", "codec"):
+    codecs = [(*likely.link_path(name), "codec") for name in likely.links] if likely is not None else []
+    if likely is not None and not any(examination.is_broken(*each) for each in (*codecs, ("link", "codec"))):
         from end_effector_hal.codecs import match_codec
         from end_effector_hal.nodes.interface import name_faults
 
@@ -160,18 +161,19 @@ def _rest(description: Description) -> Iterator[str]:
     """Tool changer and wires, a line each."""
     from end_effector_hal.codecs import board_inputs, codec_of, line_of
 
-    link, lines = description.link, description.lines
+    lines = description.lines
     if changer := description.tool_changer:
         pin = f", {changer.pin}" if changer.pin else ""
         proof = f"{changer.locked_bit} or {changer.unlocked_bit} within {changer.prove_s:g} s"
         at_most = "latching" if changer.latching else f"unlock at most {changer.unlock_max_s:g} s"
         yield f"changer   {changer.line}{pin}; {proof}; {at_most}"
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
-    if link is not None:
-        codec = codec_of(description)
+    for name, link in description.links.items():
+        codec = codec_of(description, name)
         baudrate, parity = line_of(link, codec)
         own = f" 8{parity}1" if link.frame or link.parity else ""
-        yield f"link      {link.port}, {codec.name}, {baudrate} baud{own}"
+        called = f"{name}: " if name else ""
+        yield f"link      {called}{link.port}, {codec.name}, {baudrate} baud{own}"
     if inputs := board_inputs(description):
         yield f"inputs    {', '.join(inputs.channels)}, each {inputs.period_us / 1000:g} ms"
     yield f"automata  {description.automata_path}"

@@ -57,9 +57,21 @@ class OpenLink:
         return data, [*frames, *self.decoder.feed(data)]
 
 
+def link_title(description: Description, name: str) -> str:
+    """For a sentence: port, codec and baud rate of a link; raises UsageError like `codec_of`."""
+    from end_effector_hal.codecs import codec_of, line_of
+
+    codec, link = codec_of(description, name), description.links[name]
+    return f"{link.port}, {codec.name}, {line_of(link, codec)[0]} baud"
+
+
 @contextmanager
-def open_link(description: Description) -> Iterator[OpenLink]:
-    """The link of a tool, for as long as it is needed.
+def open_link(description: Description, name: str) -> Iterator[OpenLink]:
+    """A link of a tool, for as long as it is needed.
+
+    Args:
+        description: the tool.
+        name: of the link.
 
     Raises:
         LinkError: the port cannot be opened; LinkBusyError: somebody reads it.
@@ -68,12 +80,11 @@ def open_link(description: Description) -> Iterator[OpenLink]:
     from end_effector_hal.codecs import codec_of, line_of
     from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
 
-    codec, link = codec_of(description), description.link
-    assert link is not None, "codec_of raises"
+    codec, link = codec_of(description, name), description.links[name]
     baudrate, parity = line_of(link, codec)
     with open_port(link.port, baudrate, parity=parity) as port:
         decoder = GuardedDecoder(codec, CodecCalls(link.port))
-        yield OpenLink(f"{link.port}, {codec.name}, {baudrate} baud", codec, decoder, port.fileno())
+        yield OpenLink(link_title(description, name), codec, decoder, port.fileno())
 
 
 def fitting(data: bytes, but: str) -> Iterator[str]:

@@ -1,15 +1,16 @@
-"""``eehal listen``: what arrives on each channel of the link, live; and thresholds from what was recorded."""
+"""``eehal listen``: what arrives on each channel of a tool, live; and thresholds from what was recorded."""
 
 from __future__ import annotations
 
 import json
 import sys
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Self
 
 import click
 
@@ -20,9 +21,7 @@ from ._options import PathName, end_in_order
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from end_effector_hal.cli._hearing import OpenLink
     from end_effector_hal.description import Description
-    from end_effector_hal.sensing import SensorSet
     from end_effector_hal.signals import Frame, Value
 
 STEP_KPA = 0.5
@@ -49,10 +48,10 @@ SAMPLE = 65_536
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(description: Path, seconds: float | None, suggest: Path | None, as_json: bool) -> None:
-    """Show what arrives on each channel of the link of DESCRIPTION: value, evidence, age, rate, errors.
+    """Show what arrives on each channel of DESCRIPTION: raw, value, evidence, age, rate, errors.
 
-    It opens the port and nothing else: no arbiter is asked and no line moves. On a terminal a table that is refreshed,
-    elsewhere a line for each change. A link that somebody reads is left alone.
+    It reads links and inputs of the board, and nothing else: no arbiter is asked and no output moves. On a terminal a
+    table that is refreshed, elsewhere a line for each change. What somebody else reads is left alone.
 
     --suggest reads a recording (`eehal run --record FOLDER`) of a grip and a drop, and proposes thresholds with the
     levels that speak for each.
@@ -66,8 +65,8 @@ def command(description: Path, seconds: float | None, suggest: Path | None, as_j
         print_suggestions(tool, suggest, as_json=as_json)
         return
     end_in_order()
-    if tool.link is not None:
-        _refuse_busy(tool.link.port)
+    for link in tool.links.values():
+        _refuse_busy(link.port)
     with suppress(KeyboardInterrupt):  # how a live view is left
         _listen(tool, seconds, as_json=as_json)
 
@@ -86,34 +85,23 @@ def _refuse_busy(port: str) -> None:
 def _listen(tool: Description, seconds: float | None, *, as_json: bool) -> None:
     from end_effector_hal.wires import now_us
 
-    from ._hearing import open_link, why_no_frame
-
     if not as_json and sys.stdout.isatty():
         import rich.live  # noqa: F401 now: frames would wait for it
-    with open_link(tool) as link:
-        heard = ChannelView(tool, link, now_us())
-        end = None if seconds is None else heard.begun + round(seconds * 1e6)
-        try:
-            _show(heard, link, end, as_json=as_json)
-        except LinkError:
-            raise
-        except OSError as error:
-            what = f"the port was lost: {error.strerror or error}."
-            raise LinkError(what, where=link.name, todo="Is the device plugged in?") from None
-    if not heard.link.decoder.counters.frames:
-        what, todo = why_no_frame(bytes(heard.sample), link.codec.name)
-        raise LinkError(f"{what}.", where=link.name, todo=todo)
+    heard = ChannelView(tool, now_us())
+    end = None if seconds is None else heard.begun + round(seconds * 1e6)
+    with heard:
+        _show(heard, end, as_json=as_json)
+    heard.need_frames()
 
 
-def _show(heard: ChannelView, link: OpenLink, end: int | None, *, as_json: bool) -> None:
+def _show(heard: ChannelView, end: int | None, *, as_json: bool) -> None:
     from end_effector_hal.wires import now_us
 
     def hear() -> bool:
         now = now_us()
         if end is not None and now >= end:
             return False
-        left_s = TICK_S if end is None else min(TICK_S, (end - now) / 1e6)
-        heard.take(*link.hear(left_s), now_us())
+        heard.hear(TICK_S if end is None else min(TICK_S, (end - now) / 1e6))
         return True
 
     if as_json or not sys.stdout.isatty():
@@ -129,44 +117,109 @@ def _show(heard: ChannelView, link: OpenLink, end: int | None, *, as_json: bool)
 
 
 @dataclass
-class ChannelView:
-    """What has arrived so far, and what it proves."""
+class HeardLink:
+    """What came over one link: its newest bytes, its first ones, and errors that were counted before a frame."""
 
-    tool: Description
-    link: OpenLink
-    begun: int
-    size: int = 0
+    title: str
+    codec: str
     newest: bytes = b""
     sample: bytearray = field(default_factory=bytearray)
-    values: dict[str, Value] = field(default_factory=dict)
-    arrivals: dict[str, deque[int]] = field(default_factory=dict)
-    before: dict[str, int] = field(default_factory=dict)
-    due: int | None = None
+    before: dict[str, int] | None = None
 
-    def __post_init__(self) -> None:
+
+class ChannelView:
+    """What has arrived so far from every source of a tool, and what it proves; a context in which it is read.
+
+    Args:
+        tool: whose channels they are.
+        begun: µs, now.
+    """
+
+    def __init__(self, tool: Description, begun: int) -> None:
+        from end_effector_hal.codecs import carrier_of, codec_of, sources_of
         from end_effector_hal.sensing import SensorSet
+        from end_effector_hal.wires.sensors import SensorReader
 
-        self.sensors: SensorSet = SensorSet(self.tool, self.link.codec)
-        self.arrivals = {name: deque(maxlen=KEPT) for name in self.link.codec.channels}
+        from ._hearing import link_title
 
-    def take(self, data: bytes, frames: list[Frame], now: int) -> None:
-        """What came, at ``now``."""
-        if data:
-            self.size += len(data)
-            self.newest = data[-SHOWN:]
-            self.sample += data[: SAMPLE - len(self.sample)]
-        if frames and not self.values:  # a listener comes in the middle of one
-            self.before = dict(self.link.decoder.counters.errors)
-        for frame in frames:
-            self.values.update(frame.values)
-            for name, value in frame.values.items():
-                if value is not None and name in self.arrivals:
-                    self.arrivals[name].append(frame.at)
-            if self.sensors.accepts(frame, now):
-                self.sensors.frame(frame)
+        self.tool, self.begun = tool, begun
+        carrier = carrier_of(tool)
+        self.channels = carrier.channels
+        self.sensors = SensorSet(tool, carrier)
+        self.links = {
+            name: HeardLink(link_title(tool, name), codec_of(tool, name).name if link.frame is None else "")
+            for name, link in tool.links.items()
+        }
+        only = next(iter(tool.links), None)
+        self._link_of = {
+            name: only if source.link is None and len(tool.links) == 1 else source.link
+            for source in sources_of(carrier)
+            for name in source.channels
+            if not (name in tool.channels and tool.channels[name].on_board)
+        }
+        self.values: dict[str, Value] = {}
+        self.arrivals: dict[str, deque[int]] = {name: deque(maxlen=KEPT) for name in self.channels}
+        self.due: int | None = None
+        self._came: SimpleQueue[Frame | tuple[str, bytes]] = SimpleQueue()
+        self._reader = SensorReader(
+            tool, self._came.put, on_bytes=lambda name, data: self._came.put((name, data))
+        )
+
+    def __enter__(self) -> Self:
+        self._reader.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._reader.close()
+
+    def hear(self, longest_s: float) -> None:
+        """Take what comes within a time; raises LinkError when no source is left that could bring anything."""
+        from end_effector_hal.wires import now_us
+
+        with suppress(Empty):
+            self._take(self._came.get(timeout=longest_s))
+            while True:
+                self._take(self._came.get_nowait())
+        now = now_us()
         if self.due is not None and self.due <= now:
             self.sensors.advance(now)
         self.due = self.sensors.deadline(now)
+        health = self._reader.health
+        errors = [link.error for link in health.links.values()]
+        errors += [health.inputs.error] if health.inputs else []
+        if all(errors):
+            raise LinkError(errors[0])
+
+    def need_frames(self) -> None:
+        """Raise LinkError if nothing has come over some link, with what could be done."""
+        from ._hearing import why_no_frame
+
+        for name, link in self._reader.health.links.items():
+            if not link.frames:
+                heard = self.links[name]
+                if link.error:
+                    raise LinkError(link.error)
+                what, todo = why_no_frame(bytes(heard.sample), heard.codec)
+                raise LinkError(f"{what}.", where=heard.title, todo=todo)
+
+    def _take(self, came: Frame | tuple[str, bytes]) -> None:
+        from end_effector_hal.wires import now_us
+
+        if isinstance(came, tuple):
+            name, data = came
+            heard = self.links[name]
+            heard.newest = data[-SHOWN:]
+            heard.sample += data[: SAMPLE - len(heard.sample)]
+            return
+        link = self._link_of.get(next(iter(came.values), ""))
+        if link is not None and self.links[link].before is None:  # a listener comes in the middle of one
+            self.links[link].before = dict(self._reader.health.links[link].errors)
+        self.values.update(came.values)
+        for name, value in came.values.items():
+            if value is not None and name in self.arrivals:
+                self.arrivals[name].append(came.at)
+        if self.sensors.accepts(came, now_us()):
+            self.sensors.frame(came)
 
     def age_s(self, channel: str, now: int) -> float | None:
         """Since its last valid value."""
@@ -187,14 +240,26 @@ class ChannelView:
             return "nothing yet"
         if self.values[channel] is None:
             return "invalid"
-        return "stale" if age_s is None or age_s * 1e6 >= self.sensors.now.readings.stale_us else ""
+        stale_us = self.sensors.now.readings.stale_after_us(channel)
+        return "stale" if age_s is None or age_s * 1e6 >= stale_us else ""
 
-    def errors(self) -> dict[str, int]:
-        """Of the decoder, by kind; what was lost and reboots are among them."""
-        counters = self.link.decoder.counters
-        since = {kind: count - self.before.get(kind, 0) for kind, count in counters.errors.items()}
-        counted = {"lost": counters.lost, "reboots": counters.reboots, **since}
-        return {kind: count for kind, count in counted.items() if count}
+    def raw(self, channel: str) -> float | None:
+        """What its source said, before scale and offset; of a codec's own channel, what the codec says."""
+        value, declared = self.values.get(channel), self.tool.channels.get(channel)
+        if value is None or declared is None or declared.codec is not None:
+            return value
+        raw = round(declared.raw(value), 3)
+        return int(raw) if raw.is_integer() else raw
+
+    def errors(self) -> dict[str, dict[str, int]]:
+        """Of the decoder of each link, by kind; what was lost and reboots are among them."""
+        found: dict[str, dict[str, int]] = {}
+        for name, counters in self._reader.health.links.items():
+            before = self.links[name].before or {}
+            since = {kind: count - before.get(kind, 0) for kind, count in counters.errors.items()}
+            counted = {"lost": counters.lost, "reboots": counters.reboots, **since}
+            found[name] = {kind: count for kind, count in counted.items() if count}
+        return found
 
     def evidence(self) -> dict[str, str]:
         """Of each actuator."""
@@ -207,15 +272,12 @@ class ChannelView:
         from rich.table import Table
         from rich.text import Text
 
-        counters = self.link.decoder.counters
-        errors = ", ".join(f"{count} {kind}" for kind, count in self.errors().items()) or "no errors"
-        head = f"{self.link.name}: {self.size} bytes, {counters.frames} frames, {errors}"
         channels = Table("channel", "raw", "value", "age", "per second", "of", box=None, pad_edge=False)
-        for name in self.link.codec.channels:
+        for name in self.channels:
             value, state, age_s = self.values.get(name), self.state(name, now), self.age_s(name, now)
             channels.add_row(
                 name,
-                "" if value is None else str(int(value)),
+                "" if value is None else str(int(raw) if isinstance(raw := self.raw(name), bool) else raw),
                 Text(state, style="red") if state else scaled(value),
                 "" if age_s is None else f"{age_s:.2f} s",
                 f"{self.rate_hz(name, now):.1f}",
@@ -224,8 +286,22 @@ class ChannelView:
         actuators = Table("actuator", "evidence", box=None, pad_edge=False)
         for name, evidence in self.evidence().items():
             actuators.add_row(name, evidence)
-        newest = Text(f"newest bytes  {self.newest.hex(' ')}", style="dim")
-        return Group(Text(head), "", channels, "", actuators, "", newest)
+        sources = map(Text, self._sources())
+        newest = (
+            Text(f"newest bytes{name and f' of {name}'}  {each.newest.hex(' ')}", style="dim")
+            for name, each in self.links.items()
+        )
+        return Group(*sources, "", channels, "", actuators, "", *newest)
+
+    def _sources(self) -> Iterator[str]:
+        health, errors = self._reader.health, self.errors()
+        for name, link in health.links.items():
+            counted = ", ".join(f"{count} {kind}" for kind, count in errors[name].items()) or "no errors"
+            told = link.error or f"{link.bytes} bytes, {link.frames} frames, {counted}"
+            yield f"{name and f'{name}: '}{self.links[name].title}: {told}"
+        if inputs := health.inputs:
+            told = inputs.error or f"{inputs.frames} frames, {inputs.edges} edges"
+            yield f"inputs of the board: {told}"
 
     def _users(self, channel: str) -> Iterator[str]:
         from end_effector_hal.kinds import kind_of
@@ -249,7 +325,7 @@ class ChannelChanges:
         self._heard, self._tell = heard, tell
         self._told: dict[str, tuple[str, Value]] = {}
         self._evidence: dict[str, str] = {}
-        self._errors: dict[str, int] = {}
+        self._errors: Mapping[str, Mapping[str, int]] = {}
 
     def tell(self, now: int) -> None:
         """What is otherwise than it was told."""
@@ -261,7 +337,8 @@ class ChannelChanges:
                 unit = {"unit": "kPa"} if not isinstance(value, bool) and value is not None else {}
                 shown = None if state else value if isinstance(value, bool) or value is None else value / 1000
                 self._tell(
-                    {"event": "channel", "time_s": seconds, "channel": name, "raw": value, "value": shown,
+                    {"event": "channel", "time_s": seconds, "channel": name, "raw": heard.raw(name),
+                     "value": shown,
                      **unit, "state": state or "fresh", "rate_hz": round(heard.rate_hz(name, now), 1)}
                 )  # fmt: skip
         for actuator, evidence in heard.evidence().items():
@@ -270,10 +347,14 @@ class ChannelChanges:
                 self._tell(
                     {"event": "evidence", "time_s": seconds, "actuator": actuator, "evidence": evidence}
                 )
-        if (errors := heard.errors()) != self._errors:
-            self._errors = errors
-            newest = heard.newest.hex(" ")
-            self._tell({"event": "errors", "time_s": seconds, "errors": errors, "newest_bytes": newest})
+        before, self._errors = self._errors, heard.errors()
+        for name, errors in self._errors.items():
+            if errors != before.get(name, {}):
+                link = {"link": name} if name else {}
+                newest = heard.links[name].newest.hex(" ")
+                self._tell(
+                    {"event": "errors", "time_s": seconds, **link, "errors": errors, "newest_bytes": newest}
+                )
 
     def _changed(self, name: str, state: str, value: Value) -> bool:
         if name not in self._told:
@@ -298,10 +379,11 @@ def _words(content: dict[str, object]) -> None:
         errors = content["errors"]
         assert isinstance(errors, dict)
         said = ", ".join(f"{count} {kind}" for kind, count in errors.items())
-        click.echo(f"{at} errors: {said} (newest bytes {content['newest_bytes']})")
+        of = f" of {content['link']}" if "link" in content else ""
+        click.echo(f"{at} errors{of}: {said} (newest bytes {content['newest_bytes']})")
     elif content["state"] != "fresh":
         click.echo(f"{at} {content['channel']} is {content['state']}")
     else:
-        raw = content["raw"]
-        assert isinstance(raw, bool | int)
-        click.echo(f"{at} {content['channel']} {scaled(raw)} (raw {int(raw)})")
+        raw, value, unit = content["raw"], content["value"], content.get("unit")
+        shown = f"{value:.1f} {unit}" if isinstance(value, float) else "yes" if value else "no"
+        click.echo(f"{at} {content['channel']} {shown} (raw {int(raw) if isinstance(raw, bool) else raw})")

@@ -6,7 +6,7 @@ the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformanc
 """
 
 from ._answers import Counters, counters_of, frame_fault, weight
-from ._carrier import board_inputs, carrier_of, codec_of, line_of, period_of, sources_of
+from ._carrier import FrameSource, board_inputs, carrier_of, codec_of, line_of, period_of, sources_of
 from ._codec import (
     Carrier,
     Codec,
@@ -35,6 +35,7 @@ __all__ = [
     "Device",
     "Ees1Ascii",
     "Ees1Cobs",
+    "FrameSource",
     "LegacyNibble",
     "Polled",
     "PolledCodec",

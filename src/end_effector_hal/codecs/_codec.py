@@ -206,6 +206,11 @@ class Sequence:
         return True
 
 
-def sequence_of(codec: object) -> Sequence:
-    """For frames of a codec; 16 and 32 bits, unless it has other ``seq_bits`` and ``clock_bits``."""
-    return Sequence(seq_bits=getattr(codec, "seq_bits", 16), clock_bits=getattr(codec, "clock_bits", 32))
+def sequence_bits(codec: object) -> tuple[int, int]:
+    """Of its sequence number and its clock: 16 and 32, unless it has other ``seq_bits`` and ``clock_bits``."""
+    return getattr(codec, "seq_bits", 16), getattr(codec, "clock_bits", 32)
+
+
+def sequence_of(seq_bits: int, clock_bits: int) -> Sequence:
+    """A new one, for frames with numbers of this width."""
+    return Sequence(seq_bits=seq_bits, clock_bits=clock_bits)

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from end_effector_hal.codecs._carrier import carrier_of, codec_of
+from end_effector_hal.codecs._carrier import carrier_of, codec_of, sources_of
 from end_effector_hal.codecs._codec import shows_noise
-from end_effector_hal.codecs._registry import codec_names
+from end_effector_hal.codecs._registry import codec_names, get_codec
 from end_effector_hal.codecs.described import described_codec
 from end_effector_hal.description import (
     CodecChannels,
@@ -54,27 +54,19 @@ def load_tool(path: str | Path) -> Description:
 
 def match_codec(description: Description) -> CodecMatch:
     """Hold a description against its codec."""
-    link, known = description.link, codec_names()
-    wanted = link.codec if link and link.frame is None else ""
+    links = description.links
+    if unusable := [fault for name in links if (fault := _unusable(description, name))]:
+        return CodecMatch(tuple(unusable))
     try:
         codec = carrier_of(description)
-    except MissingExtraError as error:
-        place = description.place("link", "codec" if wanted else "frame")
-        return CodecMatch(
-            (Fault.at(place, "EE-226", error.what.rstrip("."), found="", hint=error.todo.rstrip(".")),)
-        )
-    except ReportedError as error:
-        if not wanted:
-            place, hint = description.place("link", "frame"), error.todo.rstrip(".")
-            return CodecMatch((Fault.at(place, "EE-226", error.what.rstrip("."), found="", hint=hint),))
-        what = error.what.rstrip(".") if wanted in known else "there is no such codec"
-        place, hint = description.place("link", "codec"), did_you_mean(wanted, known)
-        return CodecMatch(
-            (Fault.at(place, "EE-226", what, expected=f"one of {', '.join(known)}", hint=hint),)
-        )
-    declared = link is None or link.frame is not None
+    except ReportedError as error:  # nothing brings a reading
+        what, hint = error.what.rstrip("."), error.todo.rstrip(".")
+        return CodecMatch((Fault.at(description.place("link"), "EE-226", what, found="", hint=hint),))
+    declared = len(links) > 1 or all(link.frame is not None for link in links.values())
+    fresh = ((description.freshness_of(source.link), source.period_us / 1e6) for source in sources_of(codec))
+    stale_s = max(max(each.stale_s, each.stale_periods * period_s) for each, period_s in fresh)
     channels = CodecChannels(
-        codec.name, codec.channels, codec.period_us, shows_noise(codec), declared=declared
+        codec.name, codec.channels, codec.period_us, stale_s, shows_noise(codec), declared=declared
     )
     return CodecMatch(
         tuple(sorted([*unproven(description, channels), *_hidden(description), *_too_short(description)])),
@@ -83,26 +75,61 @@ def match_codec(description: Description) -> CodecMatch:
     )
 
 
+def _unusable(description: Description, name: str) -> Fault | None:
+    """Why the codec of a link cannot be used; None: it can be."""
+    link, known, path = description.links[name], codec_names(), description.link_path(name)
+    wanted = link.codec if link.frame is None else ""
+    try:
+        if wanted:
+            get_codec(wanted)
+            return _not_carried(description, name)
+        codec_of(description, name)
+    except ReportedError as error:
+        what, hint = error.what.rstrip("."), error.todo.rstrip(".")
+        place = description.place(*path, "codec" if wanted else "frame")
+        if not wanted or isinstance(error, MissingExtraError):
+            return Fault.at(place, "EE-226", what, found="", hint=hint)
+        what = what if wanted in known else "there is no such codec"
+        expected = f"one of {', '.join(known)}"
+        return Fault.at(place, "EE-226", what, expected=expected, hint=did_you_mean(wanted, known))
+    return None
+
+
+def _not_carried(description: Description, name: str) -> Fault | None:
+    """A channel that the named codec of a link does not have."""
+    codec = get_codec(description.links[name].codec)
+    for mine, each in description.channels_over(name).items():
+        if each.codec and each.codec.channel not in codec.channels:
+            place, known = description.place("channels", mine, "codec", "channel"), [*codec.channels]
+            what, expected = f"{codec.name} carries no such channel", f"one of {', '.join(known)}"
+            return Fault.at(
+                place, "EE-225", what, expected=expected, hint=did_you_mean(each.codec.channel, known)
+            )
+    return None
+
+
 def _hidden(description: Description) -> Iterator[Fault]:
-    """Channels of the link's codec that would not be seen behind a declared one of the same name."""
-    if description.link is None or description.link.frame is not None:
+    """Channels of the only link's codec that would not be seen behind a declared one of the same name."""
+    if len(description.links) != 1:
         return
-    codec = codec_of(description)
-    for name in description.channels.keys() & codec.channels.keys():
-        place = description.key_place("channels", name)
-        what = f"{codec.name} carries a channel of this name, too"
-        yield Fault.at(place, "EE-221", what, found=name, expected="another name")
+    (link,) = description.links.values()
+    taken = {mine: each.codec.channel for mine, each in description.channels.items() if each.codec}
+    for mine in description.channels if link.frame is None else ():
+        codec = get_codec(link.codec)
+        if mine in codec.channels.keys() - {*taken.values()}:
+            place = description.key_place("channels", mine)
+            what = f"{codec.name} carries a channel of this name, too"
+            yield Fault.at(place, "EE-221", what, found=mine, expected="another name")
 
 
 def _too_short(description: Description) -> Iterator[Fault]:
     """A period in which what is declared does not fit on the wire: every reading would be stale."""
-    link = description.link
-    if link is None or link.frame is None or link.period_ms is None:
-        return
-    codec = described_codec(description)
-    if codec.period_us < codec.least_period_us:
-        least_ms = -(-codec.least_period_us // 1000)
-        what = f"one frame takes {least_ms} ms at {codec.baudrate} baud"
-        yield Fault.at(
-            description.place("link", "period_ms"), "EE-228", what, expected=f"at least {least_ms}"
-        )
+    for name, link in description.links.items():
+        if link.frame is None or link.period_ms is None:
+            continue
+        codec = described_codec(link, description.channels_over(name))
+        if codec.period_us < codec.least_period_us:
+            least_ms = -(-codec.least_period_us // 1000)
+            what = f"one frame takes {least_ms} ms at {codec.baudrate} baud"
+            place = description.place(*description.link_path(name), "period_ms")
+            yield Fault.at(place, "EE-228", what, expected=f"at least {least_ms}")

@@ -1,6 +1,6 @@
 """What the tool decides with: the executed automata and their words; sans-IO."""
 
-from ._constants import model_constants
+from ._constants import LATER_CONSTANTS, model_constants
 from ._controller import PROGRAMS, Controller
 from ._last_wills import GripLastWill, changer_will, maintenance_will
 from ._network import network_of
@@ -8,6 +8,7 @@ from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
 
 __all__ = [
+    "LATER_CONSTANTS",
     "PROGRAMS",
     "Answer",
     "Controller",

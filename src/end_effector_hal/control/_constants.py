@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from end_effector_hal.codecs import Carrier, carrier_of
 from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import LEASE_US
 
 Constants = dict[str, "int | bool | list[int]"]
+LATER_CONSTANTS = ("SHOWS_EMPTY",)
+"""Constants that automata of earlier versions do not have: these behave as they did."""
 
 
 def model_constants(description: Description, carrier: Carrier | None = None) -> Constants:
@@ -40,6 +47,7 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
         "IL_05": locks.il_05 and fitted,
         "IL_06": locks.il_06 and description.supply.channel in carried,
         "IL_07": locks.il_07,
+        "SHOWS_EMPTY": any(_shows_empty(actuator, carried) for actuator in actuators),
         **_endings(description),
     }
     if changer is not None:
@@ -67,6 +75,12 @@ def _endings(description: Description) -> Constants:
         "HELD_DEATH_KEEPS": [its.held.process_death != "release" for its in each],
     }
     return {**keeps, "MIXED": any(len(set(some)) > 1 for some in keeps.values())}
+
+
+def _shows_empty(part: Actuator, carried: Mapping[str, Kind]) -> bool:
+    conditions = kind_of(part).conditions(part)
+    empty = conditions.empty if conditions else None
+    return empty is not None and empty.can_be_known(carried)
 
 
 def _ms(seconds: float) -> int:

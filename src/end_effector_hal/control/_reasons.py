@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import lost_words
+from end_effector_hal.kinds import kind_of, lost_words
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
 
@@ -20,6 +20,9 @@ def explain(description: Description, cause: int, cause_at: int, senses: SensorS
         return (
             f"{who} was not confirmed within {actuator.timeout_s:g} s in {actuator.attempts} attempts.{empty}"
         )
+    if cause == Cause.EMPTY and actuator:
+        tried = f"all {actuator.attempts} attempts have" if actuator.attempts > 1 else "its only attempt has"
+        return f"{who} {kind_of(actuator).empty}: {tried} failed."
     if cause == Cause.LOST and actuator:
         return f"{who} was lost: {lost_words(actuator, senses.readings, at)}."
     if cause == Cause.REFUSED:
@@ -94,8 +97,8 @@ def blocking(description: Description, status: Status, senses: SensorState, at: 
     Of those that a description can switch off; the line arbiter has its own.
     """
     locks, said = description.interlocks, dict.fromkeys(("IL-01", "IL-02", "IL-05", "IL-06", "IL-07"), "")
-    if locks.il_07 and not senses.readings.link_up(at):
-        said["IL-07"] = f"IL-07: the {description.sensors_are('not up')}."
+    if locks.il_07 and (down := senses.readings.down(at)):
+        said["IL-07"] = f"IL-07: the {description.sensors_are('not up', down[0].link)}."
     elif locks.il_07 and (present := feedback(description, senses)):
         said["IL-07"] = f"IL-07: {present}"
     if (changer := description.tool_changer) is not None:

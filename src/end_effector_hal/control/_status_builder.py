@@ -171,7 +171,7 @@ class StatusBuilder:
             changer_fault=_CHANGER_FAULTS[fault],
             vented=self._senses.now.nothing_gripped,
             armed=bool(values["armed"]),
-            link_up=self._link_up,
+            link_up=not self._down,
             stale=self._stale,
             missed=self._missed,
             worst_late_us=self._worst_late_us,
@@ -187,14 +187,15 @@ class StatusBuilder:
             self._seen, senses = seen, self._senses
             readings, self._refused = senses.now.readings, senses.refused
             stale = readings.stale(at)
-            self._link_up = readings.link_up(at)
+            self._down = readings.down(at)
             self._stale = tuple(filter(self._used.__contains__, stale))
             self._notices = senses.notices(at, held=self.held)
 
     def _alarms(self) -> tuple[str, ...]:
-        alarms = []
-        if self.adopted and not self._link_up:
-            alarms.append(f"The {self._description.sensors_are('down')}.")
+        alarms: list[str] = []
+        if self.adopted:
+            down = (self._description.sensors_are("down", source.link) for source in self._down)
+            alarms += dict.fromkeys(f"The {each}." for each in down)
         if self._latched:
             alarms.append(self.latched_error)
         if not self._grips and self.values["changer"] == ChangerState.FAULT:

@@ -7,6 +7,7 @@ from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
 from .model import (
+    PASCAL,
     Channel,
     Description,
     DigitalInput,
@@ -32,6 +33,7 @@ from .rules import CodecChannels, not_fitted, slow, unproven, used_channels
 
 __all__ = [
     "CODES",
+    "PASCAL",
     "Channel",
     "CodecChannels",
     "Description",

@@ -9,12 +9,14 @@ from typing import Any, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from end_effector_hal.description.model import Channel, Description
+from end_effector_hal.description.model import Channel, Description, Link
 from end_effector_hal.kinds import get_kind, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Condition, Part
 
 from ._fault import Keys, Places
 
+MAPPINGS: dict[str, type[Part]] = {"channels": Channel, "links": Link}
+"""Stanzas by the user's own names."""
 _KIND = re.compile(r"<\w+>")
 
 
@@ -33,8 +35,8 @@ def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
     model: type[Part] | None = Description
     if len(path) >= 2 and path[0] == "actuators":
         model, path = get_kind(kind).stanza, path[2:]
-    elif len(path) >= 2 and path[0] == "channels":
-        model, path = Channel, path[2:]
+    elif len(path) >= 2 and path[0] in MAPPINGS:
+        model, path = MAPPINGS[str(path[0])], path[2:]
     for key in path:
         if isinstance(key, int):
             continue  # an element of a list is of the stanza that the list is of

@@ -56,7 +56,7 @@ def what_is_missing(description: Description, state: StateMessage | None) -> tup
     lacks: list[str] = []
     if not state.link_up:
         silent = f"no frame comes over the {description.sensors}"
-        lacks.append(silent if description.link else "the inputs of the board are not read")
+        lacks.append(silent if description.links else "the inputs of the board are not read")
     elif state.state == EndEffectorState.OFF:
         lacks.append("its lines are not adopted")
     elif unknown:

@@ -87,41 +87,42 @@ class PressureNode:
         (self._unknown.add if value is None else self._unknown.discard)(channel)
         self._pressures[channel](PressureMessage(absolute_pa(value), MessageHeader(at_us, channel)))
 
-    def _on_change(self, health: LinkHealth | InputsHealth) -> None:
-        if isinstance(health, InputsHealth):
-            if health.error:
-                self._log.error("%s", health.error)
-            else:
-                self._log.info("the inputs of the board are read")
-        elif health.state is LinkState.DOWN:
+    def _on_change(self, source: str, health: LinkHealth | InputsHealth) -> None:
+        if health.error:
             self._log.error("%s", health.error)
+        elif isinstance(health, InputsHealth):
+            self._log.info("the %s are read", source)
         else:
-            self._log.info("the sensor link is %s", health.state.value)
+            self._log.info("the %s is %s", source, health.state.value)
 
     def _health(self) -> Health:
         health, at = self._reader.health, now_us()
         with self._lock:
             readings, notices = self._senses.now.readings, self._senses.notices(at, held=False)
             up = readings.link_up(at)
-        link, inputs = health.link, health.inputs
-        if link and inputs:  # which of them is silent
-            up = at - (link.last_frame or 0) < readings.down_us
-        told = [_of_link(link, at, notices, up=up)] if link else []
+        links, inputs = health.links, health.inputs
+        told: list[Health] = []
+        for name, link in links.items():
+            if inputs or name:  # which of them is silent
+                up = at - (link.last_frame or 0) < readings.down_us
+            told.append(_of_link(link, at, () if told else notices, up=up, name=name))
         if inputs:
-            told.append(_of_inputs(inputs, () if link else notices, up=up or link is not None))
+            told.append(_of_inputs(inputs, () if links else notices, up=up or bool(links)))
         return told[0] if len(told) == 1 else _together(told)
 
 
-def _of_link(health: LinkHealth, at: int, notices: Sequence[str], *, up: bool) -> Health:
-    counters = {name: getattr(health, name) for name in ("opened", "bytes", "frames", "lost", "reboots")}
+def _of_link(health: LinkHealth, at: int, notices: Sequence[str], *, up: bool, name: str) -> Health:
+    counters = {each: getattr(health, each) for each in ("opened", "bytes", "frames", "lost", "reboots")}
     errors = {f"errors, {kind}": count for kind, count in health.errors.items()}
-    values = counters | errors
+    values = {f"{name}, {key}" if name else key: value for key, value in (counters | errors).items()}
+    link = f"link {name}" if name else "link"
     if health.state is not LinkState.UP:
         level = ERROR if health.state is LinkState.DOWN else WARN
-        return Health(level, health.error or f"The link is {health.state.value}.", values)
+        return Health(level, health.error or f"The {link} is {health.state.value}.", values)
     if not up:
-        return Health(ERROR, f"The port is open, but no frame comes ({_since(health, at)}).", values)
-    return Health(WARN if notices else OK, " ".join(notices) or "The link is up.", values)
+        port = f"The port of {link}" if name else "The port"
+        return Health(ERROR, f"{port} is open, but no frame comes ({_since(health, at)}).", values)
+    return Health(WARN if notices else OK, " ".join(notices) or f"The {link} is up.", values)
 
 
 def _of_inputs(health: InputsHealth, notices: Sequence[str], *, up: bool) -> Health:

@@ -271,7 +271,11 @@ def run_info(description: Description, *, scenario: str = "", ros: bool = False)
 
 def content_hash(description: Description) -> str:
     """Twelve hex digits of the tool and its automata: the same wherever its wires lead to."""
-    content = description.model_dump(mode="json", by_alias=True, exclude={"lines": True, "link": {"port"}})
+    content = description.model_dump(
+        mode="json",
+        by_alias=True,
+        exclude={"lines": True, "link": {"port"}, "named_links": {"__all__": {"port"}}},
+    )
     if inputs := content.get("inputs"):
         content["inputs"] = {key: value for key, value in inputs.items() if key != "iio"}
     content["automata"]["file"] = hashlib.sha256(description.automata_path.read_bytes()).hexdigest()

@@ -6,16 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from end_effector_hal.codecs import Carrier, sequence_of, shows_noise
+from end_effector_hal.codecs import Carrier, shows_noise
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import COMPRESSED_AIR, kind_of
-from end_effector_hal.signals import PART, Frame, Kind, Value
+from end_effector_hal.signals import INLINE, PART, Frame, Kind, Value
 from end_effector_hal.vocabulary import to_us
 
+from ._devices import devices_of
 from .detectors import FrozenDetector
-
-SAID_US = 10_000_000
-"""So long a reboot of the device is told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,12 +23,12 @@ class Judged:
     Attributes:
         frame: what is impossible or frozen is invalid in it.
         doubted: channels whose reading proves nothing from now on; they are invalid in it.
-        rebooted: the device began anew: what was read before is nothing any more.
+        rebooted: channels of a device that began anew: what was read before is nothing any more.
     """
 
     frame: Frame
     doubted: frozenset[str] = frozenset()
-    rebooted: bool = False
+    rebooted: frozenset[str] = frozenset()
 
 
 class LinkRules:
@@ -43,14 +41,13 @@ class LinkRules:
     """
 
     MEMORY: ClassVar = {
-        "_sequence": PART,
+        "_devices": INLINE,
         "_frozen": PART,
         "_doubts": dict[str, str],
-        "_rebooted_at": int | None,
     }
 
     def __init__(self, description: Description, carrier: Carrier, gap_us: int) -> None:
-        self._sequence = sequence_of(carrier)
+        self._devices = devices_of(description, carrier)
         kinds = carrier.channels
         ranges = {description.supply.channel: COMPRESSED_AIR}
         ranges |= {part.channel: kind_of(part).plausible(part) for _, part in description.ordered}
@@ -62,16 +59,15 @@ class LinkRules:
             for channel, after_s in frozen_after(description, carrier).items()
         }
         self._doubts: dict[str, str] = {}
-        self._rebooted_at: int | None = None
 
     @property
     def reboots(self) -> int:
-        """How often the device began anew."""
-        return self._sequence.reboots
+        """How often a device began anew."""
+        return self._devices.reboots
 
     def judge(self, frame: Frame) -> Judged:
         """The frame as far as it is believed."""
-        rebooted = self._is_reboot(frame)
+        rebooted = self._devices.rebooted(frame)
         doubts: dict[str, str] = {}
         for channel, value in frame.values.items():
             if value is None or isinstance(value, bool):
@@ -91,26 +87,11 @@ class LinkRules:
 
     def notices(self, at: int) -> tuple[str, ...]:
         """What is doubted now, in words."""
-        said = list(self._doubts.values())
-        if self._rebooted_at is not None and at - self._rebooted_at < SAID_US:
-            times = f" ({self.reboots} times since the start)" if self.reboots > 1 else ""
-            said.append(f"The device that reads the sensors began anew{times}: all was read anew.")
-        return tuple(said)
+        return (*self._doubts.values(), *self._devices.notices(at))
 
     def deadline(self, at: int) -> int | None:
         """µs at which a notice ends by itself."""
-        end = None if self._rebooted_at is None else self._rebooted_at + SAID_US
-        return end if end is not None and end > at else None
-
-    def _is_reboot(self, frame: Frame) -> bool:
-        if frame.seq is None or frame.device_ms is None:
-            return False
-        before = self._sequence.reboots
-        self._sequence.is_new(frame.seq, frame.device_ms)
-        if self._sequence.reboots == before:
-            return False
-        self._rebooted_at = frame.at
-        return True
+        return self._devices.deadline(at)
 
     def _impossible(self, channel: str, value: int) -> str:
         span = self._ranges.get(channel)

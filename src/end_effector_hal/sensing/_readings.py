@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.codecs import Carrier, sources_of
-from end_effector_hal.description import Freshness
+from end_effector_hal.codecs import Carrier, FrameSource, sources_of
+from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import to_us
 
@@ -13,7 +13,12 @@ from end_effector_hal.vocabulary import to_us
 class Readings:
     """Values by channel; a value that is stale or invalid is absent, never the last one.
 
-    Stale after 150 ms or three periods of what brings it, down after 1 s or seven, whichever is longer.
+    Stale after 150 ms or three periods of what brings it, down after 1 s or seven, whichever is longer; or as the link
+    says that brings it.
+
+    Args:
+        description: the tool.
+        carrier: of its channels.
     """
 
     MEMORY: ClassVar = {
@@ -23,12 +28,13 @@ class Readings:
         "_arrived": frozenset[str],
     }
 
-    def __init__(self, freshness: Freshness, carrier: Carrier) -> None:
+    def __init__(self, description: Description, carrier: Carrier) -> None:
         self.carried = carrier.channels
         self._sources = sources_of(carrier)
+        fresh = [description.freshness_of(source.link) for source in self._sources]
         spans = [
-            max(to_us(freshness.stale_s), freshness.stale_periods * source.period_us)
-            for source in self._sources
+            max(to_us(each.stale_s), each.stale_periods * source.period_us)
+            for each, source in zip(fresh, self._sources, strict=True)
         ]
         self._stale_us = {
             channel: span
@@ -37,7 +43,16 @@ class Readings:
         }
         self.stale_us = max(spans)
         """Of the slowest source."""
-        self.down_us = max(to_us(freshness.down_s), freshness.down_periods * carrier.period_us)
+        # a link and inputs without names are down together, by the slower of them
+        self._down_us = [
+            max(
+                to_us(each.down_s),
+                each.down_periods * (source.period_us if source.link else carrier.period_us),
+            )
+            for each, source in zip(fresh, self._sources, strict=True)
+        ]
+        self.down_us = max(self._down_us)
+        """Of the slowest source."""
         self._values: dict[str, int | bool] = {}
         self._at: dict[str, int] = {}
         self._last_frame: int | None = None
@@ -51,13 +66,9 @@ class Readings:
         self._at.update(dict.fromkeys(valid, frame.at))
         self._arrived = frozenset(valid)
 
-    def forget(self, channel: str | None = None) -> None:
-        """What was read is nothing any more, of one channel or of all."""
-        if channel is None:
-            self._values.clear()
-            self._at.clear()
-            self._arrived = frozenset()
-        elif channel in self._values:
+    def forget(self, channel: str) -> None:
+        """What was read is nothing any more."""
+        if channel in self._values:
             del self._values[channel], self._at[channel]
 
     def idle(self) -> None:
@@ -72,9 +83,13 @@ class Readings:
         """The value of a channel at a time in µs, or None: not carried, never read, or stale."""
         if channel is None or channel not in self._values:
             return None
-        if at - self._at[channel] >= self._stale_us.get(channel, self.stale_us):
+        if at - self._at[channel] >= self.stale_after_us(channel):
             return None
         return self._values[channel]
+
+    def stale_after_us(self, channel: str) -> int:
+        """How long a reading of a channel counts."""
+        return self._stale_us.get(channel, self.stale_us)
 
     def stale(self, at: int) -> tuple[str, ...]:
         """Channels that are carried and that have no valid reading now."""
@@ -96,9 +111,16 @@ class Readings:
 
         Of several sources, one that sends nothing valid is down as well.
         """
+        return not self.down(at)
+
+    def down(self, at: int) -> tuple[FrameSource, ...]:
+        """The sources that are not up."""
         if self._last_frame is None or at - self._last_frame >= self.down_us:
-            return False
-        return len(self._sources) == 1 or all(at - last < self.down_us for last in self._last_of_sources())
+            return self._sources
+        if len(self._sources) == 1:
+            return ()
+        seen = zip(self._sources, self._last_of_sources(), self._down_us, strict=True)
+        return tuple([source for source, last, down_us in seen if at - last >= down_us])
 
     def deadline(self, at: int) -> int | None:
         """µs when the next reading turns stale or a source goes down, if nothing comes."""
@@ -107,12 +129,12 @@ class Readings:
         if self._last_frame is not None:
             ends.add(self._last_frame + self.down_us)
         if len(self._sources) > 1:
-            ends |= {last + self.down_us for last in self._last_of_sources()}
+            ends |= {last + us for last, us in zip(self._last_of_sources(), self._down_us, strict=True)}
         return min([end for end in ends if end > at], default=None)
 
     def _last_of_sources(self) -> list[int]:
         """µs of the last valid value of each source; one that has brought none is long gone."""
         return [
-            max([self._at[name] for name in source.channels if name in self._at], default=-self.down_us)
-            for source in self._sources
+            max([self._at[name] for name in source.channels if name in self._at], default=-down_us)
+            for source, down_us in zip(self._sources, self._down_us, strict=True)
         ]

@@ -26,6 +26,10 @@ _EVIDENCE_CHANNELS = {
 _RANK = {Evidence.UNKNOWN: 0, Evidence.PARTIAL: 1, Evidence.GONE: 2, Evidence.CONFIRMED: 3}
 
 
+_Proven = tuple[tuple[Evidence, ...], ToolEvidence, tuple[int, ...]]
+"""Evidence, of the tool as well, and what has gripped nothing."""
+
+
 class SensorSet:
     """Stands between samples and events: a level each, and an event at each change of one.
 
@@ -47,7 +51,7 @@ class SensorSet:
         self._channels = {
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }
-        self._parts = description.ordered
+        self._parts, self._named = description.ordered, bool(description.named_links)
         self._noticed: tuple[str, ...] = ()
         self.revision = 0
         """How often something may have changed."""
@@ -58,6 +62,7 @@ class SensorSet:
             }
             for index in range(len(self.now.evidence))
         )
+        self._empty_events = tuple(Event(f"empty[{index}]") for index in range(len(self.now.evidence)))
         self._tool_events = {
             level: Event(f"tool_is[{int(level)}]", {"tool": int(level)}) for level in ToolEvidence
         }
@@ -66,7 +71,7 @@ class SensorSet:
     def events(self) -> tuple[Event, ...]:
         """Every event that a frame or its absence can lead to."""
         evidence = (event for of_level in self._evidence_events for event in of_level.values())
-        return (*evidence, *self._tool_events.values())
+        return (*evidence, *self._empty_events, *self._tool_events.values())
 
     @property
     def levels(self) -> dict[str, int]:
@@ -100,28 +105,29 @@ class SensorSet:
 
     def frame(self, frame: Frame) -> list[Event]:
         """The events of one frame that was accepted: what is lost before what is gone before what is confirmed,
-        then by the sequence.
+        then by the sequence; then what has gripped nothing.
         """
         events: list[Event] = []
+        before = self._proven
         if self._judge is None:  # nobody else looks at the state: it need not be copied
-            evidence, tool = self.now.evidence, self.now.tool
             for _ in self.now.take(frame):
-                events += self._changed_from(evidence, tool)
-                evidence, tool = self.now.evidence, self.now.tool
+                events += self._changed_from(before)
+                before = self._proven
             return events
         for state in self._judge.after(self.now, frame):
-            evidence, tool, self.now = self.now.evidence, self.now.tool, state
-            events += self._changed_from(evidence, tool)
+            self.now = state
+            events += self._changed_from(before)
+            before = self._proven
         return events
 
     def advance(self, at: int) -> list[Event]:
         """The events of readings that turned stale; call it at :meth:`deadline`."""
-        evidence, tool = self.now.evidence, self.now.tool
+        before = self._proven
         if self._judge is None:
             self.now.wait(at)
         else:
             self.now = self.now.idle(at)
-        return self._changed_from(evidence, tool)
+        return self._changed_from(before)
 
     def deadline(self, at: int) -> int | None:
         """µs of the next change without any frame."""
@@ -134,15 +140,21 @@ class SensorSet:
         A link that is down, and an actuator of a held part without evidence, are told elsewhere.
         """
         said, readings = [*self.refusals(at), *self.now.doubts(at)], self.now.readings
-        if not readings.link_up(at):
+        down = readings.down(at)
+        if down and not self._named:
             return tuple(said)
         said += self._findings(at)
-        stale = readings.stale(at)
+        silent = {channel for source in down for channel in source.channels}
+        stale = [name for name in readings.stale(at) if name not in silent]
         lacking = [name for name in self._wanted if name in stale] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
-        contradicting = {self._parts[i][0] for i, each in self.now.by_conditions if each.contradicts}
-        unknown = [name for name in self._unknown() if name not in contradicting]
+        settling = {self._parts[i][0] for i, each in self.now.by_conditions if each.settles(at)}
+        unknown = [
+            name
+            for name in self._unknown()
+            if name not in settling and silent.isdisjoint(self._channels[name])
+        ]
         told = {channel for name in unknown for channel in self._channels[name]} if held else set()
         if missing := [name for name in lacking if name not in told]:
             said.append(f"No valid reading of {', '.join(missing)}.")
@@ -174,14 +186,20 @@ class SensorSet:
         pairs = zip(self._channels, self.now.evidence, strict=True)
         return [name for name, level in pairs if level is Evidence.UNKNOWN]
 
-    def _changed_from(self, evidence: tuple[Evidence, ...], tool: ToolEvidence) -> list[Event]:
+    @property
+    def _proven(self) -> _Proven:
+        return self.now.evidence, self.now.tool, self.now.emptied
+
+    def _changed_from(self, before: _Proven) -> list[Event]:
         """The events that say what is otherwise than it was."""
         now, events = self.now, list[Event]()
+        evidence, tool, emptied = before
         self.revision += 1
         if now.evidence != evidence:
             changed = [i for i, level in enumerate(now.evidence) if level is not evidence[i]]
             changed.sort(key=lambda i: _RANK[now.evidence[i]])
             events = [self._evidence_events[i][now.evidence[i]] for i in changed]
+        events += [self._empty_events[i] for i in now.emptied if i not in emptied]
         if now.tool is not tool:
             events.append(self._tool_events[now.tool])
         return events

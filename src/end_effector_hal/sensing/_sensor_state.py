@@ -47,7 +47,7 @@ class SensorState:
     RECORDED_AS: ClassVar = {"_release": "_vented", "nothing_gripped": "vented", "in_stand": "parked"}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
-        self.readings = Readings(description.freshness, carrier)
+        self.readings = Readings(description, carrier)
         self._rules = LinkRules(description, carrier, self.readings.stale_us)
         self._parts = description.ordered
         self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
@@ -86,7 +86,9 @@ class SensorState:
         """
         judged = self._rules.judge(frame)
         if judged.rebooted:
-            self.readings.forget()
+            for channel in judged.rebooted:
+                self.readings.forget(channel)
+            self.readings.idle()
             self._sample(frame.at)
             yield False
         self.readings.take(judged.frame)
@@ -122,6 +124,13 @@ class SensorState:
         name, part = self._parts[index]
         found = any(i == index and each.empty for i, each in self.by_conditions)
         return f"{display_name(name)} {kind_of(part).empty}" if found else ""
+
+    @property
+    def emptied(self) -> tuple[int, ...]:
+        """Actuators that have gripped nothing, by their place in the sequence; what is confirmed has something."""
+        return tuple(
+            [i for i, each in self.by_conditions if each.empty and self.evidence[i] is not Evidence.CONFIRMED]
+        )
 
     @property
     def confirmed(self) -> bool:

@@ -23,6 +23,10 @@ class Streak:
                 self._since = at
             self.samples += 1
 
+    def began_within(self, at: int, us: int) -> bool:
+        """Whether the last one, that which runs or one that has ended, began less than so many µs ago."""
+        return at - self._since < us
+
     def lasted(self, at: int, us: int) -> bool:
         """Whether it has held without a break for at least so many µs."""
         return self.samples > 0 and at - self._since >= us

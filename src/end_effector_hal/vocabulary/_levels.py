@@ -53,6 +53,8 @@ class Cause(IntEnum):
     """Outputs were found active and are deactivated, as declared."""
     KEPT = 9
     """An unwinding has left outputs active, as declared; why it began was told before."""
+    EMPTY = 10
+    """Each attempt was over, the last one because it had gripped nothing."""
 
 
 class ChangerFault(IntEnum):

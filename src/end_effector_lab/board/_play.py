@@ -27,13 +27,15 @@ def need_its_wires(description: Description) -> None:
             todo="The board has backend: gpiod.",
         )
     open_inputs("qemu:its pins", description)
-    port = description.link.port if description.link else "for inputs of the board"
-    if port not in PORTS:
+    ports = [link.port for link in description.links.values()] or ["for inputs of the board"]
+    if missing := [port for port in ports if port not in PORTS]:
         raise UsageError(
-            f"the board has no port {port}.",
+            f"the board has no port {missing[0]}.",
             where=str(description.source),
             todo=f"Its sensor link is {PORTS[0]}.",
         )
+    if len(ports) > 1:
+        raise UsageError("the board has one port for sensors.", where=str(description.source))
 
 
 def play_on_board(

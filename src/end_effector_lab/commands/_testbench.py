@@ -42,8 +42,8 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
 @click.option(
     "--port",
     metavar="PORT",
-    help="Where frames are sent: a serial device, or pty:PATH for a new pty with a link at PATH.  "
-    "[default: a pty at the description's port; rpi3: /dev/serial0]",
+    help="Where frames are sent: a serial device, or pty:PATH for a new pty with a link at PATH; of several links "
+    "NAME=PORT,...  [default: a pty at each port of the description; rpi3: /dev/serial0]",
 )
 @click.option(
     "--prepare",
@@ -78,7 +78,7 @@ def command(
     from end_effector_hal.description import profile_path
     from end_effector_lab.testbench import (
         open_inputs,
-        open_port,
+        open_ports,
         open_sensors,
         run_testbench,
         write_virtual_copy,
@@ -91,7 +91,7 @@ def command(
     run_testbench(
         loaded,
         open_inputs(lines, loaded, power_cycle=power_cycle),
-        open_port(port, loaded, lines),
+        open_ports(port, loaded, lines),
         open_sensors(lines, loaded),
         scenario=scenario,
         seed=seed,

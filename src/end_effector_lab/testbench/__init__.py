@@ -2,7 +2,7 @@
 
 from ._bench import Bench, Noise
 from ._board_sensors import BoardSensors
-from ._places import open_inputs, open_port, open_sensors
+from ._places import open_inputs, open_ports, open_sensors
 from ._ports import Port, PtyPort, SerialPort
 from ._records import Events, Record, edges_of
 from ._run import run_testbench
@@ -31,7 +31,7 @@ __all__ = [
     "carried",
     "edges_of",
     "open_inputs",
-    "open_port",
+    "open_ports",
     "open_sensors",
     "parse_scenario",
     "run_testbench",

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from random import Random
 
+from end_effector_hal.codecs.described import CHECKSUMS
 from end_effector_hal.description import Description
 from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.kinds.stanza import named
+from end_effector_hal.kinds.stanza import Actuator, named
 from end_effector_hal.signals import Kind, Value
 
-from ._scenario import TOOL_CHANGER, Effect, Scenario, device_physics, did_you_mean, parse_scenario
+from ._evidence import shown_by_conditions
+from ._scenario import (
+    TOOL_CHANGER,
+    Effect,
+    LinkEffect,
+    Scenario,
+    device_physics,
+    did_you_mean,
+    parse_scenario,
+)
 from .physics import Device, Plant, Supply, Valve
 
 
@@ -131,7 +141,8 @@ class Bench:
         self._description = description
         self.scenario = self._parsed(scenario)
         self._noise = Noise(seed)
-        self._start = self._chosen_at = self._booted = start
+        self._start = self._chosen_at = start
+        self._booted: dict[str | None, int] = dict.fromkeys((None, *description.links), start)
         self._frozen: dict[str, Value] = {}
         supply = Supply(self._supply_kpa(), start=start)
         devices = {
@@ -148,6 +159,7 @@ class Bench:
             )
             for name, device in devices.items()
         }
+        self._conditions = shown_by_conditions(description)
         self._by_line = {line: self._stations[name] for name, line in lines.items()}
         opposites = self._description.opposites
         self._second = {each.line: self._by_line[line] for line, each in opposites.items()}
@@ -192,34 +204,46 @@ class Bench:
         """
         parsed = self._parsed(scenario)
         self._advance(at)
-        self._booted = self.booted(at)
+        self._booted = {link: self.booted(at, link) for link in self._booted}
         self.scenario, self._chosen_at, self._frozen = parsed, at, {}
         self._plant.supply.regulated_kpa = self._supply_kpa()
         for name, station in self._stations.items():
             station.suffer(parsed.effect(name), at)
 
-    def booted(self, at: int) -> int:
+    def booted(self, at: int, link: str | None = None) -> int:
         """µs at which the device that sends was, or will be, ready after its last start before ``at``."""
-        return self._since(self.scenario.reboot_after_us) + BOOT_US if self._rebooted(at) else self._booted
+        after_us = self.scenario.on_link(link).reboot_after_us
+        return self._since(after_us) + BOOT_US if self._is_over(after_us, at) else self._booted[link]
 
-    def silent(self, at: int) -> bool:
-        """Whether the link is silent at ``at`` (µs)."""
-        return self._is_over(self.scenario.silent_after_us, at) or at < self.booted(at)
+    def silent(self, at: int, link: str | None = None) -> bool:
+        """Whether a link is silent at ``at`` (µs), or (None) the inputs of the board are."""
+        after_us = self.scenario.on_link(link).silent_after_us
+        return self._is_over(after_us, at) or at < self.booted(at, link)
 
-    def corrupt(self, data: bytes, at: int) -> bytes:
-        """What comes out of the link when ``data`` is sent at ``at`` (µs)."""
-        random = self._noise.random(f"link {at - self._start}")
-        babble = self._is_over(self.scenario.babble_after_us, at)
-        return disturbed(data, self.scenario, random, babble=babble)
+    def corrupt(self, data: bytes, at: int, link: str | None = None) -> bytes:
+        """What comes out of a link when ``data`` is sent at ``at`` (µs)."""
+        effect = self.scenario.on_link(link)
+        babble = self._is_over(effect.babble_after_us, at)
+        return disturbed(data, effect, self._chance(at, link), babble=babble)
+
+    def answered(self, data: bytes, at: int, link: str | None = None) -> tuple[bytes, int]:
+        """What a polled device does when it is to answer with ``data`` at ``at`` (µs), and how many µs later."""
+        effect, chance = self.scenario.on_link(link), self._chance(at, link)
+        if chance.random() < effect.unanswered:
+            return b"", effect.late_us
+        if chance.random() < effect.another:
+            data = of_another_unit(data)
+        return data * (1 + (chance.random() < effect.twice)), effect.late_us
+
+    def _chance(self, at: int, link: str | None) -> Random:
+        """Every link has its own."""
+        return self._noise.random(" ".join(filter(None, ("link", link, str(at - self._start)))))
 
     def _since(self, after_us: int | None) -> int:
         return self._chosen_at + (after_us or 0)
 
     def _is_over(self, after_us: int | None, at: int) -> bool:
         return after_us is not None and at >= self._since(after_us)
-
-    def _rebooted(self, at: int) -> bool:
-        return self._is_over(self.scenario.reboot_after_us, at)
 
     def sample(self, at: int) -> dict[str, Value]:
         """What every sensor shows at ``at`` (µs).
@@ -244,9 +268,36 @@ class Bench:
                     values[bit] = device.bits[key.meaning]
         if description.tool_changer is not None:
             values |= self._changer_bits(description.tool_changer, devices[TOOL_CHANGER].bits)
+        if description.e_stop is not None:
+            values[description.e_stop.channel] = scenario.estop_ok
+        for name, shown in self._conditions.items():
+            values |= shown.at(devices[name])
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
+        for name, actuator in description.ordered:
+            for channel, value in self._only_in_evidence(name, actuator, at):
+                values.setdefault(channel, value)
         self._swap(values)
         return values
+
+    def _only_in_evidence(self, name: str, actuator: Actuator, at: int) -> Iterator[tuple[str, Value]]:
+        """What the channels in its `evidence` show: its pressure, that it grips, or that it has released.
+
+        A bit that `confirmed` asks for stands for the switch of its kind that confirms, one of `gone` for the other.
+        """
+        if actuator.evidence is None:
+            return
+        device, keys = self._plant.devices[name], kind_of(actuator).channels
+        for leaf in actuator.evidence.leaves:
+            if not leaf.bit and device.pressure_kpa is not None:
+                yield leaf.channel, self._shown(name, leaf.channel, device.pressure_kpa, at)
+        for condition, confirms in ((actuator.evidence.gone, False), (actuator.evidence.confirmed, True)):
+            switches = (
+                each.meaning for each in keys if each.carries is Kind.BIT and each.confirms is confirms
+            )
+            shown = device.bits.get(next(switches, ""))
+            for leaf in condition.asked.leaves if condition.asked and shown is not None else ():
+                if leaf.bit:
+                    yield leaf.channel, shown
 
     def _changer_bits(self, changer: Changer, places: Mapping[str, bool]) -> dict[str, Value]:
         """What the sensors of the tool changer and of its stand show while it is at ``places``."""
@@ -297,21 +348,30 @@ class Bench:
         return self._description.supply.nominal_kpa if kpa is None else kpa
 
 
-def disturbed(data: bytes, scenario: Scenario, random: Random, *, babble: bool = False) -> bytes:
+def disturbed(data: bytes, effect: LinkEffect, random: Random, *, babble: bool = False) -> bytes:
     """``data`` as it arrives; ``babble``: as many random bytes instead of it."""
     if babble:
         return random.randbytes(len(data))
-    if scenario.bursts and random.random() < scenario.bursts:
+    if effect.bursts and random.random() < effect.bursts:
         data = _burst(data, random)
-    if scenario.noise:
-        data = bytes(b ^ random.randint(1, 255) if random.random() < scenario.noise else b for b in data)
-    if scenario.flips:
-        data = bytes(b ^ _flips(scenario.flips, random) for b in data)
-    if scenario.dropped:
-        data = bytes(b for b in data if random.random() >= scenario.dropped)
-    if scenario.doubled:
-        data = b"".join(bytes([b]) * (1 + (random.random() < scenario.doubled)) for b in data)
+    if effect.noise:
+        data = bytes(b ^ random.randint(1, 255) if random.random() < effect.noise else b for b in data)
+    if effect.flips:
+        data = bytes(b ^ _flips(effect.flips, random) for b in data)
+    if effect.dropped:
+        data = bytes(b for b in data if random.random() >= effect.dropped)
+    if effect.doubled:
+        data = b"".join(bytes([b]) * (1 + (random.random() < effect.doubled)) for b in data)
     return data
+
+
+HIGHEST_UNIT = 247
+
+
+def of_another_unit(answer: bytes) -> bytes:
+    """The answer that the next device on a Modbus line would give, with the right checksum."""
+    body = bytes([answer[0] % HIGHEST_UNIT + 1]) + answer[1:-2]
+    return body + CHECKSUMS["crc16-modbus"].of(body).to_bytes(2, "little")
 
 
 def _burst(data: bytes, random: Random) -> bytes:

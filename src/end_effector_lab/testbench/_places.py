@@ -93,33 +93,50 @@ def open_sensors(text: str | None, description: Description) -> BoardSensors | N
     return BoardSensors(description, path)
 
 
-def open_port(text: str | None, description: Description, lines: str | None) -> Port | None:
-    """The port that a text names; nothing is opened yet.
+def open_ports(text: str | None, description: Description, lines: str | None) -> dict[str, Port]:
+    """The ports that a text names, by the names of the links; nothing is opened yet.
 
     Args:
-        text: ``pty:PATH``: a new pty with a symbolic link at PATH; ``PATH``: a serial device; None: a pty at
-            the description's port for virtual lines, ``/dev/serial0`` for ``rpi3``.
-        description: whose link it is.
+        text: ``pty:PATH``: a new pty with a symbolic link at PATH; ``PATH``: a serial device; of several links
+            ``NAME=PORT,...``; None: a pty at each port of the description for virtual lines, ``/dev/serial0`` for
+            ``rpi3``.
+        description: whose links they are.
         lines: the text of the lines.
 
     Raises:
-        UsageError: none is given and none is known.
+        UsageError: none is given and none is known, or a name is wrong.
 
-    Returns:
-        None: the tool has no sensor link.
     """
-    if description.link is None and board_inputs(description):
+    links = description.links
+    if not links and board_inputs(description):
         if text is not None:
             raise UsageError(f"{description.name} has no sensor link: --port {text} means nothing.")
-        return None
-    link = description.link
-    baudrate, parity = line_of(link, codec_of(description))
+        return {}
+    texts = _port_texts(text, [*links])
+    return {name: _port(texts.get(name), description, name, lines) for name in links}
+
+
+def _port_texts(text: str | None, links: list[str]) -> dict[str, str]:
+    if text is None:
+        return {}
+    if len(links) == 1:
+        return {links[0]: text}
+    pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
+    if set(pairs) != set(links) or not all(pairs.values()):
+        expected = ",".join(f"{name}=PORT" for name in links)
+        raise UsageError(f"--port {text} does not name each link once.", todo=f"Expected: {expected}.")
+    return pairs
+
+
+def _port(text: str | None, description: Description, name: str, lines: str | None) -> Port:
+    link = description.links[name]
+    baudrate, parity = line_of(link, codec_of(description, name))
     if text is not None:
         kind, _, rest = text.partition(":")
         return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate, parity)
-    if lines == "rpi3":
+    if lines == "rpi3" and not name:
         return SerialPort(RPI3_PORT, baudrate, parity)
-    if link is not None and (lines is None or lines.startswith("virtual")):
+    if lines is None or lines.startswith("virtual"):
         return PtyPort(link.port)
     raise UsageError("the port to answer on is not known.", todo="Give --port PATH.")
 

@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from types import FrameType
+from typing import Any
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -29,7 +30,7 @@ _ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 def run_testbench(
     description: Description,
     inputs: LineInputs,
-    port: Port | None,
+    ports: Mapping[str, Port],
     sensors: BoardSensors | None = None,
     *,
     scenario: str,
@@ -55,18 +56,20 @@ def run_testbench(
         mail = Mail(voice if verbose else None, written, recorded)
         stack.enter_context(_signals(mail.end))
         with Testbench(
-            description, inputs, port, sensors, scenario=scenario, seed=seed, watcher=mail
+            description, inputs, ports, sensors, scenario=scenario, seed=seed, watcher=mail
         ) as bench:
             said = [f"ready: {description.name}, scenario {scenario}, lines {inputs.text}"]
-            fields: dict[str, object] = {
+            fields: dict[str, Any] = {
                 "ready": description.name,
                 "scenario": scenario,
                 "lines": inputs.text,
             }
-            if port and bench.codec:
-                hertz = 1e6 / bench.codec.period_us
-                said.append(f"port {port.text}, {bench.codec.name} at {hertz:g} Hz")
-                fields |= {"port": port.text, "codec": bench.codec.name, "hertz": hertz}
+            for name, port in ports.items():
+                codec = bench.codecs[name]
+                hertz = 1e6 / codec.period_us
+                said.append(f"port {name and f'{name} '}{port.text}, {codec.name} at {hertz:g} Hz")
+                told = {"port": port.text, "codec": codec.name, "hertz": hertz}
+                fields |= {"ports": {**fields.get("ports", {}), name: told}} if name else told
             if sensors:
                 said.append("inputs of the board")
             voice.say(", ".join(said), **fields)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, Literal
 
+from end_effector_hal.codecs import codec_of, is_polled
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 
@@ -37,12 +38,10 @@ class Effect:
     stand_shows: bool | None = None
 
 
-@dataclass(frozen=True)
-class Scenario:
-    """What is wrong with a whole bench, as for `Effect`; made of text by `parse_scenario`. Shares are of 1."""
+@dataclass(frozen=True, kw_only=True)
+class LinkEffect:
+    """What is wrong with a sensor link, or with the device that sends; as for `Effect`. Shares are of 1."""
 
-    text: str = "nominal"
-    effects: Mapping[str, Effect] = field(default_factory=dict)
     silent_after_us: int | None = None
     babble_after_us: int | None = None
     reboot_after_us: int | None = None
@@ -51,6 +50,21 @@ class Scenario:
     bursts: float = 0.0
     dropped: float = 0.0
     doubled: float = 0.0
+    late_us: int = 0
+    """Each answer of a polled device; the next three are shares of its answers."""
+    unanswered: float = 0.0
+    twice: float = 0.0
+    another: float = 0.0
+
+
+@dataclass(frozen=True)
+class Scenario(LinkEffect):
+    """What is wrong with a whole bench; made of text by `parse_scenario`. What is wrong with all links is its own."""
+
+    text: str = "nominal"
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+    links: Mapping[str, LinkEffect] = field(default_factory=dict)
+    """Those with faults that the others do not have."""
     supply_kpa: float | None = None
     """Regulated; None: the description's nominal one."""
     tool_present: bool = True
@@ -59,6 +73,10 @@ class Scenario:
 
     def effect(self, device: str) -> Effect:
         return self.effects.get(device, Effect())
+
+    def on_link(self, name: str | None) -> LinkEffect:
+        """Of a link by its name, or (None) of the inputs of the board."""
+        return self.links.get(name or "", self)
 
 
 ANY = ACTUATOR, CHANGER
@@ -85,7 +103,7 @@ class Fault:
         changes: field of :class:`Effect` (or of :class:`Scenario`) and value, from the number.
         on: traits of devices, one of which it takes; empty: it concerns the whole bench.
         number: what else is to be given.
-        link: only a sensor link can have it.
+        link: a sensor link can have it ("also"), nothing else ("only"), or only one that asks ("polled").
     """
 
     name: str
@@ -93,12 +111,12 @@ class Fault:
     changes: Callable[[float], Mapping[str, object]]
     on: tuple[str, ...] = ()
     number: Number | None = None
-    link: bool = False
+    link: Literal["", "also", "only", "polled"] = ""
 
     @property
     def usage(self) -> str:
         """``leak:<actuator>[:<l_min>]``."""
-        text = self.name + (":<actuator>" if self.on else "")
+        text = self.name + (":<actuator>" if self.on else "[:<link>]" if self.link else "")
         if self.number is None:
             return text
         return text + (
@@ -143,19 +161,28 @@ FAULTS: tuple[Fault, ...] = (
     Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
           number=Number("kpa", 0, 2000)),
     Fault("silent-after", "the link falls silent, or the inputs of the board do",
-          lambda s: {"silent_after_us": _micros(s)}, number=Number("seconds", 0, 86400)),
+          lambda s: {"silent_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="also"),
     Fault("babble-after", "the link carries random bytes only", lambda s: {"babble_after_us": _micros(s)},
-          number=Number("seconds", 0, 86400), link=True),
+          number=Number("seconds", 0, 86400), link="only"),
     Fault("reboot-after", "the device that sends restarts", lambda s: {"reboot_after_us": _micros(s)},
-          number=Number("seconds", 0, 86400), link=True),
-    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r}, number=RATE, link=True),
-    Fault("flips", "this share of the bits on the link is turned over", lambda r: {"flips": r}, number=RATE, link=True),
+          number=Number("seconds", 0, 86400), link="only"),
+    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r}, number=RATE, link="only"),
+    Fault("flips", "this share of the bits on the link is turned over", lambda r: {"flips": r},
+          number=RATE, link="only"),
     Fault("bursts", "of this share of the frames some bytes in a row are changed", lambda r: {"bursts": r},
-          number=RATE, link=True),
+          number=RATE, link="only"),
     Fault("lost-bytes", "this share of the bytes on the link is lost", lambda r: {"dropped": r},
-          number=RATE, link=True),
+          number=RATE, link="only"),
     Fault("doubled-bytes", "this share of the bytes on the link comes twice", lambda r: {"doubled": r},
-          number=RATE, link=True),
+          number=RATE, link="only"),
+    Fault("late-answers", "a polled device answers so much later", lambda n: {"late_us": int(n) * 1000},
+          number=Number("ms", 1, 60_000, whole=True), link="polled"),
+    Fault("no-answers", "a polled device does not answer this share of the requests", lambda r: {"unanswered": r},
+          number=RATE, link="polled"),
+    Fault("twice-answers", "this share of the answers of a polled device comes twice", lambda r: {"twice": r},
+          number=RATE, link="polled"),
+    Fault("wrong-answers", "this share of the answers of a polled device comes from another one, whole and well",
+          lambda r: {"another": r}, number=RATE, link="polled"),
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
@@ -178,27 +205,40 @@ def parse_scenario(text: str, description: Description) -> Scenario:
         UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the
             actuator cannot have, or two faults that contradict each other.
     """
-    physics = device_physics(description)
+    physics, polled = device_physics(description), _polled(description)
     whole: dict[str, Any] = {}
     devices: dict[str, dict[str, Any]] = {}
+    links: dict[str, dict[str, Any]] = {}
     for part in (each.strip() for each in text.split(",")):
-        fault, device, number = _read(part, physics)
-        if fault.link and description.link is None:
+        fault, name, number = _read(part, physics, description.named_links)
+        if fault.link in ("only", "polled") and not description.links:
             raise UsageError(
                 f"{part!r} is a fault of a sensor link, and {description.name} has none.",
                 todo="Faults of its inputs: shows, frozen-after, invalid, silent-after.",
             )
-        changed = devices.setdefault(device, {}) if device else whole
+        if fault.link == "polled" and (name not in polled if name else not polled):
+            raise UsageError(
+                f"{part!r} is a fault of a link that asks, and {name or description.name} does not."
+            )
+        named = links if fault.link else devices
+        changed = named.setdefault(name, {}) if name else whole
         for key, value in fault.changes(number).items():
             if changed.get(key, value) != value:
                 raise UsageError(f"scenario {text!r}: {part!r} contradicts what stands before it.")
             changed[key] = value
     effects = {device: replace(Effect(), **changed) for device, changed in devices.items()}
-    return replace(Scenario(text=text, effects=effects), **whole)
+    every = replace(Scenario(text=text, effects=effects), **whole)
+    of_all = {each.name: getattr(every, each.name) for each in fields(LinkEffect)}
+    return replace(every, links={name: LinkEffect(**of_all | changed) for name, changed in links.items()})
 
 
-def _read(part: str, physics: Mapping[str, type[Device]]) -> tuple[Fault, str, float]:
-    """Fault, device (empty: none) and number (NaN: none) of one part."""
+def _polled(description: Description) -> list[str]:
+    """Names of the links that ask."""
+    return [name for name in description.links if is_polled(codec_of(description, name))]
+
+
+def _read(part: str, physics: Mapping[str, type[Device]], links: Iterable[str]) -> tuple[Fault, str, float]:
+    """Fault, device or link (empty: none) and number (NaN: none) of one part."""
     name, *values = part.split(":")
     fault = next((fault for fault in FAULTS if fault.name == name), None)
     if fault is None:
@@ -213,6 +253,15 @@ def _read(part: str, physics: Mapping[str, type[Device]]) -> tuple[Fault, str, f
             raise UsageError(what, todo=did_you_mean(device, physics))
         if physics[device].traits.isdisjoint(fault.on):
             raise UsageError(f"{part!r}: {device} cannot have this fault.")
+    if (
+        fault.link
+        and values
+        and values[0][:1].isalpha()
+        and (device := values.pop(0)) not in (known := [*links])
+    ):
+        if not known:
+            raise UsageError(f"{part!r} names a link, and the links of this tool have no names.")
+        raise UsageError(f"{part!r}: no link is named {device!r}.", todo=did_you_mean(device, known))
     number = _number(part, values, fault.number) if fault.number else math.nan
     if values:
         raise UsageError(f"{part!r} has too many parts.", todo=f"Expected: {fault.usage}.")

@@ -51,25 +51,31 @@ class Sent(NamedTuple):
         seq: number of the frame or answer, since the device was started.
         values: what every sensor showed.
         clean: the bytes before the cable.
+        late_us: how much later they come.
     """
 
     data: bytes
     seq: int
     values: Mapping[str, Value]
     clean: bytes
+    late_us: int = 0
 
 
 class SensorBoard:
-    """Sends what a bench shows, in the format of a codec.
+    """Sends what a bench shows over one link, in the format of its codec.
 
     Args:
         codec: streamed (call `frame`) or polled (call `answer`).
         bench: what is measured, and what is wrong with the link.
         description: of the tool.
         start: µs, when it was switched on.
+        link: its name; None: it is the only one.
     """
 
-    def __init__(self, codec: Codec, bench: Bench, description: Description, start: int) -> None:
+    def __init__(
+        self, codec: Codec, bench: Bench, description: Description, start: int, link: str | None = None
+    ) -> None:
+        self._link = link
         self._codec, self._bench, self._description = codec, bench, description
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
@@ -86,10 +92,11 @@ class SensorBoard:
         answers = self._device.answer(request, self._carried(sample)) if self._device else b""
         if not answers:
             return None
-        return self._sent(answers, self._next(at), sample, at)
+        answers, late_us = self._bench.answered(answers, at, self._link)
+        return self._sent(answers, self._next(at), sample, at)._replace(late_us=late_us)
 
     def _next(self, at: int) -> int:
-        if (booted := self._bench.booted(at)) != self._booted:
+        if (booted := self._bench.booted(at, self._link)) != self._booted:
             self._booted, self._seq = booted, 0
         seq = self._seq
         if at >= booted:  # before that it does not work yet
@@ -97,7 +104,8 @@ class SensorBoard:
         return seq
 
     def _sent(self, clean: bytes, seq: int, sample: Mapping[str, Value], at: int) -> Sent:
-        data = b"" if self._bench.silent(at) else self._bench.corrupt(clean, at)
+        silent = self._bench.silent(at, self._link)
+        data = b"" if silent else self._bench.corrupt(clean, at, self._link)
         return Sent(data, seq, sample, clean)
 
     def _carried(self, sample: Mapping[str, Value]) -> dict[str, Value]:

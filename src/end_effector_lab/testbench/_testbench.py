@@ -20,6 +20,13 @@ from .inputs import Clock, LineInputs, clock_of
 RECEIVE_S = 0.1
 
 
+def by_link(port: Port | Mapping[str, Port] | None, description: Description) -> Mapping[str, Port]:
+    """Ports by the names of their links; one alone is that of the first link."""
+    if port is None or isinstance(port, Mapping):
+        return port or {}
+    return {next(iter(description.links), ""): port}
+
+
 class Watcher:
     """What a testbench tells of itself; each is called in the thread where it happens and must be quick."""
 
@@ -39,7 +46,7 @@ class Testbench:
     Args:
         description: of the tool; its link names the codec.
         inputs: where the lines are seen.
-        port: where the frames go; None: the tool has no link.
+        port: where the frames go, of several links by their names; None: the tool has no link.
         sensors: on the inputs of the board, if it has any.
         scenario: what goes wrong.
         seed: of the chance in it.
@@ -56,7 +63,7 @@ class Testbench:
         self,
         description: Description,
         inputs: LineInputs,
-        port: Port | None,
+        port: Port | Mapping[str, Port] | None,
         sensors: BoardSensors | None = None,
         *,
         scenario: str = "nominal",
@@ -64,20 +71,22 @@ class Testbench:
         watcher: Watcher | None = None,
         clock: Clock | None = None,
     ) -> None:
-        self._description, self._inputs, self._port, self._sensors = description, inputs, port, sensors
+        self._description, self._inputs, self._sensors = description, inputs, sensors
+        self._ports = by_link(port, description)
         self._clock = clock or clock_of(inputs)
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
-        self.codec: Codec | None = codec_of(description) if port else None
+        self.codecs = {name: codec_of(description, name) for name in self._ports}
+        """By the names of their links."""
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
 
     def start(self) -> None:
-        """Begin; raises WireError if lines or port cannot be used."""
-        if self._port:
-            self._port.open()
+        """Begin; raises WireError if lines or ports cannot be used."""
         try:
+            for port in self._ports.values():
+                port.open()
             with self._lock:  # an edge waits until there is a bench
                 levels = self._inputs.start(self._edge)
                 self._start = self._clock.now_us()
@@ -89,15 +98,16 @@ class Testbench:
                 self._sensors.play(self._bench.sample(self._start), silent=False)
         except BaseException:
             self._inputs.close()
-            if self._port:
-                self._port.close()
+            for port in self._ports.values():
+                port.close()
             raise
-        if self._port and self.codec:
-            board = SensorBoard(self.codec, self._bench, self._description, self._start)
-            if is_polled(self.codec):
-                self._begin("frames", self._answer, board, self._port)
+        for name, port in self._ports.items():
+            codec = self.codecs[name]
+            board = SensorBoard(codec, self._bench, self._description, self._start, name or None)
+            if is_polled(codec):
+                self._begin("frames", self._answer, board, port)
             else:
-                self._begin("frames", self._send, board, self._port, self.codec)
+                self._begin("frames", self._send, board, port, codec)
         if self._sensors:
             self._begin("inputs", self._play, self._sensors)
 
@@ -115,8 +125,8 @@ class Testbench:
             thread.join()
         if self._sensors:
             self._sensors.close()
-        if self._port:
-            self._port.close()
+        for port in self._ports.values():
+            port.close()
 
     def __enter__(self) -> Testbench:
         self.start()
@@ -164,7 +174,7 @@ class Testbench:
             request = port.receive(RECEIVE_S)
             with self._lock:
                 sent = board.answer(request, self._clock.now_us()) if request else None
-            if sent is not None:
+            if sent is not None and not self._stop.wait(sent.late_us / 1e6):
                 self._put(sent, port)
 
     def _put(self, sent: Sent, port: Port) -> None:
@@ -178,5 +188,5 @@ class Testbench:
             with self._lock:
                 values, silent = self._bench.sample(due), self._bench.silent(due)
             sensors.play(values, silent=silent)
-            if self._port is None:
+            if not self._ports:
                 self._watcher.frame(due, seq, values, not silent)

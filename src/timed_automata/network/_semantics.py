@@ -55,6 +55,7 @@ class _ClockGuards:
 
 _Answer = tuple[tuple[Edge, ...], tuple[Bound, ...]]  # the edges that receive, and their guards
 _NOBODY: tuple[_Answer, ...] = (((), ()),)
+_NONE: tuple[tuple[Edge, tuple[Bound, ...]], ...] = ()
 _Receiver = tuple[Edge, Callable[[Values], Any] | None, _ClockGuards, Callable[[Values], int] | None]
 
 
@@ -82,13 +83,16 @@ class _Outgoing:
         """The channels that the edges can receive on."""
         return self._receiving
 
-    def receivers(self, channel: int, values: Values) -> list[tuple[Edge, tuple[Bound, ...]]]:
+    def receivers(self, channel: int, values: Values) -> Sequence[tuple[Edge, tuple[Bound, ...]]]:
         always = self._always.get(channel)
         if always is not None:
             return always
+        receiving = self._receiving.get(channel)
+        if receiving is None:
+            return _NONE
         return [
             (edge, clocks.at(values))
-            for edge, data, clocks, computed in self._receiving.get(channel, ())
+            for edge, data, clocks, computed in receiving
             if (data is None or data(values)) and (computed is None or computed(values) == channel)
         ]
 

@@ -24,6 +24,14 @@ from .conftest import ROOT
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(300)]
 TOOLS = ROOT / "examples/tools"
 READY_S = 60.0
+PLAYED = (
+    "six_cups",
+    "diy_vacuum",
+    "double_acting_jaw",
+    "bistable_and_magnet",
+    "area_gripper",
+    "two_coil_changer",
+)
 
 
 def eehal(*words: object, expected: int = 0) -> str:
@@ -33,7 +41,7 @@ def eehal(*words: object, expected: int = 0) -> str:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("name", ["six_cups", "diy_vacuum", "double_acting_jaw", "bistable_and_magnet"])
+@pytest.mark.parametrize("name", PLAYED)
 def test_it_is_checked_verified_demonstrated_recorded_and_replayed(name: str, tmp_path: Path) -> None:
     tool = TOOLS / name / "end_effector.yaml"
     assert json.loads(eehal("check", tool, "--json"))["warnings"] == []

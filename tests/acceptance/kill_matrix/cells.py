@@ -8,13 +8,17 @@ from dataclasses import dataclass
 
 from end_effector_hal.description import Description
 
+BOTH = "HAL and LineOwner"
+"""Both at once."""
 NODES = ("HALMain", "Grip", "ToolChange", "Pressure", "Position")
 PROCESSES = {
     "1": (*NODES, "LineOwner", "roscore", "testbench", "Supervisor"),
     "2-five": (*NODES, "LineOwner", "testbench", "Supervisor"),
     "2-one": ("HAL", "LineOwner", "testbench", "Supervisor"),
+    "none": ("HAL", "LineOwner", BOTH, "testbench"),
 }
-"""The generations of ROS, the second with a process for each node and with one for all, to what may be hit."""
+"""The generations of ROS, the second with a process for each node and with one for all, to what may be hit; `none` is
+one process without ROS."""
 SIGNALS = ("SIGKILL", "SIGSTOP", "SIGTERM")
 STOPPED_S = 3.0
 """A process that gets SIGSTOP goes on after this (SIGCONT)."""
@@ -58,7 +62,7 @@ class Cell:
 def states(description: Description) -> tuple[str, ...]:
     """In the order of a run; each step of the grip is one."""
     steps = (f"{GRIPPING} {name}" for name in description.sequence)
-    return (STAND_BY, *steps, GRIPPED, RELEASING, UNLOCKING)
+    return (STAND_BY, *steps, GRIPPED, RELEASING, *((UNLOCKING,) if description.tool_changer else ()))
 
 
 def full(description: Description, generation: str) -> Iterator[Cell]:
@@ -100,6 +104,7 @@ TELLING = (
     ("LineOwner", SIGNALS, (LAST, GRIPPED, RELEASING)),
     ("LineOwner", KILL, (STAND_BY, FIRST, UNLOCKING)),
     ("LineOwner", STOP, (FIRST, UNLOCKING)),
+    (BOTH, KILL, (LAST, GRIPPED, RELEASING, UNLOCKING)),
     ("roscore", SIGNALS, (GRIPPED,)),
     ("roscore", KILL, (LAST,)),
     ("testbench", SIGNALS, (GRIPPED,)),

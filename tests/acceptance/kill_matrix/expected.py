@@ -9,7 +9,8 @@ Rules (section 5 of the contract, and what follows from it):
   what is left, if it is part of a grip alone, is a GRIP_ERROR.
 * A line arbiter that dies moves nothing, and the programs go on when it is back. One that hangs for longer than its
   clients wait for an answer (1 s) finds their connections closed: they are dead to it.
-* The one process of ROS 2 (HAL) is all nodes at once: both programs get their ending, and nobody reads the sensors.
+* The one process of ROS 2, or without ROS (HAL), is all nodes at once: both programs get their ending, and nobody reads
+  the sensors. If the line arbiter dies with it, nothing moves until both are back; then the programs get their ending.
 * A master that goes away makes every node end in order, and start anew once it is back.
 * Who owns no line moves none: what runs, goes on. What lacks readings meanwhile waits, holds, and confirms nothing;
   a release without readings may end in RELEASE_ERROR.
@@ -22,7 +23,7 @@ from dataclasses import dataclass
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_hal.vocabulary import EndEffectorState as State
-from tests.acceptance.kill_matrix.cells import GRIPPED, GRIPPING, RELEASING, UNLOCKING, Cell
+from tests.acceptance.kill_matrix.cells import BOTH, GRIPPED, GRIPPING, RELEASING, UNLOCKING, Cell
 
 Switch = tuple[str, bool]
 """A line and its new level."""
@@ -38,7 +39,7 @@ class Expected:
         gripping, unlock: every change of those lines, in order; steps that are attempted again left out.
         active: lines that are active in the end.
         states: one of these, in the end.
-        changers: and one of these.
+        changers: and one of these, where there is a tool changer.
         first_s: the first movement comes at most so long after the signal; None: no matter.
     """
 
@@ -138,7 +139,7 @@ def _ending(cell: Cell, program: str) -> str:
         ending = "process_death"
     elif cell.process == "roscore" and cell.ends:
         ending = "sigterm"
-    elif cell.process not in (own, "HAL"):
+    elif cell.process not in (own, "HAL", BOTH):
         return GOES_ON
     return ending
 
@@ -152,7 +153,7 @@ def _first_s(cell: Cell) -> float | None:
 
 def _blinds(cell: Cell) -> bool:
     """Whether there are no readings for a while."""
-    return cell.process in ("Pressure", "HAL", "testbench") or (cell.process == "roscore" and cell.ends)
+    return cell.process in ("Pressure", "HAL", BOTH, "testbench") or (cell.process == "roscore" and cell.ends)
 
 
 def _off(lines: list[str]) -> tuple[Switch, ...]:

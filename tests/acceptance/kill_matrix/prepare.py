@@ -29,16 +29,18 @@ def at_rest(system: System) -> None:
     state = until("an end of what runs", lambda: system.hands.look()["command"] == -1 and system.hands.state)
     if state["state"] != State.STAND_BY:
         system.hands.run("drop")
-    until("a locked tool", lambda: system.hands.look()["tool_changer"] >= ChangerState.LOCKED)
-    if system.hands.state["tool_changer"] != ChangerState.LOCKED:
-        system.hands.run("lock")
+    if system.description.tool_changer is not None:
+        until("a locked tool", lambda: system.hands.look()["tool_changer"] >= ChangerState.LOCKED)
+        if system.hands.state["tool_changer"] != ChangerState.LOCKED:
+            system.hands.run("lock")
     until("rest", lambda: _rests(system))
 
 
 def _rests(system: System) -> bool:
     state = system.hands.look()
     clear = all(evidence == GONE for evidence in state["evidence"])
-    return clear and (state["state"], state["tool_changer"]) == (State.STAND_BY, ChangerState.LOCKED)
+    locked = system.description.tool_changer is None or state["tool_changer"] == ChangerState.LOCKED
+    return clear and locked and state["state"] == State.STAND_BY
 
 
 def prepare(system: System, cell: Cell) -> Prepared:

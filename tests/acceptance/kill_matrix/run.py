@@ -23,6 +23,7 @@ from end_effector_lab.demo import Ros1, Ros2
 from tests.acceptance.kill_matrix.cells import PROCESSES, Cell, chosen, full, telling
 from tests.acceptance.kill_matrix.play import Play, Row
 from tests.acceptance.kill_matrix.system import System
+from tests.acceptance.kill_matrix.system_plain import PlainSystem
 from tests.acceptance.kill_matrix.system_ros1 import Ros1System
 from tests.acceptance.kill_matrix.system_ros2 import FIVE, ONE, Ros2System
 from tests.acceptance.kill_matrix.table import show
@@ -42,7 +43,8 @@ def main() -> int:
         console.print("\n".join(map(str, cells)))
         return 0
     try:
-        (Ros1() if arguments.ros == "1" else Ros2()).check()
+        if arguments.ros != "none":
+            (Ros1() if arguments.ros == "1" else Ros2()).check()
     except ReportedError as error:
         console.print(str(error))
         return 3
@@ -111,6 +113,8 @@ class Matrix:
             console.print(f"system {number} cannot be started: {error}", style="red")
 
     def _system(self, folder: Path) -> System:
+        if self._generation == "none":
+            return PlainSystem(folder, self._description)
         if self._generation == "1":
             return Ros1System(folder, self._description)
         return Ros2System(folder, self._description, FIVE if self._generation == "2-five" else ONE)
@@ -149,7 +153,7 @@ class Matrix:
 def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
     """The tool, and its cells that are to be played; raises ReportedError."""
     description = load_tool(arguments.description)
-    if description.tool_changer is None:
+    if description.tool_changer is None and arguments.ros != "none":
         raise UsageError(
             "The matrix kills a node ToolChange as well: it takes a tool with a tool changer.",
             where=str(arguments.description),
@@ -166,7 +170,7 @@ def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "--ros", choices=PROCESSES, default="1", help="1, or 2 with five processes or one (default 1)"
+        "--ros", choices=PROCESSES, default="1", help="1, 2 with five processes or one, or none (default 1)"
     )
     parser.add_argument("--full", action="store_true", help="all cells")
     parser.add_argument(

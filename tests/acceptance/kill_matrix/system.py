@@ -21,7 +21,7 @@ from tests.acceptance.kill_matrix.observer import Observer
 from tests.acceptance.kill_matrix.waiting import until
 
 START_S = 60.0
-LATCHED = ("Over:", "GRIP_ERROR:", "RELEASE_ERROR:", "IL-03:")
+LATCHED = ("Over:", "GRIP_ERROR:", "RELEASE_ERROR:", "IL-03:", "The tool changer is in FAULT")
 """Alarms that stay on purpose: of what is over, of the state that is expected, of what the line arbiter has ended."""
 
 
@@ -52,9 +52,11 @@ class System(ABC):
 
     Attributes:
         launched: names of the processes that are started again when they end.
+        nodes: whom a client must hear.
     """
 
     launched: Sequence[str] = ()
+    nodes: Sequence[str] = NODES
 
     def __init__(self, folder: Path, description: Description | None = None) -> None:
         folder.mkdir(parents=True, exist_ok=True)
@@ -78,8 +80,12 @@ class System(ABC):
     def pids(self, name: str) -> list[int]:
         """Of a process by its name in the matrix; processes of this system only."""
 
+    def ends_the_client(self, process: str) -> bool:
+        """Whether the client ends with this process: what nodes live of (a master), or the client itself."""
+        return False
+
     def begin_anew(self, pids: list[int]) -> None:
-        """What nodes live of has ended (a master): have it back, with them, and a new client."""
+        """A process that ends the client has ended: have everything back, and a new client."""
         raise AssertionError("there is no such process")
 
     @abstractmethod
@@ -90,9 +96,9 @@ class System(ABC):
         try:
             self.plant.__enter__()
             self.plant.wait_ready()
+            self.observer = Observer(self.plant.chip, self.description.opposites)
             self.launch()
             self.connect()
-            self.observer = Observer(self.plant.chip)
             until("the whole system", self.is_up, START_S)
         except BaseException:
             self.leave_ended()
@@ -106,6 +112,7 @@ class System(ABC):
             self.send(name, signal.SIGCONT)
         with suppress(AttributeError):
             self.observer.close()
+            self.hands.close()
         self.plant.__exit__(None, None, None)
 
     def hands_by(self, client: str, env: dict[str, str]) -> Hands:
@@ -135,7 +142,11 @@ class System(ABC):
         state = self.hands.look()
         obstacles = [alarm for alarm in state.get("alarms", ()) if not alarm.startswith(LATCHED)]
         up = not self._silent() and bool(state) and state["link_up"] and not obstacles
-        return up and self.clients_of_the_owner() >= {"grip", "tool_change"}
+        return up and self.clients_of_the_owner() >= self._programs
+
+    @property
+    def _programs(self) -> set[str]:
+        return {"grip", "tool_change"} if self.description.tool_changer else {"grip"}
 
     def why_not_up(self) -> str:
         """What `is_up` lacks, in words."""
@@ -144,12 +155,12 @@ class System(ABC):
 
     def _silent(self) -> list[str]:
         now = time.monotonic()
-        return [name for name in NODES if now - self.hands.heard.get(name, 0) > 0.5]
+        return [name for name in self.nodes if now - self.hands.heard.get(name, 0) > 0.5]
 
 
 def lives(pid: int) -> bool:
     """Whether a process runs, or is stopped."""
     try:
-        return open(f"/proc/{pid}/stat").read().rpartition(")")[2].split()[0] not in "ZX"
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
     except OSError:
         return False

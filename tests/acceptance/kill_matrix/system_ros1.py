@@ -52,6 +52,9 @@ class Ros1System(System):
     def leave_ended(self) -> None:
         """roslaunch starts them."""
 
+    def ends_the_client(self, process: str) -> bool:
+        return process == "roscore"
+
     def begin_anew(self, pids: list[int]) -> None:
         """The nodes notice that their master has gone, and leave; only then it is started again."""
         before = [pid for name in NODES for pid in self.pids(name)]

@@ -39,6 +39,9 @@ def description() -> Description:
         ("HAL:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("HAL:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("HAL:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+        ("HAL and LineOwner:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("HAL and LineOwner:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("HAL and LineOwner:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
     ],
 )
 def test_endings(description: Description, cell: str, state: State, moved: list, active: list) -> None:
@@ -123,7 +126,8 @@ def test_what_cannot_be_played_is_a_sentence(tmp_path: Path, arguments: list[str
 
 
 @pytest.mark.parametrize(
-    ("generation", "all_cells", "enough"), [("1", 189, 40), ("2-five", 168, 40), ("2-one", 84, 25)]
+    ("generation", "all_cells", "enough"),
+    [("1", 189, 40), ("2-five", 168, 40), ("2-one", 84, 25), ("none", 84, 25)],
 )
 def test_every_cell_is_there_once_and_enough_are_told_in_five_minutes(
     description: Description, generation: str, all_cells: int, enough: int

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -42,6 +43,7 @@ def _names() -> list[str]:
     return [line[4:].partition("(")[0] for line in text.splitlines() if line.startswith("def test_")]
 
 
+@pytest.mark.timeout(LONGEST_S + 60)
 @pytest.mark.parametrize("name", _names())
 def test_of_the_package(env: dict[str, str], tmp_path: Path, name: str) -> None:
     command = [
@@ -53,8 +55,13 @@ def test_of_the_package(env: dict[str, str], tmp_path: Path, name: str) -> None:
         f"--rootdir={PACKAGE}",
         f"--basetemp={tmp_path / 'of'}",
     ]
-    done = subprocess.run(
+    with subprocess.Popen(
         [sys.executable, *command, f"{PACKAGE / 'test' / 'test_launch.py'}::{name}"],
-        env=env, capture_output=True, text=True, timeout=LONGEST_S, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
+        env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    ) as tests:  # fmt: skip
+        try:
+            said, _ = tests.communicate(timeout=LONGEST_S)
+        except BaseException:
+            tests.send_signal(signal.SIGINT)  # killed, it would leave what it has launched
+            raise
+    assert tests.returncode == 0, said

@@ -32,7 +32,7 @@ from end_effector_lab.demo import (
     scenarios,
 )
 from end_effector_lab.demo import _world as world_module
-from end_effector_lab.testbench import Testbench, open_inputs, open_port
+from end_effector_lab.testbench import Testbench, open_inputs, open_ports
 
 FILES = {
     "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv",
@@ -113,7 +113,7 @@ def test_on_its_own_wires_the_testbench_is_somebody_elses(verdin: Description, t
     place, folder = tmp_path / "wires", tmp_path / "demo"
     place.mkdir()
     tool = verdin.with_virtual(place / "chip", str(place / "uart"))
-    inputs, port = open_inputs(None, tool), open_port(None, tool, None)
+    inputs, port = open_inputs(None, tool), open_ports(None, tool, None)
     with Testbench(tool, inputs, port):
         (report,) = run_demo(
             tool, scenarios(tool)[:1], folder, drive=WithoutRos(), progress=Console(quiet=True), own_wires=True,

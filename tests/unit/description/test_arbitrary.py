@@ -97,6 +97,7 @@ values = st.recursive(
 
 
 @given(st.dictionaries(st.sampled_from(KEYS), values, max_size=8))
+@example({"actuators": {"[key]": None}})
 @example({"actuators": {"\n": None}, "name": "\ud800", "\ud800": 1})
 @settings(max_examples=300, deadline=None)
 def test_good_yaml_with_any_value_anywhere(tree: dict[str, object]) -> None:

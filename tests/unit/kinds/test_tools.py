@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
 
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import examine_text
 from end_effector_hal.errors import DescriptionError
+from end_effector_hal.nodes.report import StatusLines
+from end_effector_hal.recording import read_trace
+from end_effector_hal.runtime.boundary import MODEL
+from end_effector_hal.verification.proof import prove
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence
 from tests.support.virtual_tool import VirtualTool
 
 TOOLS = Path(__file__).parent / "tools"
+EARLIER = Path(__file__).parents[1] / "earlier" / "version_0_1.tar.xz"
 GRIPPED, STAND_BY, GRIP_ERROR = (
     EndEffectorState.GRIPPED,
     EndEffectorState.STAND_BY,
@@ -46,18 +52,60 @@ def test_it_grips_and_drops(name: str) -> None:
     assert not any(tool.status.outputs)
 
 
-def test_fingers_that_close_on_nothing_are_not_confirmed_and_say_so() -> None:
+def test_an_attempt_that_closes_on_nothing_is_over_at_once() -> None:
     tool = ready("gripper", "no-part:jaw")
-    tool.command("grip")
+    assert tool.command("grip").accepted
+    tool.run(6.0)
+    line = tool.description.actuators["jaw"].line
+    attempts = [at for at, name, level in tool.edges if name == line and level]
+    ends = [at for at, name, level in tool.edges if name == line and not level]
+    assert len(attempts) == len(ends) == 3
+    lengths = [end - at for at, end in zip(attempts, ends, strict=True)]
+    assert max(lengths) < 1_000_000  # its time-out is 2 s
+    pauses = [at - end for at, end in zip(attempts[1:], ends, strict=False)]
+    assert min(pauses) >= 1_000_000
+    given_up = next(status for status in tool.statuses if status.ee == GRIP_ERROR)
+    assert (given_up.cause, given_up.cause_at) == (Cause.EMPTY, 0)
+    assert "Jaw closed on nothing." in given_up.alarms
+    assert tool.status.ee == STAND_BY
+    assert tool.status.reason == "Jaw closed on nothing: all 3 attempts have failed."
+    assert "Jaw closed on nothing." not in tool.status.alarms
+    told = StatusLines(tool.description, "grip")
+    lines = [line for status in tool.statuses for line in told.of(status)]
+    assert [line for line in lines if "attempt " in line] == [
+        f"Jaw closed on nothing: attempt {number} of 3." for number in (1, 2, 3)
+    ]
+
+
+def test_what_was_shown_before_an_attempt_says_nothing_of_it() -> None:
+    """A finger that hangs shows "closed" all the time: it has had no chance to grip."""
+    tool = ready("gripper")
+    assert tool.command("grip").accepted
+    status = feed(tool, 2.9, cylinder_extended=True, cylinder_retracted=False)
+    assert (status.ee, status.steps[0].attempts) == (EndEffectorState.GRIPPING, 2)
+    assert status.outputs == (True,)  # for 1.8 s
+
+
+def test_automata_of_before_wait_for_the_time_out(tmp_path: Path) -> None:
+    """A copy that a user has made of an earlier version."""
+    shutil.unpack_archive(EARLIER, tmp_path)
+    model = read_trace(tmp_path / "run" / "grip.mcap").attachments[MODEL]
+    (tmp_path / "end_effector.xml").write_bytes(model)
+    shutil.copy(TOOLS / "gripper.yaml", tmp_path)
+    tool = VirtualTool(load_tool(tmp_path / "gripper.yaml"), "no-part:jaw")
     tool.run(1.0)
-    assert tool.status.ee == EndEffectorState.GRIPPING
-    assert tool.status.evidence == (Evidence.PARTIAL,)
+    assert tool.command("grip").accepted
+    tool.run(1.0)
+    assert (tool.status.ee, tool.status.outputs) == (EndEffectorState.GRIPPING, (True,))
     assert "Jaw closed on nothing." in tool.status.alarms
     tool.run(10.0)
-    assert tool.status.ee == STAND_BY
-    reason = "Jaw was not confirmed within 2 s in 3 attempts. Jaw closed on nothing."
-    assert tool.status.reason == reason
-    assert "Jaw closed on nothing." not in tool.status.alarms
+    assert tool.status.reason == "Jaw was not confirmed within 2 s in 3 attempts. Jaw closed on nothing."
+
+
+def test_a_tool_that_shows_empty_is_proven() -> None:
+    proof = prove(network_of(load_tool(TOOLS / "gripper.yaml")))
+    assert [finding.id for finding in proof.findings if not finding.holds] == []
+    assert not any("empty[i]" in edge for edge in proof.off)
 
 
 def test_fingers_whose_part_is_pulled_out_have_lost_it_and_stay_closed() -> None:
@@ -107,6 +155,19 @@ def test_a_magnet_that_is_switched_off_has_not_released_before_its_sensor_says_s
     assert (status.ee, status.outputs) == (EndEffectorState.RELEASE_ERROR, (False,))
     # its part lies still in its place: neither gripped nor gone
     assert feed(tool, 0.5, cylinder_extended=False, cylinder_retracted=False).evidence == (Evidence.PARTIAL,)
+
+
+def test_switches_that_change_one_after_the_other_are_no_alarm() -> None:
+    """The part is gone a little before its own switch says so: for 40 ms neither is proven."""
+    tool = gripped("magnet")
+    told = len(tool.statuses)
+    tool.command("drop")
+    feed(tool, 0.04, cylinder_extended=True, cylinder_retracted=True)
+    feed(tool, 1.0, cylinder_extended=False, cylinder_retracted=True)
+    seen = tool.statuses[told:]
+    assert Evidence.UNKNOWN in {status.evidence[0] for status in seen}
+    assert [status.alarms for status in seen if status.alarms] == []
+    assert tool.status.ee == STAND_BY
 
 
 def test_a_part_that_is_seen_between_open_fingers_is_not_gripped() -> None:

@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from end_effector_hal.recording import (
+    AlarmRow,
     AttemptOutcome,
     GripDecision,
     ReleaseCause,
@@ -65,6 +66,25 @@ def test_how_many_attempts_there_are_comes_from_the_run():
     story = read_story(FAILS_ONCE, INFO)
     assert moments(story)[1] == (6.5, "time-out 1/3")
     assert str(story.attempts[1]) == "Cylinder, attempt 1 of 3: timed out after 5.00 s"
+
+
+def test_what_gripped_nothing_did_not_time_out():
+    state, grip = EndEffectorState, Command.GRIP
+    rows = [(0.0, state.STAND_BY, Command.NONE, 0)]
+    for at in (1.0, 2.2, 3.4):
+        rows += [(at, state.GRIPPING, grip, 1), (at + 0.2, state.GRIPPING, grip, 0)]
+    rows[-1] = (3.6, state.GRIP_ERROR, Command.RELEASE, 1)
+    rows += [(3.6, state.RELEASING, Command.RELEASE, 0), (3.8, state.STAND_BY, Command.NONE, 0)]
+    states = StatesLog(("jaw",), tuple(StatesRow(at, ee, command, (jaw,)) for at, ee, command, jaw in rows))
+    info = RunInfo(actuators={"jaw": "gripper"}, limits={"jaw": {"attempts": 3}})
+    alarms = [AlarmRow(at + 0.2, "begun", "Jaw closed on nothing.") for at in (1.0, 2.2, 3.4)]
+    story = read_story(states, info, alarms)
+    assert [attempt.outcome for attempt in story.attempts] == [AttemptOutcome.EMPTY] * 3
+    assert [round(reset.length_s, 6) for reset in story.resets] == [1.0, 1.0]
+    assert story.verdict == "Jaw gripped nothing: grip ABORTED after 3 attempts, released"
+    assert (3.6, "empty 3/3 – abort") in moments(story)
+    foreign = RunInfo(actuators={"jaw": "of_somebody"}, limits={"jaw": {"attempts": 3}})
+    assert read_story(states, foreign, alarms).grips[0].culprit == "jaw"
 
 
 def test_one_never_confirms():

@@ -27,7 +27,7 @@ CHANGER = ToolChanger(line="SODIMM_206")
     ],
 )
 def test_place(present: bool | None, in_stand: bool | None, place: ToolPlace) -> None:
-    readings = Readings(load(profile_path()).link, get_codec("ees1-ascii"))
+    readings = Readings(load(profile_path()), get_codec("ees1-ascii"))
     assert tool_place(CHANGER, readings, 0) is ToolPlace.UNKNOWN
     readings.take(Frame(0, 1, None, {"tool_present": present, "in_stand": in_stand}))
     assert tool_place(CHANGER, readings, 149_999) is place
@@ -35,6 +35,6 @@ def test_place(present: bool | None, in_stand: bool | None, place: ToolPlace) ->
 
 
 def test_a_codec_that_does_not_carry_them_proves_nothing() -> None:
-    readings = Readings(load(profile_path()).link, get_codec("legacy-nibble"))
+    readings = Readings(load(profile_path()), get_codec("legacy-nibble"))
     readings.take(Frame(0, None, None, {"locked": True}))
     assert tool_place(CHANGER, readings, 0) is ToolPlace.UNKNOWN

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, load
 from end_effector_hal.errors import UsageError
 from end_effector_lab.testbench import Bench
 
@@ -291,3 +292,40 @@ def test_the_stand_shows_on_the_bits_of_the_description(verdin: Description) -> 
     named = changer.model_copy(update={"stand_bit": "rack", "present_bit": "tool"})
     bench = Bench(verdin.model_copy(update={"tool_changer": named}), "no-tool")
     assert bits(bench, "rack", "tool") == [True, False]
+
+
+def test_channels_that_only_evidence_names_show_what_their_device_does(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(
+        """
+schema: 2
+name: zones
+link: {port: /dev/null, frame: {text: {}}}
+channels:
+  left: {text: {field: 1}}
+  right: {text: {field: 2}}
+  deep: {text: {field: 3}, unit: kPa}
+  open: {text: {field: 4}}
+  grips: {text: {field: 5}}
+sequence: [row, jaw]
+actuators:
+  row:
+    kind: vacuum
+    line: A
+    channel: none
+    evidence:
+      confirmed: {all: [{on: left}, {on: right}, {channel: deep, below_kpa: -50}]}
+      gone: {not: {any: [{on: left}, {on: right}]}}
+  jaw: {kind: gripper, line: B, evidence: {confirmed: {on: grips}, gone: {on: open}}}
+supply: {channel: none}
+"""
+    )
+    bench = Bench(load(path))
+    rest = bench.sample(0)
+    assert [rest[name] for name in ("left", "right", "open", "grips")] == [False, False, True, False]
+    assert rest["deep"] == pytest.approx(0, abs=500)
+    bench.line("A", True, 0)
+    bench.line("B", True, 0)
+    shown = bench.sample(2 * S)
+    assert [shown[name] for name in ("left", "right", "open", "grips")] == [True, True, False, True]
+    assert kpa(bench, "deep", 2) < -75

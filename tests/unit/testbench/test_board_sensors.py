@@ -11,7 +11,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.lines import VirtualChip, read_chip
 from end_effector_lab.testbench import (
     BoardSensors,
-    open_port,
+    open_ports,
     open_sensors,
     parse_scenario,
     write_virtual_copy,
@@ -92,9 +92,9 @@ def test_a_virtual_copy_has_its_chip_and_its_folder_beside_it(tool: Description,
 
 
 def test_where_inputs_cannot_be_played(tool: Description) -> None:
-    assert open_port(None, tool, None) is None
+    assert open_ports(None, tool, None) == {}
     with pytest.raises(UsageError, match="mixed has no sensor link: --port /dev/ttyS0 means nothing"):
-        open_port("/dev/ttyS0", tool, None)
+        open_ports("/dev/ttyS0", tool, None)
     with pytest.raises(UsageError, match=r"digital inputs .* cannot be played at 'rpi3'"):
         open_sensors("rpi3", tool)
     kernels = tool.model_copy(update={"inputs": None})

@@ -4,7 +4,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench import PtyPort, SerialPort, open_inputs, open_port
+from end_effector_lab.testbench import PtyPort, SerialPort, open_inputs, open_ports
 from end_effector_lab.testbench.inputs import (
     GpioInputs,
     GpioSimInputs,
@@ -20,14 +20,14 @@ def virtual(verdin: Description) -> Description:
 
 
 def test_the_description_decides_where_nothing_is_said(virtual: Description) -> None:
-    inputs, port = open_inputs(None, virtual), open_port(None, virtual, None)
+    inputs, port = open_inputs(None, virtual), open_ports(None, virtual, None)[""]
     assert isinstance(inputs, VirtualInputs)
     assert isinstance(port, PtyPort)
     assert (inputs.text, port.text) == ("virtual:/nowhere/chip", "/nowhere/uart")
 
 
 def test_the_preset_is_the_wiring_of_the_paper(verdin: Description) -> None:
-    inputs, port = open_inputs("rpi3", verdin), open_port(None, verdin, "rpi3")
+    inputs, port = open_inputs("rpi3", verdin), open_ports(None, verdin, "rpi3")[""]
     assert isinstance(inputs, GpioInputs)
     assert inputs.lines == {
         "SODIMM_206": "GPIO19",
@@ -64,7 +64,8 @@ def test_lines_of_a_kernel_that_simulates_them_and_of_a_virtual_machine(verdin: 
 
 
 def test_ports(verdin: Description) -> None:
-    pty, device = open_port("pty:/tmp/x", verdin, "rpi3"), open_port("/dev/ttyUSB0", verdin, "virtual:/x")
+    pty = open_ports("pty:/tmp/x", verdin, "rpi3")[""]
+    device = open_ports("/dev/ttyUSB0", verdin, "virtual:/x")[""]
     assert isinstance(pty, PtyPort)
     assert pty.text == "/tmp/x"
     assert isinstance(device, SerialPort)
@@ -109,4 +110,4 @@ def test_real_lines_cannot_be_power_cycled(verdin: Description) -> None:
 
 def test_no_port_is_known_for_other_boards(verdin: Description) -> None:
     with pytest.raises(UsageError, match="Give --port PATH"):
-        open_port(None, verdin, "gpiod")
+        open_ports(None, verdin, "gpiod")

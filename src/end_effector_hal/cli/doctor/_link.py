@@ -21,11 +21,15 @@ _say = CheckedPart("link")
 
 
 def look_at_link(description: Description, *, listen: bool = True) -> CheckResults:
-    """Args: ``listen``: open the port for up to 2 s if nobody has it."""
-    link = description.link
-    if link is None:
+    """Args: ``listen``: open each port for up to 2 s if nobody has it."""
+    if not description.links:
         yield _say.ok("none: the channels are inputs of the board")
-        return
+    for name in description.links:
+        yield from _look_at(description, name, listen=listen)
+
+
+def _look_at(description: Description, name: str, *, listen: bool) -> CheckResults:
+    link = description.links[name]
     port = Path(link.port)
     if not port.exists():
         yield _no_port(link.port)
@@ -41,7 +45,7 @@ def look_at_link(description: Description, *, listen: bool = True) -> CheckResul
     elif not listen:
         yield _say.ok(f"{link.port} is there and nobody reads it; not listened to")
     else:
-        yield _listen(description, link)
+        yield _listen(description, name, link)
 
 
 def _no_port(port: str) -> CheckResult:
@@ -86,11 +90,11 @@ class Heard(NamedTuple):
     seconds: float = 0.0
 
 
-def _listen(description: Description, wire: Link) -> CheckResult:
+def _listen(description: Description, name: str, wire: Link) -> CheckResult:
     port = wire.port
     try:
-        with open_link(description) as link:
-            heard, name, codec = (
+        with open_link(description, name) as link:
+            heard, title, codec = (
                 _hear(link, max(LISTEN_US, 3 * link.codec.period_us)),
                 link.name,
                 "" if wire.frame else link.codec.name,
@@ -107,7 +111,7 @@ def _listen(description: Description, wire: Link) -> CheckResult:
     heard = heard._replace(
         invalid=tuple(each for each in heard.invalid if each in used_channels(description))
     )
-    return judged(name, heard, codec)
+    return judged(title, heard, codec)
 
 
 def _hear(link: OpenLink, listen_us: int) -> Heard:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from end_effector_hal._extras import missing_extra
@@ -10,22 +11,20 @@ from end_effector_hal.codecs.described._record import DescribedRecord
 from end_effector_hal.codecs.described._text import DescribedText
 
 if TYPE_CHECKING:
-    from end_effector_hal.description import Description
+    from end_effector_hal.description import Channel, Link
 
 BAUDRATE, MODBUS_BAUDRATE = 115_200, 9_600
 
 
-def described_codec(description: Description) -> DescribedCodec:
-    """The codec that ``link: frame`` and the channels of a description declare.
+def described_codec(link: Link, over: Mapping[str, Channel]) -> DescribedCodec:
+    """The codec that the ``frame`` of a link declares, with the channels that come over it.
 
     Raises:
         MissingExtraError: Modbus needs a package that is not installed.
     """
-    link = description.link
-    assert link is not None
     assert link.frame is not None
     frame = link.frame
-    channels = {name: each for name, each in description.channels.items() if each.source == frame.format}
+    channels = {name: each for name, each in over.items() if each.source == frame.format}
     line = SerialLine(
         link.baudrate or (BAUDRATE if frame.modbus is None else MODBUS_BAUDRATE),
         link.parity or "N",

@@ -108,6 +108,7 @@ class DescribedModbus(DescribedCodec):
             parity=self.parity,
             period_us=self.period_us,
             timeout_us=1000 * frame.timeout_ms,
+            alike=True,
         )
 
     @property
@@ -142,15 +143,18 @@ def reads_of(places: Mapping[RegisterValue, Mapping[str, Channel]], gap: int) ->
     """The requests for these places, each for those of one unit and table between which at most ``gap`` lie.
 
     Two answers of one unit and table differ in length, so that a late one is never taken for the other: where they
-    would not, one register more is read.
+    would not, some registers more are read, at most ``gap``.
     """
     by_table = sorted(places, key=lambda each: (each.unit, each.register_type, each.address))
     for (unit, table), members in groupby(by_table, key=lambda each: (each.unit, each.register_type)):
         lengths: set[int] = set()
         for near in _near([*members], gap):
             first, end = near[0].address, max(each.address + size_of(each) for each in near)
-            while Read(unit, first, (), end - first, FUNCTIONS[table]).answer_bytes in lengths:
-                first, end = (first, end + 1) if end <= LAST_ADDRESS else (first - 1, end)
+            for count in range(end - first, end - first + gap + 1):
+                if Read(unit, first, (), count, FUNCTIONS[table]).answer_bytes not in lengths:
+                    first = min(first, LAST_ADDRESS + 1 - count)
+                    end = first + count
+                    break
             fields = tuple(RegisterField(each, places[each], first) for each in near)
             read = Read(unit, first, fields, end - first, FUNCTIONS[table])
             lengths.add(read.answer_bytes)

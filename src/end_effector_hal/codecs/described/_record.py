@@ -100,7 +100,11 @@ class DescribedRecord(DescribedCodec):
 
     def decoder(self) -> Decoder:
         """A new decoder."""
-        return DelimitedDecoder(self._layout) if self._layout.delimiter else StartDecoder(self._layout)
+        layout = self._layout
+        if layout.delimiter:
+            return DelimitedDecoder(layout, self.period_us)
+        kind = UnprovenStartDecoder if layout.frame.checksum == "none" else StartDecoder
+        return kind(layout, self.period_us)
 
     def encode(self, frame: Frame) -> bytes:
         """One record; none is sent where a channel has no value and its type has no way to say so."""
@@ -121,8 +125,8 @@ class DescribedRecord(DescribedCodec):
 class RecordDecoder(DescribedDecoder):
     """From records to frames."""
 
-    def __init__(self, layout: RecordLayout) -> None:
-        super().__init__()
+    def __init__(self, layout: RecordLayout, period_us: int) -> None:
+        super().__init__(period_us)
         self._layout = layout
 
     def _decoded(self, data: bytes, at: int) -> Frame | None:
@@ -187,6 +191,56 @@ class StartDecoder(RecordDecoder):
             begins = max(first, len(rest) - len(start) + 1)
         self.errors["noise"] += begins - first
         self._rest = rest[begins:]
+
+
+class UnprovenStartDecoder(RecordDecoder):
+    """Of records without a checksum: their start may stand in the data as well.
+
+    Nothing is believed before `IN_A_ROW` records have followed each other, nor where the next one does not begin at
+    the end of the last; keeps less than that many records.
+    """
+
+    IN_A_ROW = 3
+
+    def __init__(self, layout: RecordLayout, period_us: int) -> None:
+        super().__init__(layout, period_us)
+        self._in_step = False
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frames that end in ``data``."""
+        self.bytes += len(data)
+        if self._interrupted(at):
+            self._in_step = False
+        self._rest += data
+        return [*self._frames(at)]
+
+    def _frames(self, at: int) -> Iterator[Frame]:
+        start, size = self._layout.start, len(self._layout.start) + self._layout.size
+        while True:
+            if self._in_step and not start.startswith(self._rest[: len(start)]):
+                self._in_step = False
+            if not self._in_step and not self._found(start, size):
+                return
+            self._in_step = True
+            if len(self._rest) < size:
+                return
+            record, self._rest = self._rest[len(start) : size], self._rest[size:]
+            if frame := self._decoded(record, at):
+                yield frame
+
+    def _found(self, start: bytes, size: int) -> bool:
+        """Whether enough records follow each other; the last of them is what is left then."""
+        rest, first = self._rest, 0
+        while first < len(rest):
+            heads = [rest[first + n * size :][: len(start)] for n in range(self.IN_A_ROW)]
+            if all(map(start.startswith, heads)):
+                break  # or they are not all here yet
+            first += 1
+        found = len(rest) - first >= self.IN_A_ROW * size
+        thrown = first + (self.IN_A_ROW - 1) * size if found else first
+        self.errors["noise"] += thrown
+        self._rest = rest[thrown:]
+        return found
 
 
 def _type(place: RecordValue) -> RawType:

@@ -33,6 +33,11 @@ class Layout:
     fields: tuple[Field, ...]
 
     @property
+    def marked(self) -> bool:
+        """Whether a whole line can be told from the tail of one."""
+        return bool(self.start) or self.checksum != "none"
+
+    @property
     def blanks(self) -> bool:
         """Whether any number of blanks separates."""
         return self.separator == b" "
@@ -63,7 +68,7 @@ class DescribedText(DescribedCodec):
 
     def decoder(self) -> Decoder:
         """A new decoder."""
-        return TextDecoder(self._layout)
+        return TextDecoder(self._layout, self.period_us)
 
     def encode(self, frame: Frame) -> bytes:
         """One line; what has no value is left out, and a line without any value is not sent."""
@@ -92,15 +97,21 @@ class DescribedText(DescribedCodec):
 
 
 class TextDecoder(DescribedDecoder):
-    """Keeps at most one unfinished line; where lines have a start, each start begins a new one."""
+    """Keeps at most one unfinished line; where lines have a start, each start begins a new one.
 
-    def __init__(self, layout: Layout) -> None:
-        super().__init__()
-        self._layout = layout
+    Without start and checksum the first line may be the tail of one, and so may one after a gap or an error: it is
+    thrown away.
+    """
+
+    def __init__(self, layout: Layout, period_us: int) -> None:
+        super().__init__(period_us)
+        self._layout, self._in_step = layout, layout.marked
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """The frames that end in ``data``."""
         self.bytes += len(data)
+        if not self._layout.marked and self._interrupted(at):
+            self._in_step = False
         *lines, rest = (self._rest + data).split(b"\n")
         frames = [frame for line in lines if (frame := self._line(line, at))]
         self._rest = self._kept(rest)
@@ -119,6 +130,15 @@ class TextDecoder(DescribedDecoder):
         return rest[begins:]
 
     def _line(self, line: bytes, at: int) -> Frame | None:
+        if not self._in_step:
+            self._in_step = True
+            self.errors["noise"] += len(line)
+            return None
+        frame = self._read(line, at)
+        self._in_step = frame is not None or self._layout.marked
+        return frame
+
+    def _read(self, line: bytes, at: int) -> Frame | None:
         layout = self._layout
         begins = line.rfind(layout.start) if layout.start else 0
         if begins < 0:

@@ -49,6 +49,8 @@ class ModbusRtu:
         period_us: from the beginning of a cycle to that of the next; a slow device makes it longer.
         baudrate, parity: of the line; parity ``N``, ``E`` or ``O``.
         timeout_us: longest wait for an answer.
+        alike: answers to two reads of one unit may have the same form; who has not answered one of them is not asked
+            the others for a second.
 
     Raises:
         UsageError: a channel stands twice, or the late answer to one read could be taken for that to another.
@@ -63,6 +65,7 @@ class ModbusRtu:
         period_us: int,
         parity: str = "N",
         timeout_us: int = 30_000,
+        alike: bool = False,
     ) -> None:
         self.name, self.reads = name, tuple(reads)
         self.baudrate, self.parity = baudrate, parity
@@ -75,7 +78,7 @@ class ModbusRtu:
         }
         if len(self.channels) < len(names):
             raise UsageError(f"{name} reads a channel twice: {', '.join(names)}.", todo="Name each once.")
-        if len({(read.unit, read.function, read.answer_bytes) for read in self.reads}) < len(self.reads):
+        if not alike and len({read.form for read in self.reads}) < len(self.reads):
             raise UsageError(
                 f"{name}: two reads of one unit have answers of the same form.",
                 todo="Read their registers with one request, or a different number of registers.",

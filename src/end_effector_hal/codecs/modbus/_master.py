@@ -10,6 +10,9 @@ from end_effector_hal.codecs.modbus import _adu as adu
 from end_effector_hal.codecs.modbus._read import Read
 from end_effector_hal.signals import Frame, Value
 
+MIX_UP_US = 1_000_000
+"""An answer that comes later than this is lost."""
+
 
 class ModbusMaster:
     """Asks one read after the other; keeps at most the bytes since the last request that could be its answer.
@@ -32,6 +35,7 @@ class ModbusMaster:
         self._period_us, self._timeout_us = period_us, timeout_us
         self._silence_us = self.silence_us(baudrate)
         self._next = 0
+        self._unanswered: dict[tuple[int, int, int], tuple[Read, int]] = {}
         self._pending: Read | None = None
         self._cycle_at = 0
         self._values: dict[str, Value] = {}
@@ -50,11 +54,14 @@ class ModbusMaster:
         frames: tuple[Frame, ...] = ()
         if self._pending is not None:
             self.errors["timeout"] += 1
+            self._unanswered[self._pending.form] = self._pending, at
             frames = self._end(at)
             if self.due > at:
                 return Polled(b"", frames)
         if self._next == 0:
             self._cycle_at, self._values, self._heard_at = at, {}, None
+            while self._may_mix(self._reads[self._next], at):  # never all: not who has not answered
+                self._next += 1
         self._pending, self._rest = self._reads[self._next], b""
         request = adu.request(self._pending)
         self.due = at + self._timeout_us + len(request) * self.BITS * 1_000_000 // self._baudrate
@@ -73,6 +80,11 @@ class ModbusMaster:
         self._values |= self._taken(self._pending, answer)
         self._heard_at = at
         return list(self._end(at))
+
+    def _may_mix(self, read: Read, at: int) -> bool:
+        """Whether the answer to another read may still come, and would be taken for that to this one."""
+        other, since = self._unanswered.get(read.form, (read, 0))
+        return other is not read and at - since < MIX_UP_US
 
     def _answer(self, read: Read) -> bytes | None:
         """The answer in what came, without what stands before it; what cannot begin one is thrown away."""
@@ -102,7 +114,10 @@ class ModbusMaster:
     def _end(self, at: int) -> tuple[Frame, ...]:
         """The pending read is over; the frame, if it was the last of the cycle and anybody has answered."""
         self._pending, self._rest = None, b""
-        self._next = (self._next + 1) % len(self._reads)
+        self._next += 1
+        while self._next < len(self._reads) and self._may_mix(self._reads[self._next], at):
+            self._next += 1
+        self._next %= len(self._reads)
         self.due = at + self._silence_us
         if self._next:
             return ()

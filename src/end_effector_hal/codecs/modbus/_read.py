@@ -129,6 +129,11 @@ class Read:
     function: int = HOLDING
 
     @property
+    def form(self) -> tuple[int, int, int]:
+        """Unit, function and length: all that tells its answer from others."""
+        return self.unit, self.function, self.answer_bytes
+
+    @property
     def answer_bytes(self) -> int:
         """Bytes of what was read in its answer; two answers of one unit and function are told apart by it."""
         return -(-self.count // 8) if self.function in BITS else 2 * self.count

@@ -2,6 +2,7 @@
 
 from ._channels import (
     HEXADECIMAL,
+    PASCAL,
     Channel,
     DigitalInput,
     Inputs,
@@ -21,6 +22,7 @@ from ._stanzas import EStop, Freshness, Link, ToolChanger
 
 __all__ = [
     "HEXADECIMAL",
+    "PASCAL",
     "Channel",
     "Description",
     "DigitalInput",

@@ -130,14 +130,28 @@ class AnalogInput(Part):
     )
 
 
-class Channel(Part):
-    """One signal: where it comes from (one of text, record, modbus, digital, analog), and what it means."""
+class CodecValue(Part):
+    """A channel of the codec that a link names; what it means is the codec's."""
 
+    channel: Name = Field(description="its name there; docs/codecs.md lists them")
+
+
+class Channel(Part):
+    """One signal: where it comes from (one of text, record, modbus, codec, digital, analog), and what it means."""
+
+    LATER = ("link", "codec")
+
+    link: Name | None = Field(
+        default=None, description="name under `links` of the one that it comes over, where there are several"
+    )
     text: TextValue | None = Field(default=None, description="in a line of text that comes over the link")
     record: RecordValue | None = Field(
         default=None, description="in a binary record that comes over the link"
     )
     modbus: RegisterValue | None = Field(default=None, description="in a Modbus device on the link")
+    codec: CodecValue | None = Field(
+        default=None, description="a channel of the link's codec, under a name of your own"
+    )
     digital: DigitalInput | None = Field(default=None, description="an input line of the board")
     analog: AnalogInput | None = Field(default=None, description="an analog input of the board (Linux IIO)")
     unit: Unit | None = Field(
@@ -154,7 +168,8 @@ class Channel(Part):
     on: Raws | None = Field(default=None, description="of a bit: raw values that are on; default: all but 0")
     invert: bool = Field(default=False, description="of a bit: on is off (active low, normally closed)")
 
-    SOURCES: ClassVar = ("text", "record", "modbus", "digital", "analog")
+    OVER_LINK: ClassVar = ("text", "record", "modbus", "codec")
+    SOURCES: ClassVar = (*OVER_LINK, "digital", "analog")
 
     @property
     def source(self) -> str:
@@ -164,11 +179,11 @@ class Channel(Part):
     @property
     def on_board(self) -> bool:
         """Whether it is an input of the board; else it comes over the link."""
-        return self.source in ("digital", "analog")
+        return self.source not in ("", *self.OVER_LINK)
 
     @property
     def kind(self) -> Kind:
-        """What it carries."""
+        """What it carries; of `codec` its codec knows it."""
         return Kind.BIT if self.unit is None else Kind.PRESSURE
 
     @property

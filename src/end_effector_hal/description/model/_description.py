@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from functools import reduce
 from operator import or_
 from pathlib import Path
@@ -18,7 +19,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Opposite, Part, Supply, Word
 
-from ._channels import Channels, Inputs
+from ._channels import Channel, Channels, Inputs
 from ._durations import Durations, durations
 from ._stanzas import (
     Automata,
@@ -64,7 +65,7 @@ AnyActuator = Annotated[Actuator, _ByKind()]
 class Description(Part):
     """A whole end-effector."""
 
-    LATER = ("channels", "inputs")
+    LATER = ("named_links", "channels", "inputs")
 
     schema_version: Literal[1, 2] = Field(
         default=2, alias="schema", exclude=True, description="of these keys; 1: without channels of one's own"
@@ -72,7 +73,14 @@ class Description(Part):
     name: Name = Field(description="of the tool; names its socket and its recordings")
     summary: Word = Field(default="", description="one sentence, for people")
     lines: Lines = Field(default=Lines(), description="how the output lines are reached")
-    link: Link | None = Field(default=None, description="the sensor link; absent: `channels` are inputs")
+    link: Link | None = Field(
+        default=None, description="the sensor link; absent: `links`, or `channels` are inputs"
+    )
+    named_links: dict[Name, Link] = Field(
+        default={},
+        alias="links",
+        description="several sensor links by names of your own, each with the keys of `link`",
+    )
     channels: Channels = Field(
         default={},
         description="signals by name, where the codec has none: fields of the link, inputs of the board",
@@ -113,21 +121,49 @@ class Description(Part):
         return self._places.value(*keys)
 
     @property
-    def freshness(self) -> Freshness:
-        """How long a reading counts: as the link says, or by default."""
-        return self.link or Freshness()
+    def links(self) -> Mapping[str, Link]:
+        """The sensor links by name; the one that is declared as `link` has none: its name is empty."""
+        return self.named_links or ({} if self.link is None else {"": self.link})
+
+    def link_path(self, name: str) -> tuple[str, ...]:
+        """The keys under which a link stands."""
+        return ("links", name) if name else ("link",)
+
+    def channels_over(self, name: str) -> dict[str, Channel]:
+        """The declared channels that come over a link."""
+        only = next(iter(self.links)) if len(self.links) == 1 else None
+        return {
+            channel: each
+            for channel, each in self.channels.items()
+            if not each.on_board and (only if each.link is None else each.link) == name
+        }
+
+    def freshness_of(self, link: str | None) -> Freshness:
+        """How long a reading of a link counts: as it says; of the inputs of the board (None) by default."""
+        return self.links.get(link or "") or Freshness()
+
+    def link_name(self, name: str) -> str:
+        """For a sentence: ``sensor link /dev/ttyUSB0``, or with its name ``sensor link left (/dev/ttyUSB0)``."""
+        port = self.links[name].port
+        return f"sensor link {name} ({port})" if name else f"sensor link {port}"
 
     @property
     def sensors(self) -> str:
         """What brings the readings, for a sentence: ``sensor link /dev/ttyUSB0``, or ``inputs of the board``."""
-        if self.link is None:
-            return "inputs of the board"
-        also = any(channel.on_board for channel in self.channels.values())
-        return f"sensor link {self.link.port}" + (" or the inputs of the board" if also else "")
+        board = ["inputs of the board"] if any(each.on_board for each in self.channels.values()) else []
+        said = [*map(self.link_name, self.links), *board] or ["inputs of the board"]
+        return " or the ".join(said)
 
-    def sensors_are(self, what: str) -> str:
-        """``sensor link /dev/ttyUSB0 is down``, or ``inputs of the board are down``."""
-        return f"{self.sensors} {'is' if self.link else 'are'} {what}"
+    def sensors_are(self, what: str, link: str | None = None) -> str:
+        """``sensor link /dev/ttyUSB0 is down``, or ``inputs of the board are down``.
+
+        Args:
+            what: they are.
+            link: which of several it is; None: the inputs of the board.
+        """
+        if not self.named_links:
+            return f"{self.sensors} {'is' if self.link else 'are'} {what}"
+        return f"inputs of the board are {what}" if link is None else f"{self.link_name(link)} is {what}"
 
     @property
     def ordered(self) -> tuple[tuple[str, Actuator], ...]:
@@ -184,11 +220,22 @@ class Description(Part):
     def with_virtual(
         self, lines_path: str | Path, port: str, socket: str | Path | None = None
     ) -> Description:
-        """The same tool on virtual lines, another serial port, and analog inputs in a folder beside the lines."""
+        """The same tool on virtual lines, other serial ports, and analog inputs in a folder beside the lines.
+
+        Args:
+            lines_path: the file of the virtual chip.
+            port: of the sensor link; of several, each is ``port`` with ``_`` and its name.
+            socket: of the line arbiter; None: the default one.
+        """
         lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
         changed: dict[str, object] = {"lines": lines}
         if self.link:
             changed["link"] = self.link.model_copy(update={"port": port})
+        if self.named_links:
+            changed["named_links"] = {
+                name: link.model_copy(update={"port": f"{port}_{name}"})
+                for name, link in self.named_links.items()
+            }
         if any(channel.analog for channel in self.channels.values()):
             iio = str(Path(lines_path).with_name("iio"))
             changed["inputs"] = (self.inputs or Inputs()).model_copy(update={"iio": iio})

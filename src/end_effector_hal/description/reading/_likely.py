@@ -26,9 +26,13 @@ def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Descripti
     tree.setdefault("name", _UNREAD)
     if "link" in tree:
         _fill(tree["link"], ("link",), "")
+    for name, link in tree["links"].items() if isinstance(tree.get("links"), dict) else ():
+        if isinstance(link, dict):
+            _fill(link, ("links", name), "")
     if isinstance(tree.get("tool_changer"), dict):
         _fill(tree["tool_changer"], ("tool_changer",), "")
-    actuators = {name: each for name, each in tree["actuators"].items() if isinstance(each, dict)}
+    # the whole stanza is gone where one of its names is broken
+    actuators = {name: each for name, each in tree.get("actuators", {}).items() if isinstance(each, dict)}
     for name, stanza in actuators.items():
         _fill(stanza, ("actuators", name), str(stanza["kind"]))
     sequence = tree.get("sequence")

@@ -85,12 +85,13 @@ FROZEN_SAMPLES = 5
 
 @dataclass(frozen=True)
 class CodecChannels:
-    """What comes over the link, and from the inputs of the board.
+    """What comes over the links, and from the inputs of the board.
 
     Attributes:
         codec: the name of what brings it.
         channels: what each carries, by name.
-        period_us: nominal time between two frames.
+        period_us: nominal time between two frames, of the slowest source.
+        stale_s: how long a reading counts, of the source where that is longest.
         noise_shows: whether it counts finely enough to tell a frozen sensor from a living one.
         declared: no codec is named: whatever is missing is to be declared under `channels`.
     """
@@ -98,6 +99,7 @@ class CodecChannels:
     codec: str
     channels: Mapping[str, Kind]
     period_us: int
+    stale_s: float
     noise_shows: bool = True
     declared: bool = False
 

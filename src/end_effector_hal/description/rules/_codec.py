@@ -144,8 +144,7 @@ def slow(description: Description, codec: CodecChannels) -> list[str]:
 
 
 def _ends_too_early(description: Description, codec: CodecChannels) -> Iterator[str]:
-    fresh, period_s = description.freshness, codec.period_us / 1e6
-    stale_s = max(fresh.stale_s, fresh.stale_periods * period_s)
+    period_s, stale_s = codec.period_us / 1e6, codec.stale_s
     for where, key, limit_s in _awaited(description, codec):
         if limit_s <= stale_s:
             yield (

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from posixpath import normpath
 from typing import Any
 
-from end_effector_hal.description._fault import Fault, Keys
+from end_effector_hal.description._fault import Fault, Keys, did_you_mean
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model import Channel, LinkFrame, raw_limits, type_bits
@@ -13,17 +14,21 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
 
 CODE = "EE-228"
 MOST_CHANNELS = 64
-OVER_LINK = LinkFrame.FORMATS
+MOST_LINKS = 16
+FORMATS, OVER_LINK = LinkFrame.FORMATS, Channel.OVER_LINK
 OF_BITS, OF_PRESSURES = ("on", "invert"), ("scale", "offset", "range")
+MEANING = ("unit", *OF_PRESSURES, "invalid", *OF_BITS)
 _NUMERIC = set("0123456789+-.eE")
 _ENDS = set("\r\n")
 
 
 def frame_faults(facts: Facts) -> Iterator[Fault]:
-    """Every fault of a declared frame, and of the channels."""
-    yield from _link(facts)
-    yield from _text_frame(facts)
-    yield from _record_frame(facts)
+    """Every fault of the links, of declared frames, and of the channels."""
+    yield from _links(facts)
+    for link in link_paths(facts):
+        yield from _link(facts, link)
+        yield from _text_frame(facts, (*link, "frame", "text"))
+        yield from _record_frame(facts, (*link, "frame", "record"))
     names = facts.names("channels") if isinstance(facts.get("channels"), dict) else []
     if len(names) > MOST_CHANNELS:
         place = facts.places.key("channels")
@@ -58,44 +63,98 @@ def _fault(facts: Facts, path: Keys, what: str, expected: str = "", hint: str = 
     return Fault.at(place, CODE, what, found=str(path[-1]), expected=expected, hint=hint)
 
 
-def _format(facts: Facts) -> str:
-    """The one format that the frame of the link declares, else empty."""
-    formats = [each for each in OVER_LINK if _says(facts, "link", "frame", each)]
+def link_paths(facts: Facts) -> list[Keys]:
+    """The keys of each link: ``link``, or each of ``links``."""
+    if _says(facts, "link"):
+        return [("link",)]
+    names = facts.names("links") if isinstance(facts.get("links"), dict) else []
+    return [("links", name) for name in names]
+
+
+def _link_of(facts: Facts, channel: str) -> Keys | None:
+    """The link that a channel comes over; None: that is not known."""
+    links, named = link_paths(facts), facts.get("channels", channel, "link")
+    if named is not None:
+        return ("links", named) if ("links", named) in links else None
+    return links[0] if len(links) == 1 else None
+
+
+def _links(facts: Facts) -> Iterator[Fault]:
+    """What lies between several links."""
+    if not facts.written("links"):
+        return
+    if _says(facts, "link"):
+        expected = "link alone, or every link under links with a name of its own"
+        yield _fault(facts, ("links",), "'link' and 'links' exclude each other", expected)
+        return
+    if ("links",) in facts.broken:
+        return
+    names, place = facts.names("links"), facts.places.key("links")
+    if not names:
+        expected = "links: {a_name: {port: …}}"
+        yield Fault.at(place, "EE-206", "'links' names no link", found="", expected=expected)
+    elif len(names) > MOST_LINKS:
+        what, expected = "too many links", f"at most {MOST_LINKS}"
+        yield Fault.at(place, "EE-208", what, found=str(len(names)), expected=expected)
+    ports: dict[str, str] = {}
+    for name in names:
+        port = facts.get("links", name, "port")
+        if port is None:
+            continue
+        owner = ports.setdefault(normpath(port), name)
+        if owner != name:
+            what, hint = f"this port already belongs to link {owner!r}", "devices on one bus differ by 'unit'"
+            where = facts.places.value("links", name, "port")
+            yield Fault.at(where, "EE-221", what, expected="a port of its own", hint=hint)
+
+
+def _format(facts: Facts, link: Keys) -> str:
+    """The one format that the frame of a link declares, else empty."""
+    formats = [each for each in FORMATS if _says(facts, *link, "frame", each)]
     return formats[0] if len(formats) == 1 else ""
 
 
-def _link(facts: Facts) -> Iterator[Fault]:
-    frame = ("link", "frame")
+def _link(facts: Facts, link: Keys) -> Iterator[Fault]:
+    frame = (*link, "frame")
     if not _says(facts, *frame):
-        if _says(facts, "link", "period_ms"):
+        if _says(facts, *link, "period_ms"):
             hint = "a codec has a period of its own"
-            yield _fault(facts, ("link", "period_ms"), "'period_ms' is for a declared frame", "frame", hint)
+            yield _fault(facts, (*link, "period_ms"), "'period_ms' is for a declared frame", "frame", hint)
+        if len(link_paths(facts)) > 1 and not _broken_within(facts, *link):
+            yield from _unused(facts, link, link, "codec: {channel: …}")
         return
-    if facts.written("link", "codec"):
+    if facts.written(*link, "codec"):
         expected = "frame with channels, or the name of a codec"
-        yield _fault(facts, ("link", "codec"), "'codec' and 'frame' exclude each other", expected)
-    formats = [each for each in OVER_LINK if _says(facts, *frame, each)]
+        yield _fault(facts, (*link, "codec"), "'codec' and 'frame' exclude each other", expected)
+    formats = [each for each in FORMATS if _says(facts, *frame, each)]
     if len(formats) > 1:
-        expected = f"one of {', '.join(OVER_LINK)}"
+        expected = f"one of {', '.join(FORMATS)}"
         yield _fault(facts, (*frame, formats[1]), "a link has frames of one format", expected)
     elif not formats and not _broken_within(facts, *frame):
         place = facts.places.key(*frame)
-        expected = f"one of {', '.join(OVER_LINK)}"
+        expected = f"one of {', '.join(FORMATS)}"
         yield Fault.at(place, "EE-206", "'frame' declares no format", found="", expected=expected)
-    elif (
-        formats
-        and not _broken_within(facts, "channels")
-        and not any(
-            _says(facts, "channels", name, each) for name in facts.names("channels") for each in OVER_LINK
-        )
-    ):
-        place, what = facts.places.key(*frame), "no channel comes over the link"
-        expected = f"channels: {{a_name: {{{formats[0]}: …}}}}"
-        yield Fault.at(place, "EE-206", what, found="", expected=expected)
+    elif formats:
+        yield from _unused(facts, link, frame, f"{formats[0]}: …")
 
 
-def _text_frame(facts: Facts) -> Iterator[Fault]:
-    path = ("link", "frame", "text")
+def _unused(facts: Facts, link: Keys, path: Keys, source: str) -> Iterator[Fault]:
+    """A link that brings nothing: a description says of each what comes over it."""
+    if _broken_within(facts, "channels"):
+        return
+    over = (
+        name for name in facts.names("channels") if any(_says(facts, "channels", name, s) for s in OVER_LINK)
+    )
+    several = len(link_paths(facts)) > 1
+    if any(_link_of(facts, name) in (link, None) if several else True for name in over):
+        return
+    named = f"link: {link[1]}, " if several else ""
+    place, what = facts.places.key(*path), "no channel comes over the link"
+    expected = f"channels: {{a_name: {{{named}{source}}}}}"
+    yield Fault.at(place, "EE-206", what, found="", expected=expected)
+
+
+def _text_frame(facts: Facts, path: Keys) -> Iterator[Fault]:
     if not isinstance(facts.get(*path), dict):
         return
     signs = {key: facts.get(*path, key) or "" for key in ("separator", "equals", "checksum_mark")}
@@ -119,8 +178,7 @@ def _sign(facts: Facts, path: Keys, what: str, expected: str) -> Fault:
     return Fault.at(facts.places.value(*path), CODE, what, expected=expected)
 
 
-def _record_frame(facts: Facts) -> Iterator[Fault]:
-    path = ("link", "frame", "record")
+def _record_frame(facts: Facts, path: Keys) -> Iterator[Fault]:
     if not isinstance(facts.get(*path), dict):
         return
     framing, start = facts.get(*path, "framing"), _says(facts, *path, "start")
@@ -150,9 +208,12 @@ def _channel(facts: Facts, name: str) -> Iterator[Fault]:
         yield _fault(facts, (*path, sources[1]), what, expected)
         return
     (source,) = sources
-    yield from _meaning(facts, name)
+    yield from _meaning(facts, name) if source != "codec" else _given_by_codec(facts, name)
     if source in OVER_LINK:
         yield from _over_link(facts, name, source)
+    elif _says(facts, *path, "link"):
+        what = f"channel {name!r} is an input of the board and comes over no link"
+        yield _fault(facts, (*path, "link"), what, "no link")
     if isinstance(facts.get(*path, source), dict):
         yield from _place(facts, name, source)
         yield from _raws(facts, name, source)
@@ -183,36 +244,72 @@ def _meaning(facts: Facts, name: str) -> Iterator[Fault]:
         )
 
 
+def _given_by_codec(facts: Facts, name: str) -> Iterator[Fault]:
+    for key in MEANING:
+        if _says(facts, "channels", name, key):
+            what = f"the codec says what {name!r} means: it has no {key!r}"
+            yield _fault(facts, ("channels", name, key), what, f"no {key}")
+
+
 def _listed(values: Any) -> str:
     return f"[{', '.join(number(each) for each in values)}]"
 
 
 def _over_link(facts: Facts, name: str, source: str) -> Iterator[Fault]:
-    path = ("channels", name, source)
-    expected = f"link: {{port: …, frame: {{{source}: …}}}}"
-    if not _says(facts, "link"):
-        yield _fault(facts, path, f"channel {name!r} comes over a link, and there is none", expected)
-    elif not _says(facts, "link", "frame"):
-        if ("link",) not in facts.broken:
+    path, links = ("channels", name, source), link_paths(facts)
+    frame = "codec: …" if source == "codec" else f"frame: {{{source}: …}}"
+    expected = f"link: {{port: …, {frame}}}"
+    if not links:
+        if ("links",) not in facts.broken:
+            yield _fault(facts, path, f"channel {name!r} comes over a link, and there is none", expected)
+        return
+    link = _link_of(facts, name)
+    if link is None:
+        yield from _which_link(facts, name, [str(each[-1]) for each in links])
+        return
+    where = ".".join(map(str, link))
+    if link in facts.broken:
+        return
+    if not _says(facts, *link, "frame"):
+        if source != "codec":
             what = f"channel {name!r} comes in a frame, and the link declares none"
             yield _fault(facts, path, what, expected)
-    elif (declared := _format(facts)) and declared != source:
+    elif (declared := _format(facts, link)) and declared != source:
         what = f"channel {name!r} does not fit the frame of the link"
-        yield _fault(facts, path, what, f"{declared}, as link.frame declares")
+        yield _fault(facts, path, what, f"{declared}, as {where}.frame declares")
+
+
+def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
+    """It is not said, or there is no such link."""
+    path = ("channels", name, "link")
+    if path in facts.broken:
+        return
+    if not _says(facts, *path):
+        what, expected = f"it is not said over which link {name!r} comes", f"link: {' or '.join(links)}"
+        yield Fault.at(facts.places.key("channels", name), "EE-206", what, found="", expected=expected)
+    elif _says(facts, "link"):
+        what = "there is one link, and it has no name"
+        yield _fault(facts, path, what, "no link, or its name under links")
+    else:
+        what, hint = "there is no such link", did_you_mean(str(facts.get(*path)), links)
+        yield Fault.at(
+            facts.places.value(*path), CODE, what, expected=f"one of {', '.join(links)}", hint=hint
+        )
 
 
 def _place(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     """Where it stands in the frame."""
     path = ("channels", name, source)
+    frame = (*(_link_of(facts, name) or ("link",)), "frame")
     if source == "text":
-        yield from _text_place(facts, path)
+        yield from _text_place(facts, path, (*frame, source))
     elif source == "record":
-        yield from _record_place(facts, path)
+        yield from _record_place(facts, path, (*frame, source))
     elif source == "modbus":
         yield from _register_place(facts, path)
 
 
-def _text_place(facts: Facts, path: Keys) -> Iterator[Fault]:
+def _text_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
     key = facts.get(*path, "key")
     if _says(facts, *path, "field") and _says(facts, *path, "key"):
         yield _fault(facts, (*path, "key"), "a value stands in a field or behind a key", "one of the two")
@@ -223,8 +320,7 @@ def _text_place(facts: Facts, path: Keys) -> Iterator[Fault]:
     ):
         place, expected = facts.places.key(*path), "field: which one, or key: what stands in front of it"
         yield Fault.at(place, "EE-206", "it is not said where in the line", found="", expected=expected)
-    if key and isinstance(facts.get("link", "frame", "text"), dict):
-        frame = ("link", "frame", "text")
+    if key and isinstance(facts.get(*frame), dict):
         signs = "".join(facts.get(*frame, each) or "" for each in ("separator", "equals"))
         if set(key) & (set(signs) | _ENDS) or key != key.strip():
             what, expected = (
@@ -247,12 +343,10 @@ def _mask(facts: Facts, path: Keys) -> Iterator[Fault]:
         yield _sign(facts, (*path, "bitmask"), f"'bitmask' has bits that no {value_type} has", expected)
 
 
-def _record_place(facts: Facts, path: Keys) -> Iterator[Fault]:
+def _record_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
     yield from _mask(facts, path)
     first, value_type = facts.get(*path, "byte"), facts.get(*path, "value_type")
-    length = (
-        facts.get("link", "frame", "record", "length") if _says(facts, "link", "frame", "record") else None
-    )
+    length = facts.get(*frame, "length") if _says(facts, *frame) else None
     if first is None or value_type is None:
         return
     size = type_bits(value_type) // 8
@@ -350,7 +444,7 @@ def _shared(facts: Facts, names: list[str]) -> Iterator[Fault]:
                 continue
             pressure = facts.get("channels", name, "unit") is not None
             meaning = None if pressure else (_plain(facts, name, "on"), facts.get("channels", name, "invert"))
-            place = set(_bits_of(facts, path))
+            place = {(_link_of(facts, name), *bit) for bit in _bits_of(facts, path)}
             for other, theirs, taken, said in seen:
                 same = place == taken and said == meaning
                 if theirs == source and place & taken and (same or (pressure and said is None)):
@@ -370,8 +464,10 @@ def _shared_fault(facts: Facts, path: Keys, what: str) -> Fault:
 
 
 def _bits_of(facts: Facts, path: Keys) -> Iterator[tuple[Any, ...]]:
-    """Each bit that a channel is read from; of text, its field or key."""
+    """Each bit that a channel is read from; of text, its field or key; of a codec, its channel."""
     source = path[-1]
+    if source == "codec":
+        yield source, facts.get(*path, "channel")
     if source == "text":
         for key in ("field", "key"):
             if _says(facts, *path, key):

@@ -35,7 +35,7 @@ def _unread(facts: Facts) -> Iterator[Fault]:
             place = facts.places.value("link")
             yield Fault.at(place, "EE-207", "'link' has no value", found="", expected="keys with values")
         return
-    if facts.written("channels"):
+    if facts.written("channels") or facts.written("links"):
         return
     expected = "link: the sensor link, or channels: inputs of the board"
     yield Fault.at(facts.places.key(), "EE-206", "key 'link' is missing", found="", expected=expected)

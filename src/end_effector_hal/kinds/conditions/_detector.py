@@ -60,6 +60,10 @@ class ConditionDetector:
             self.level = self._level(shown["confirmed"], shown["gone"], shown["lost"], shown["again"])
         return self.level
 
+    def settles(self, at: int) -> bool:
+        """Whether its sensors contradict each other, or did a moment ago: two switches do not change together."""
+        return self.contradicts or self._contradiction.began_within(at, FAULT_US)
+
     def _level(
         self, confirmed: bool | None, gone: bool | None, lost: bool | None, again: bool | None
     ) -> Evidence:

@@ -49,8 +49,10 @@ class Part(BaseModel):
     def _written(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = dump(self)
         for key in self.LATER:
-            if getattr(self, key) == type(self).model_fields[key].default:
+            field = type(self).model_fields[key]
+            if getattr(self, key) == field.default:
                 content.pop(key, None)
+                content.pop(field.alias or key, None)
         for key in self.superseded():
             content.pop(key, None)
         return content

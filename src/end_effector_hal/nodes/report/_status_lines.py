@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence, display_name
 
 _QUIET = (EndEffectorState.GRIPPING, EndEffectorState.GRIPPED)
@@ -52,21 +53,21 @@ class StatusLines:
             yield transition(old.name, new.name, now.command, "" if new in _QUIET else now.reason)
 
     def _time_outs(self, last: Status, now: Status) -> Iterator[str]:
-        """Attempts that were not confirmed in time: deactivated for the next one, or the last one."""
+        """Attempts that have failed, by their time-out or with nothing gripped; also the last one."""
         if last.ee != EndEffectorState.GRIPPING:
             self._timed_out.clear()
             return
-        gave_up = now.ee != last.ee and now.cause == Cause.TIMED_OUT
+        gave_up = now.ee != last.ee and now.cause in (Cause.TIMED_OUT, Cause.EMPTY)
         for index, (name, part) in enumerate(self._parts):
             attempt = last.steps[index].attempts if index < len(last.steps) else 0
             again = now.ee == last.ee and not now.steps[index].confirmed and last.outputs[index]
             again = again and (not now.outputs[index] or now.steps[index].attempts > attempt)
             if (again or (gave_up and now.cause_at == index)) and (index, attempt) not in self._timed_out:
                 self._timed_out.add((index, attempt))
-                yield (
-                    f"{display_name(name)} was not confirmed within {part.timeout_s:g} s: "
-                    f"attempt {attempt} of {part.attempts}."
-                )
+                empty = f"{display_name(name)} {kind_of(part).empty}"
+                slow = f"{display_name(name)} was not confirmed within {part.timeout_s:g} s"
+                failed = empty if f"{empty}." in now.alarms else slow
+                yield f"{failed}: attempt {attempt} of {part.attempts}."
 
     def _release_time_outs(self, last: Status, now: Status) -> Iterator[str]:
         """Feedback that is still there when its time is over, and the release goes on."""

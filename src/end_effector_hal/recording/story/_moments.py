@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from end_effector_hal.recording.story._story import Grip, GripDecision, Moment, ReleaseCause, Story
+from end_effector_hal.recording.story._story import (
+    AttemptOutcome,
+    Grip,
+    GripDecision,
+    Moment,
+    ReleaseCause,
+    Story,
+)
 from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -16,7 +23,7 @@ _TOLD = ("Over", "GRIP_ERROR", "RELEASE_ERROR")
 
 def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
     """Commands, time-outs, aborts, GRIPPED, losses, drops and failed releases, in order of time."""
-    named = len({attempt.actuator for attempt in story.timeouts}) > 1
+    named = len({attempt.actuator for grip in story.grips for attempt in grip.failed}) > 1
     found = _commands(log)
     cancels = {moment.time_s for moment in found if moment.text == Command.CANCEL.label}
     for grip in story.grips:
@@ -63,11 +70,12 @@ def _commands(log: StatesLog) -> list[Moment]:
 
 def _of_grip(grip: Grip, named: bool) -> list[Moment]:
     found = []
-    for attempt in grip.timeouts:
+    for attempt in grip.failed:
         name = f"{display_name(attempt.actuator)} " if named else ""
         of = f"/{attempt.of}" if attempt.of else ""
         last = attempt.actuator == grip.culprit and attempt is grip.of(attempt.actuator)[-1]
-        text = f"{name}time-out {attempt.number}{of}{' – abort' if last else ''}"
+        what = "time-out" if attempt.outcome is AttemptOutcome.TIMED_OUT else "empty"
+        text = f"{name}{what} {attempt.number}{of}{' – abort' if last else ''}"
         found.append(Moment(attempt.end_s or 0.0, "abort" if last else "timeout", text))
     if grip.decided_s is not None:
         if grip.decision is GripDecision.GRIPPED:

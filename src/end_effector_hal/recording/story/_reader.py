@@ -6,9 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording._run import RunInfo
 from end_effector_hal.recording.story._moments import moments_of
 from end_effector_hal.recording.story._story import (
+    FAILED,
     Attempt,
     AttemptOutcome,
     Grip,
@@ -20,8 +23,8 @@ from end_effector_hal.recording.story._story import (
     Story,
 )
 from end_effector_hal.recording.story._verdict import verdict_of
-from end_effector_hal.recording.tables import AlarmRow, StatesLog, StatesRow
-from end_effector_hal.vocabulary import INACTIVE, PENDING, Command, EndEffectorState
+from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog, StatesRow
+from end_effector_hal.vocabulary import INACTIVE, PENDING, Command, EndEffectorState, display_name
 
 _FULL = 0.9
 """An attempt this much shorter than the actuator's other time-outs did not time out."""
@@ -31,8 +34,14 @@ _INSTANT_S = 0.05
 """A time-out this long before an abort is the reason of it; earlier, and a reset was running."""
 
 
-def _timed_out_at(attempt: Attempt, at: float) -> bool:
-    return attempt.outcome is AttemptOutcome.TIMED_OUT and at - (attempt.end_s or 0.0) <= _INSTANT_S
+_EMPTY_S = 0.5
+"""The alarm that an actuator has gripped nothing begins at most so long before the end of its attempt."""
+_Emptied = Mapping[str, Sequence[float]]
+"""When each actuator was shown to have gripped nothing, s."""
+
+
+def _failed_at(attempt: Attempt, at: float) -> bool:
+    return attempt.outcome in FAILED and at - (attempt.end_s or 0.0) <= _INSTANT_S
 
 
 @dataclass
@@ -44,30 +53,45 @@ class _Gripping:
     cancelled: bool = False
     attempts: list[Attempt] = field(default_factory=list)
     resets: list[Reset] = field(default_factory=list)
+    emptied: _Emptied = field(default_factory=dict)
 
     def begin(self, actuator: str, at: float) -> None:
-        before = [attempt for attempt in self.attempts if attempt.actuator == actuator]
-        if before and before[-1].outcome is AttemptOutcome.TIMED_OUT and before[-1].end_s is not None:
+        before = self.of(actuator)
+        if before and before[-1].outcome in FAILED and before[-1].end_s is not None:
             self.resets.append(Reset(actuator, before[-1].end_s, at))
         self.attempts.append(Attempt(actuator, len(before) + 1, at, None, AttemptOutcome.PENDING))
+
+    def of(self, actuator: str) -> list[Attempt]:
+        return [attempt for attempt in self.attempts if attempt.actuator == actuator]
 
     def end(self, actuator: str, at: float, outcome: AttemptOutcome) -> None:
         for index, attempt in enumerate(self.attempts):
             if attempt.actuator == actuator and attempt.outcome is AttemptOutcome.PENDING:
                 self.attempts[index] = replace(attempt, end_s=at, outcome=outcome)
 
-    def culprit(self, at: float, allowed: Mapping[str, int]) -> Attempt | None:
-        """The attempt whose time-out was the abort; None: the abort had another reason, a loss.
+    def failure(self, actuator: str, at: float) -> AttemptOutcome:
+        """How an attempt that failed at a time did so."""
+        shown = any(-_INSTANT_S <= at - since <= _EMPTY_S for since in self.emptied.get(actuator, ()))
+        return AttemptOutcome.EMPTY if shown else AttemptOutcome.TIMED_OUT
 
-        It was pending until then, or timed out in that instant; it was as long as the time-outs before it;
-        and it was the last one that ``allowed`` grants, where that is known.
+    def culprit(self, at: float, allowed: Mapping[str, int]) -> Attempt | None:
+        """The attempt whose failure was the abort; None: the abort had another reason, a loss.
+
+        It was pending until then, or failed in that instant; it was as long as the time-outs before it, or has gripped
+        nothing; and it was the last one that ``allowed`` grants, where that is known.
         """
         latest = {attempt.actuator: attempt for attempt in self.attempts}.values()
-        ended = [a for a in latest if a.outcome is AttemptOutcome.PENDING or _timed_out_at(a, at)]
+        ended = [a for a in latest if a.outcome is AttemptOutcome.PENDING or _failed_at(a, at)]
         suspect = max(ended, key=lambda attempt: attempt.start_s, default=None)
         if suspect is None or suspect.number < allowed.get(suspect.actuator, 1):
             return None
-        others = [a.length_s for a in self.attempts if a.actuator == suspect.actuator and a is not suspect]
+        if self.failure(suspect.actuator, at) is AttemptOutcome.EMPTY:
+            return suspect
+        others = [
+            a.length_s
+            for a in self.of(suspect.actuator)
+            if a is not suspect and a.outcome is not AttemptOutcome.EMPTY
+        ]
         length = (suspect.end_s if suspect.end_s is not None else at) - suspect.start_s
         return None if any(other is not None and length < _FULL * other for other in others) else suspect
 
@@ -87,8 +111,8 @@ class _Releasing:
 class _Reader:
     """Goes through the rows once; see `read_story`."""
 
-    def __init__(self, log: StatesLog, allowed: Mapping[str, int]) -> None:
-        self.names, self.allowed = log.actuators, allowed
+    def __init__(self, log: StatesLog, allowed: Mapping[str, int], emptied: _Emptied) -> None:
+        self.names, self.allowed, self.emptied = log.actuators, allowed, emptied
         self.grips: list[Grip] = []
         self.releases: list[Release] = []
         self.lost: list[Loss] = []
@@ -108,7 +132,7 @@ class _Reader:
         was, now, at = before.end_effector, row.end_effector, row.time_s
         if now is EndEffectorState.GRIPPING and self.grip is None:
             self.finish(at, now)
-            self.grip = _Gripping(at)
+            self.grip = _Gripping(at, emptied=self.emptied)
         if self.grip is not None:
             self.grip.commanded |= row.command is Command.GRIP
             self.grip.cancelled |= row.command is Command.CANCEL and before.command is not Command.CANCEL
@@ -125,7 +149,6 @@ class _Reader:
         """Attempts begin and end; the one that ends together with the grip is left to `decide`."""
         if self.grip is None:
             return
-        timed_out = AttemptOutcome.DEACTIVATED if self.grip.cancelled else AttemptOutcome.TIMED_OUT
         for name, old, new in zip(self.names, before.actuators, row.actuators, strict=True):
             if new == old:
                 continue
@@ -134,7 +157,8 @@ class _Reader:
             elif new != INACTIVE:
                 self.grip.end(name, row.time_s, AttemptOutcome.CONFIRMED)
             elif row.end_effector is EndEffectorState.GRIPPING:
-                self.grip.end(name, row.time_s, timed_out)
+                failed = self.grip.failure(name, row.time_s)
+                self.grip.end(name, row.time_s, AttemptOutcome.DEACTIVATED if self.grip.cancelled else failed)
 
     def enter(self, was: EndEffectorState, now: EndEffectorState, before: StatesRow, row: StatesRow) -> None:
         state, at = EndEffectorState, row.time_s
@@ -175,9 +199,8 @@ class _Reader:
         ]
         for attempt in waiting if at is not None else ():
             last = suspect is not None and suspect.actuator == attempt.actuator
-            grip.end(
-                attempt.actuator, at or 0.0, AttemptOutcome.TIMED_OUT if last else AttemptOutcome.DEACTIVATED
-            )
+            failed = grip.failure(attempt.actuator, at or 0.0)
+            grip.end(attempt.actuator, at or 0.0, failed if last else AttemptOutcome.DEACTIVATED)
         self.grips.append(
             Grip(
                 grip.start_s,
@@ -205,17 +228,28 @@ class _Reader:
             self.release = None
 
 
+def _emptied(log: StatesLog, info: RunInfo, alarms: Sequence[AlarmRow]) -> _Emptied:
+    found: dict[str, list[float]] = {}
+    for name in log.actuators if alarms else ():
+        try:
+            text = f"{display_name(name)} {recorded_kind(name, info.actuators).empty}."
+        except UsageError:  # its kind is not installed here
+            continue
+        found[name] = [row.time_s for row in alarms if row.event == BEGUN and row.text == text]
+    return found
+
+
 def read_story(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[AlarmRow] = ()) -> Story:
     """The story of a recording.
 
-    ``alarms`` become moments of it, and nothing else. ``info`` adds only how many attempts an actuator may fail;
-    without it that number is known once a grip was aborted. An attempt begins at PENDING and ends at ON or OFF; it
-    timed out when it went OFF while the end-effector was GRIPPING, or when its end was the abort (paper, section
-    III.C).
+    ``alarms`` become moments of it, and say which attempts have gripped nothing. ``info`` adds only how many attempts
+    an actuator may fail; without it that number is known once a grip was aborted. An attempt begins at PENDING and ends
+    at ON or OFF; it failed when it went OFF while the end-effector was GRIPPING, or when its end was the abort (paper,
+    section III.C).
     """
     known = {name: info.attempts(name) for name in log.actuators} if info else {}
     allowed = {name: number for name, number in known.items() if number is not None}
-    reader = _Reader(log, allowed)
+    reader = _Reader(log, allowed, _emptied(log, info or RunInfo(), alarms))
     grips = tuple(reader.grips)
     seen = {grip.culprit: grip.of(grip.culprit)[-1].number for grip in grips if grip.culprit is not None}
     limits = seen | allowed

@@ -14,8 +14,12 @@ class AttemptOutcome(StrEnum):
 
     CONFIRMED = "confirmed"
     TIMED_OUT = "timed out"
+    EMPTY = "gripped nothing"
     DEACTIVATED = "deactivated"
     PENDING = "still pending"
+
+
+FAILED = (AttemptOutcome.TIMED_OUT, AttemptOutcome.EMPTY)
 
 
 class GripDecision(StrEnum):
@@ -104,7 +108,7 @@ class Release:
 class Grip:
     """One grip, from GRIPPING to its decision.
 
-    ``culprit`` is the actuator that aborted it by its last time-out; ``waiting`` what was pending when it
+    ``culprit`` is the actuator that aborted it by its last failed attempt; ``waiting`` what was pending when it
     ended otherwise.
     """
 
@@ -119,6 +123,11 @@ class Grip:
     def of(self, actuator: str) -> tuple[Attempt, ...]:
         """The attempts of one actuator."""
         return tuple(attempt for attempt in self.attempts if attempt.actuator == actuator)
+
+    @property
+    def failed(self) -> tuple[Attempt, ...]:
+        """The attempts that timed out, or have gripped nothing."""
+        return tuple(attempt for attempt in self.attempts if attempt.outcome in FAILED)
 
     @property
     def timeouts(self) -> tuple[Attempt, ...]:

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 
-from end_effector_hal.recording.story._story import Grip, GripDecision, Release, ReleaseCause, Story
+from end_effector_hal.recording.story._story import (
+    AttemptOutcome,
+    Grip,
+    GripDecision,
+    Release,
+    ReleaseCause,
+    Story,
+)
 from end_effector_hal.recording.tables import StatesLog
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -38,8 +45,8 @@ def _without_grip(log: StatesLog, story: Story) -> str:
 
 def _of_many(story: Story) -> str:
     count = Counter(grip.decision for grip in story.grips)
-    culprits = (grip.culprit for grip in story.grips if grip.culprit is not None)
-    reasons = [f"{display_name(name)} never confirmed" for name in culprits]
+    culprits = ((grip.culprit, grip) for grip in story.grips if grip.culprit is not None)
+    reasons = [f"{display_name(name)} {_failed(grip)}" for name, grip in culprits]
     why = f" ({'; '.join(dict.fromkeys(reasons))})" if reasons else ""
     parts = [f"{number} {decision}" for decision, number in count.items()]
     extra = [f"{len(story.lost_s)} lost"] if story.lost_s else []
@@ -56,7 +63,7 @@ def _of_grip(grip: Grip, story: Story) -> str:
         case GripDecision.ABORTED if grip.culprit is not None:
             number = grip.of(grip.culprit)[-1].number
             attempts = "1 attempt" if number == 1 else f"{number} attempts"
-            return f"{display_name(grip.culprit)} never confirmed: grip ABORTED after {attempts}"
+            return f"{display_name(grip.culprit)} {_failed(grip)}: grip ABORTED after {attempts}"
         case GripDecision.ABORTED:
             return f"Grip ABORTED{while_pending}"
         case GripDecision.UNFINISHED:
@@ -64,6 +71,12 @@ def _of_grip(grip: Grip, story: Story) -> str:
             return f"Grip UNFINISHED{waiting}"
         case _:
             return f"Grip {grip.decision}{while_pending}"
+
+
+def _failed(grip: Grip) -> str:
+    """How the last attempt of an aborted grip has failed."""
+    empty = grip.failed and grip.failed[-1].outcome is AttemptOutcome.EMPTY
+    return "gripped nothing" if empty else "never confirmed"
 
 
 def _gripped(grip: Grip, story: Story) -> str:

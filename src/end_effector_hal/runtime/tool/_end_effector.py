@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
@@ -123,8 +123,13 @@ class EndEffector(Closing):
 
     @property
     def link(self) -> LinkHealth | None:
-        """How the sensor link is, with its counters; None: the tool has none."""
-        return self._reader.health.link
+        """How the sensor link is, with its counters, of several the first; None: the tool has none."""
+        return next(iter(self.links.values()), None)
+
+    @property
+    def links(self) -> Mapping[str, LinkHealth]:
+        """How each sensor link is, with its counters, by its name; the only one, if it has no name, by an empty one."""
+        return self._reader.health.links
 
     @property
     def inputs(self) -> InputsHealth | None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from end_effector_hal.codecs import carrier_of
+from end_effector_hal.codecs import carrier_of, sources_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
@@ -36,8 +36,13 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
     inputs = sensors.inputs
     if inputs and inputs.error:
         yield f"inputs of the board are not read: {inputs.error.rstrip('.')}"
-    if not grip.link_up and sensors.link:
-        yield _silence(f"sensor link {description.link.port}" if description.link else "", sensors.link)
+    if not grip.link_up and sensors.links:
+        several = len(sensors.links) > 1
+        silent = [
+            name for name in sensors.links if not several or name in _not_heard(description, grip.stale)
+        ]
+        for name in silent or sensors.links:
+            yield _silence(description.link_name(name), sensors.links[name])
     elif not grip.link_up:
         yield "the inputs of the board have not been read"
     elif Evidence.UNKNOWN in grip.evidence:
@@ -46,8 +51,15 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
         yield f"its sensors say nothing of {', '.join(unknown)}"
     if not changer_ready(description, change):
         yield "its sensors do not say whether the tool is locked"
-    said = [alarm for alarm in (*grip.alarms, *change.alarms) if description.sensors not in alarm]
+    told = (description.sensors, *map(description.link_name, description.named_links))
+    said = [alarm for alarm in (*grip.alarms, *change.alarms) if not any(each in alarm for each in told)]
     yield from (alarm.rstrip(".") for alarm in dict.fromkeys(said))
+
+
+def _not_heard(description: Description, stale: Sequence[str]) -> frozenset[str]:
+    """Names of links of which some channel has no reading."""
+    sources = sources_of(carrier_of(description))
+    return frozenset(each.link for each in sources if each.link and not each.channels.isdisjoint(stale))
 
 
 def _silence(sensors: str, link: LinkHealth) -> str:

@@ -78,6 +78,7 @@ class LinkReader:
         baudrate, parity: default: those of the codec.
         on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read.
         on_change: each change of state, and of the error while it is down.
+        on_bytes: what was read, before it is decoded.
     """
 
     def __init__(
@@ -88,6 +89,7 @@ class LinkReader:
         on_frame: Callable[[Frame], None] = lambda frame: None,
         on_change: Callable[[LinkHealth], None] | None = None,
         parity: str | None = None,
+        on_bytes: Callable[[bytes], None] | None = None,
     ) -> None:
         self._port = port
         self._codec = get_codec(codec) if isinstance(codec, str) else codec
@@ -95,7 +97,7 @@ class LinkReader:
         self._calls = CodecCalls(port)
         self._decoder: GuardedDecoder | None = None
         self._before = Counters()  # of decoders that have failed
-        self._on_frame, self._on_change = on_frame, on_change
+        self._on_frame, self._on_change, self._on_bytes = on_frame, on_change, on_bytes
         self._state, self._since, self._error, self._opened = LinkState.OPENING, now_us(), "", 0
         self._last_frame: int | None = None
         self._wait_s = FIRST_WAIT_S
@@ -223,6 +225,8 @@ class LinkReader:
                 data = os.read(fd, READ_BYTES)
                 if not data:
                     raise OSError("end of file")
+                if self._on_bytes:
+                    self._call(self._on_bytes, data)
                 self._deliver(decoder.feed(data))
             if decoder.asks and not self._closed:
                 polled = decoder.poll()

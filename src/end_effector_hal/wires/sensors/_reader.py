@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 from end_effector_hal.codecs import board_inputs, codec_of
 from end_effector_hal.description import Description
@@ -15,80 +16,91 @@ from end_effector_hal.wires.link import LinkHealth, LinkReader
 
 @dataclass(frozen=True, slots=True)
 class SensorHealth:
-    """A snapshot of each source; None: the tool has none."""
+    """A snapshot of each source: the links by name, and the inputs of the board; None: the tool has none."""
 
-    link: LinkHealth | None
+    links: Mapping[str, LinkHealth]
     inputs: InputsHealth | None
 
 
 class SensorReader:
-    """Frames of the sensor link, of the inputs of the board, or of both.
+    """Frames of the sensor links, of the inputs of the board, or of both.
 
-    Both callbacks come from threads of the reader, one call at a time, and must not block for long.
+    A source that is lost is tried again while the others go on. The callbacks come from threads of the reader, of
+    frames and of changes one call at a time, and must not block for long.
 
     Args:
         description: the tool.
         on_frame: each frame, at once; no frame is stamped before the one that was delivered before it.
-        on_change: each change of the state of a source.
+        on_change: each change of the state of a source, with its name for a sentence.
+        on_bytes: whatever comes over a link, by its name, before it is decoded.
 
     Raises:
-        UsageError: its codec cannot be used.
+        UsageError: a codec cannot be used.
     """
 
     def __init__(
         self,
         description: Description,
         on_frame: Callable[[Frame], None],
-        on_change: Callable[[LinkHealth | InputsHealth], None] | None = None,
+        on_change: Callable[[str, LinkHealth | InputsHealth], None] | None = None,
+        on_bytes: Callable[[str, bytes], None] | None = None,
     ) -> None:
-        link = description.link
-        self.where = link.port if link else description.sensors
+        links = description.links
+        self.where = ", ".join(link.port for link in links.values()) or description.sensors
         """Where the readings come from, for people."""
         self._on_frame, self._on_change = on_frame, on_change
         self._lock, self._change_lock = threading.Lock(), threading.Lock()
         self._last, self._closed = 0, False
         inputs = board_inputs(description)
-        codec = codec_of(description) if link or not inputs else None
-        self._link = (
-            LinkReader(link.port, codec, link.baudrate, self._deliver, self._changed, parity=link.parity)
-            if link and codec
-            else None
-        )
-        self._inputs = InputsReader(description, self._deliver, self._changed) if inputs else None
+        self._links = {
+            name: LinkReader(
+                link.port,
+                codec_of(description, name),
+                link.baudrate,
+                self._deliver,
+                partial(self._changed, description.link_name(name) if name else "sensor link"),
+                parity=link.parity,
+                on_bytes=partial(on_bytes, name) if on_bytes else None,
+            )
+            for name, link in links.items()
+        }
+        changed = partial(self._changed, "inputs of the board")
+        self._inputs = InputsReader(description, self._deliver, changed) if inputs else None
 
     def start(self) -> None:
         """Begin.
 
         Raises:
-            LinkBusyError: somebody else reads the sensor link.
+            LinkBusyError: somebody else reads a sensor link.
             LineBusyError: somebody else has an input line.
         """
-        if self._link:
-            self._link.start()
-        if self._inputs:
-            try:
-                self._inputs.start()
-            except BaseException:
-                self.close()
-                raise
+        try:
+            for source in self._sources:
+                source.start()
+        except BaseException:
+            self.close()
+            raise
 
     def close(self) -> None:
         """End; nothing is delivered after it."""
         self._closed = True
-        for source in (self._link, self._inputs):
-            if source:
-                source.close()
+        for source in self._sources:
+            source.close()
 
     @property
     def health(self) -> SensorHealth:
         """As it is now; for any thread."""
-        link, inputs = self._link, self._inputs
-        return SensorHealth(link.health if link else None, inputs.health if inputs else None)
+        links = {name: link.health for name, link in self._links.items()}
+        return SensorHealth(links, self._inputs.health if self._inputs else None)
 
-    def _changed(self, health: LinkHealth | InputsHealth) -> None:
+    @property
+    def _sources(self) -> tuple[LinkReader | InputsReader, ...]:
+        return (*self._links.values(), *([self._inputs] if self._inputs else []))
+
+    def _changed(self, source: str, health: LinkHealth | InputsHealth) -> None:
         if self._on_change:
             with self._change_lock:
-                self._on_change(health)
+                self._on_change(source, health)
 
     def _deliver(self, frame: Frame) -> None:
         with self._lock:

@@ -62,6 +62,14 @@ class Cylinder(Device):
         return 10.0 if self.valve.is_open and 0.0 < self.position < 1.0 else 0.0
 
     @property
+    def grips(self) -> bool:
+        return self.bits["extended"]
+
+    @property
+    def is_released(self) -> bool:
+        return self.bits["retracted"]
+
+    @property
     def settled(self) -> bool:
         still = self.position == (1.0 if self.valve.is_open else 0.0)
         at_target = abs(self._target() - self._kpa) < _CLOSE_KPA

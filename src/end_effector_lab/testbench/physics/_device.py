@@ -65,6 +65,21 @@ class Device(Model):
         """Gauge pressure at its sensor (vacuum negative); ``None``: it has no pressure sensor."""
 
     @property
+    def grips(self) -> bool:
+        """Whether it has done what an activation is for; it decides what sensors show that only conditions know."""
+        return self.settled and self.valve.is_open
+
+    @property
+    def is_released(self) -> bool:
+        """Whether it has done what a deactivation is for."""
+        return self.settled and not self.valve.is_open
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it has gripped nothing."""
+        return False
+
+    @property
     @abstractmethod
     def bits(self) -> Mapping[str, bool]:
         """Its switches, by what they mean: ``extended`` is shown on the channel that ``extended_bit`` names."""

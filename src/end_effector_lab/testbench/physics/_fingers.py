@@ -44,6 +44,18 @@ class Fingers(Device):
         }
 
     @property
+    def grips(self) -> bool:
+        return self.bits["part"]
+
+    @property
+    def is_released(self) -> bool:
+        return self.bits["open"]
+
+    @property
+    def is_empty(self) -> bool:
+        return self.bits["closed"]
+
+    @property
     def settled(self) -> bool:
         return self.valve.settled and self.position == self._end
 

@@ -39,6 +39,14 @@ class HoldingMagnet(Device):
         return {"part": self._holds, "gone": not self._holds}
 
     @property
+    def grips(self) -> bool:
+        return self.bits["part"]
+
+    @property
+    def is_released(self) -> bool:
+        return self.bits["gone"]
+
+    @property
     def settled(self) -> bool:
         return self.valve.settled and abs(self._target - self.field) < _STILL
 

@@ -61,6 +61,14 @@ class VacuumCircuit(Device):
         return 4.0 if self.valve.is_open else 0.0
 
     @property
+    def grips(self) -> bool:
+        return self.bits["part"]
+
+    @property
+    def is_released(self) -> bool:
+        return self.bits["gone"]
+
+    @property
     def settled(self) -> bool:
         slow = abs(self._slope(self._absolute)) * STEP_S < _STILL_KPA
         grows = self.valve.is_open and self._leak_grows > 0

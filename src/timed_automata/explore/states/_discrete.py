@@ -40,7 +40,7 @@ class Firing:
     def __init__(self, edges: tuple[Edge, ...], space: DiscreteSpace) -> None:
         written = {name for edge in edges for name in edge.effects.writes}
         self._edges, self._space = edges, space
-        self._targets = {edge.process: edge.target for edge in edges}
+        self._targets = [(edge.process, edge.target) for edge in edges]
         self._updates = [edge.update for edge in edges if edge.update is not None]
         self._fixed = [(offset, value) for name, offset, value in space.semantics.fixed if name in written]
         self._after: dict[LocationVector, LocationVector] = {}
@@ -54,9 +54,10 @@ class Firing:
         """
         after = self._after.get(vector)
         if after is None:
-            locations = enumerate(vector.locations)
-            moved = tuple(self._targets.get(process, location) for process, location in locations)
-            after = self._after[vector] = self._space.vector(moved)
+            moved = list(vector.locations)
+            for process, location in self._targets:
+                moved[process] = location
+            after = self._after[vector] = self._space.vector(tuple(moved))
         if not self._updates:
             return after, packed, ()
         resets: list[tuple[int, int]] = []

@@ -154,8 +154,9 @@ class Limits:
         known = self._known.get(locations)
         if known is None:
             found = dict(self._everywhere)
-            for process, location in enumerate(locations):
-                merged(found, self._processes[process][location])
+            for limits, location in zip(self._processes, locations, strict=True):
+                if here := limits[location]:
+                    merged(found, here)
             if self._symmetric:
                 found = {clock: Limit(max(limit), max(limit)) for clock, limit in found.items()}
             known = self._known[locations] = dict(sorted(found.items()))

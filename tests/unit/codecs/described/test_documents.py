@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.codecs import codec_of, load_tool, match_codec
-from end_effector_hal.codecs.described import described_codec
 from end_effector_hal.description import examine_text
 from end_effector_hal.signals import Value
 from tests.support.places import DOCS
@@ -36,7 +35,7 @@ def test_each_example_is_valid(block: str) -> None:
 def test_the_line_of_the_page_says_what_the_page_says() -> None:
     tool = examine_text(BLOCKS[0], "tool.yaml").description
     assert tool is not None
-    (frame,) = described_codec(tool).decoder().feed(b"$0,782.5*3A\r\n", 0)
+    (frame,) = codec_of(tool).decoder().feed(b"$0,782.5*3A\r\n", 0)
     assert frame.values == {"cup": -78_250, "part": True}
 
 

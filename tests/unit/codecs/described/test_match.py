@@ -159,5 +159,5 @@ def test_the_port_is_opened_as_the_link_says(monkeypatch: pytest.MonkeyPatch) ->
         )
         assert examination.description is not None, examination.lines()
         with pytest.raises(LinkBusyError):
-            SensorReader(examination.description, lambda frame: None)._link.start(patience_s=0)
-    assert opened == [("p", 115_200, "N"), ("p", 9_600, "E"), ("p", 115_200, "O")]
+            SensorReader(examination.description, lambda frame: None).start()
+    assert [*dict.fromkeys(opened)] == [("p", 115_200, "N"), ("p", 9_600, "E"), ("p", 115_200, "O")]

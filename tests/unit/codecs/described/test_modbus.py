@@ -187,7 +187,7 @@ def test_types_by_an_encoder_of_its_own(
         frames += decoder.feed(body + crc(body), 5)
     values = frames[0].values
     assert values["cup"] == -100
-    assert values["top"] == (None if wide == 2**31 - 1 else wide)
+    assert values["top"] == (None if wide in (2**31 - 1, -(2**31)) else wide)
     known = abs(fraction * 1000) < 2**31 - 1  # neither NaN, nor more than any pressure
     assert values["far"] == (pytest.approx(fraction * 1000, abs=0.51) if known else None)
     assert values["low"] == -word
@@ -230,6 +230,35 @@ def test_no_two_answers_of_one_unit_can_be_taken_for_each_other() -> None:
         type("Both", (), {"codec": codec}), codec.decoder(), {"cup": 1, "b": 2}
     )
     assert frame.values == {"cup": 1, "b": 2}
+
+
+def test_no_register_is_read_that_nobody_declared_beyond_the_gap() -> None:
+    """A device may refuse a read that has a register which it does not have."""
+    tight = declared("{modbus: {gap: 0}}", at("cup", 10), at("b", 100))
+    assert [(each.address, each.count) for each in tight.reads] == [(10, 1), (100, 1)]  # type: ignore[attr-defined]
+    one = asked(at("cup", 10), at("b", 100), at("c", 200), frame="{modbus: {gap: 1}}")
+    assert one == [(1, 3, 10, 1), (1, 3, 100, 2), (1, 3, 200, 1)]
+
+
+def test_where_answers_are_alike_a_late_one_is_never_taken_for_another() -> None:
+    codec = declared("{modbus: {gap: 0}}", at("cup", 10), at("b", 100))
+    decoder, device = codec.decoder(), codec.device()  # type: ignore[attr-defined]
+    values = {"cup": 5, "b": 6}
+    late = device.answer(decoder.poll(0).data, values)
+    frames, sent, now = [], [], 0
+    while now < 1_200_000:
+        now = decoder.due
+        polled = decoder.poll(now)
+        frames += polled.frames
+        if polled.data:
+            sent.append((now, polled.data[3]))
+            # that to the first, which was asked again; the other one never answers
+            frames += decoder.feed(late, now + 1) if polled.data[3] == 10 else []
+    assert sent[0][1] == 10
+    assert {each.values["b"] for each in frames} == {None}
+    assert {each.values["cup"] for each in frames} == {5}
+    first = next(asked_at for asked_at, address in sent if address == 100)
+    assert 1_000_000 < first < 1_150_000
 
 
 def test_one_unit_that_does_not_answer_costs_only_its_own_channels() -> None:

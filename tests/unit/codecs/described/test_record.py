@@ -94,6 +94,29 @@ class TestOneByte(CodecConformance):
     )
 
 
+class TestStartWithoutChecksum(CodecConformance):
+    """Three in a row are believed."""
+
+    codec = declared(
+        "{record: {start: AA55, length: 2}}", "cup: {record: {byte: 0, value_type: int16}, unit: hPa}"
+    )
+    has_checksum = False
+    unbelieved = 2
+    pressures_pa = (-90_000, 700_000)
+    vectors = ((b"\xaa\x55\xfc\xf1", Frame(0, None, None, {"cup": -78_300})),)
+
+
+def test_a_start_that_stands_in_the_data_is_left_as_soon_as_it_is_no_start() -> None:
+    codec = TestStartWithoutChecksum.codec
+    true, false = b"\xaa\x55\xfc\xf1", b"\xaa\x55\xaa\x55"
+    decoder = codec.decoder()
+    assert decoder.feed(false[2:] + true + true, 0) == []
+    assert [frame.values["cup"] for frame in decoder.feed(true + true, 0)] == [-78_300, -78_300]
+    assert [frame.values["cup"] for frame in decoder.feed(true[1:] + 3 * true, 0)] == [-78_300]
+    assert decoder.feed(true[:3], 1) == []
+    assert decoder.feed(true[3:] + true, 100_001) == []  # bytes were lost: five periods of silence
+
+
 @EXAMPLES
 @given(
     cup=st.integers(-(2**15), 2**15 - 1),

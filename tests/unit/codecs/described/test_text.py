@@ -57,6 +57,15 @@ class TestWithoutChecksum(CodecConformance):
     vectors = ((b">-78.25\r\n", Frame(0, None, None, {"cup": -78_250})),)
 
 
+class TestWithoutMarks(CodecConformance):
+    """Nothing tells the tail of a line from a line: the first is not believed, nor one after an error."""
+
+    codec = declared("{text: {}}", "cup: {text: {field: 1}, unit: kPa}")
+    has_checksum = False
+    unbelieved = 1
+    vectors = ((b"-78.25\r\n", Frame(0, None, None, {"cup": -78_250})),)
+
+
 def read(codec: DescribedCodec, *chunks: bytes) -> list[dict[str, Value]]:
     decoder = codec.decoder()
     return [dict(frame.values) for chunk in chunks for frame in decoder.feed(chunk, 5)]
@@ -86,7 +95,23 @@ PLAIN = declared(
     ],
 )
 def test_what_a_line_says(line: bytes, values: dict[str, Value]) -> None:
-    assert read(PLAIN, line) == [values]
+    assert read(PLAIN, b"\n", line) == [values]
+
+
+def test_the_tail_of_a_line_is_no_line() -> None:
+    whole, tail = b"7,782.5,part=1\n", b"2,5.5\n"
+    cup = {"cup": -78_250, "part": True}
+    assert read(PLAIN, tail, whole) == [cup]
+    assert read(PLAIN, whole, b"7\n", tail, whole) == [cup]  # a byte has become the end of a line
+    decoder = PLAIN.decoder()
+    for at, data, frames in (
+        (0, b"\n7,782.5", 0),
+        (99_999, b",part=1\n", 1),
+        (120_000, b"7,1", 0),
+        (220_000, b"2.5,part=1\n", 0),  # what came before it was lost: five periods of silence
+        (240_000, whole, 1),
+    ):
+        assert len(decoder.feed(data, at)) == frames
 
 
 @pytest.mark.parametrize(
@@ -94,7 +119,7 @@ def test_what_a_line_says(line: bytes, values: dict[str, Value]) -> None:
 )
 def test_what_is_no_line_of_this_tool(line: bytes) -> None:
     decoder = PLAIN.decoder()
-    assert decoder.feed(line, 0) == []
+    assert decoder.feed(b"\n" + line, 0) == []
     assert decoder.errors["format"] == 1
 
 
@@ -109,6 +134,7 @@ def test_a_wrong_checksum_is_counted_as_one() -> None:
 
 def test_what_is_counted() -> None:
     decoder = PLAIN.decoder()
+    decoder.feed(b"\n", 0)
     for line in (b"7,9999,part=1\n", b"7,1051,part=1\n", b"7,hello,part=1\n"):
         assert len(decoder.feed(line, 0)) == 1
     assert decoder.errors == Counter(range=1, value=1)
@@ -147,12 +173,12 @@ def test_what_has_no_value_is_said_as_the_device_can() -> None:
     ):
         codec = declared("{text: {}}", f"cup: {{text: {{field: 1}}, unit: kPa, {keys}}}")
         assert codec.encode(none) == line
-        assert read(codec, line) == ([{"cup": None}] if line else [])
+        assert read(codec, b"\n", line) == ([{"cup": None}] if line else [])
     blank = declared(
         "{text: {separator: ' '}}", "cup: {text: {field: 1}, unit: kPa}", "part: {text: {field: 3}}"
     )
     assert blank.encode(Frame(0, None, None, {"cup": None, "part": True})) == b"- 0 1\r\n"
-    assert read(blank, b"- 0 1\r\n") == [{"cup": None, "part": True}]
+    assert read(blank, b"\n- 0 1\r\n") == [{"cup": None, "part": True}]
 
 
 def test_a_sensor_shows_the_end_of_its_range_for_what_lies_beyond() -> None:

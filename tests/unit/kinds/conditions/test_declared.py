@@ -76,7 +76,7 @@ def test_only_what_its_conditions_ask_for_is_used(tool: Callable[[str], Descript
     description = tool("      confirmed: {on: cylinder_extended}\n      gone: {on: in_stand}\n")
     assert used_channels(description) == ("bottom", "cylinder_extended", "in_stand")
     codec = get_codec("ees1-ascii")
-    carried = CodecChannels(codec.name, codec.channels, codec.period_us)
+    carried = CodecChannels(codec.name, codec.channels, codec.period_us, 0.15)
     assert not [said for said in not_fitted(description, carried) if said.startswith("rod")]
 
 

@@ -263,7 +263,7 @@ def test_the_reader_of_a_tool_without_a_link_reads_its_inputs_alone(board: Board
     reader.start()
     try:
         board.comes(lambda frame: "switch" in frame.values)
-        assert reader.health.link is None
+        assert not reader.health.links
         assert reader.health.inputs is not None
         assert reader.where == "inputs of the board"
     finally:

@@ -49,7 +49,7 @@ def test_frames_of_both_come_in_the_order_of_their_stamps(
     description, pair = tool
     frames: list[Frame] = []
     told: list[object] = []
-    reader = SensorReader(description, frames.append, told.append)
+    reader = SensorReader(description, frames.append, lambda source, health: told.append(health))
     reader.start()
     pins = VirtualPins(tmp_path / "chip")
     try:
@@ -67,9 +67,7 @@ def test_frames_of_both_come_in_the_order_of_their_stamps(
         (True, False),
         (False, True),
     }
-    health = reader.health
-    assert health.link
-    assert health.link.frames == 20
+    assert reader.health.links[""].frames == 20
     assert [each.state for each in told if isinstance(each, LinkHealth)] == [LinkState.SILENT, LinkState.UP]
 
 

@@ -1,0 +1,108 @@
+"""The devices that send the frames: whether one began anew."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from end_effector_hal.codecs import Carrier, FrameSource, sequence_of, sources_of
+from end_effector_hal.description import Description
+from end_effector_hal.signals import PART, Frame
+
+SAID_US = 10_000_000
+"""So long a reboot of a device is told."""
+
+
+class SendingDevice:
+    """The only one, or that of one link.
+
+    Args:
+        channels: what it sends.
+        sequence: bits of its sequence number, and of its clock.
+        name: for a sentence.
+    """
+
+    MEMORY: ClassVar = {"_sequence": PART, "_rebooted_at": int | None}
+
+    def __init__(self, channels: frozenset[str], sequence: tuple[int, int], name: str) -> None:
+        self._channels, self._name = channels, name
+        self._sequence = sequence_of(*sequence)
+        self._rebooted_at: int | None = None
+
+    @property
+    def reboots(self) -> int:
+        """How often it began anew."""
+        return self._sequence.reboots
+
+    def rebooted(self, frame: Frame) -> frozenset[str]:
+        """Its channels where a frame shows that it began anew; else none."""
+        if frame.seq is None or frame.device_ms is None:
+            return frozenset()
+        before = self._sequence.reboots
+        self._sequence.is_new(frame.seq, frame.device_ms)
+        if self._sequence.reboots == before:
+            return frozenset()
+        self._rebooted_at = frame.at
+        return self._channels
+
+    def notices(self, at: int) -> tuple[str, ...]:
+        """That it has begun anew lately, in words."""
+        if self._rebooted_at is None or at - self._rebooted_at >= SAID_US:
+            return ()
+        times = f" ({self.reboots} times since the start)" if self.reboots > 1 else ""
+        return (f"The {self._name} began anew{times}: all was read anew.",)
+
+    def deadline(self, at: int) -> int | None:
+        """µs at which a notice ends by itself."""
+        end = None if self._rebooted_at is None else self._rebooted_at + SAID_US
+        return end if end is not None and end > at else None
+
+
+class SendingDevices:
+    """Those of several links; a frame is of the one that sends its channels.
+
+    Args:
+        devices: by the names of their links.
+        links: and these by their channels.
+    """
+
+    MEMORY: ClassVar = {"_devices": PART}
+
+    def __init__(self, devices: Mapping[str, SendingDevice], links: Mapping[str, str]) -> None:
+        self._devices, self._links = dict(devices), links
+
+    @property
+    def reboots(self) -> int:
+        """How often one of them began anew."""
+        return sum(device.reboots for device in self._devices.values())
+
+    def rebooted(self, frame: Frame) -> frozenset[str]:
+        """The channels of the one that began anew; else none."""
+        link = self._links.get(next(iter(frame.values), ""))
+        return self._devices[link].rebooted(frame) if link else frozenset()
+
+    def notices(self, at: int) -> tuple[str, ...]:
+        """Which have begun anew lately, in words."""
+        return tuple(said for device in self._devices.values() for said in device.notices(at))
+
+    def deadline(self, at: int) -> int | None:
+        """µs at which the next notice ends by itself."""
+        ends = (device.deadline(at) for device in self._devices.values())
+        return min((end for end in ends if end is not None), default=None)
+
+
+def devices_of(description: Description, carrier: Carrier) -> SendingDevice | SendingDevices:
+    """New ones."""
+    sources = [source for source in sources_of(carrier) if source.link]
+    if not sources:
+        (first, *_) = sources_of(carrier)
+        return SendingDevice(frozenset(carrier.channels), first.sequence, "device that reads the sensors")
+    devices = {source.link: _device(description, source) for source in sources if source.link}
+    return SendingDevices(
+        devices, {name: source.link for source in sources if source.link for name in source.channels}
+    )
+
+
+def _device(description: Description, source: FrameSource) -> SendingDevice:
+    name = f"device on the {description.link_name(source.link or '')}"
+    return SendingDevice(source.channels, source.sequence, name)

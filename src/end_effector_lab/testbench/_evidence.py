@@ -1,0 +1,188 @@
+"""What sensors show that only conditions know: values that make `confirmed` or `gone` true, as far as the device is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import inf
+
+from end_effector_hal.description import PASCAL, Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Condition, EvidenceConditions, named
+from end_effector_hal.signals import Value
+
+from .physics import Device
+
+AWAY_KPA = 5.0
+"""So far from a threshold a sensor shows what is meant, where there is room."""
+MOST_STEPS = 20_000
+_GAUGE_KPA = -100.0, 2000.0
+
+Span = tuple[float, float]
+"""kPa from the first to the second; of a bit (0, 0) or (1, 1)."""
+Spans = Mapping[str, Span]
+
+
+@dataclass(frozen=True)
+class ShownByConditions:
+    """What the free channels of one actuator show, by how far its device is."""
+
+    confirmed: Mapping[str, Value]
+    gone: Mapping[str, Value]
+    between: Mapping[str, Value] | None
+    empty: Mapping[str, Value] | None
+
+    def at(self, device: Device) -> Mapping[str, Value]:
+        """At this moment. Where nothing lies between the two, the old one is shown until the device is there."""
+        if device.grips:
+            return self.confirmed
+        if device.is_released:
+            return self.gone
+        if device.is_empty and self.empty is not None:
+            return self.empty
+        if self.between is not None:
+            return self.between
+        return self.gone if device.valve.is_open else self.confirmed
+
+
+def shown_by_conditions(description: Description) -> dict[str, ShownByConditions]:
+    """By actuator, of those whose `evidence` asks for channels that nothing else shows.
+
+    What its kind knows, and what belongs to somebody else, is left to them.
+
+    Raises:
+        UsageError: no values of its channels make a condition true without another one that contradicts it.
+    """
+    taken = {description.supply.channel, *_elsewhere(description)}
+    found: dict[str, ShownByConditions] = {}
+    for name, part in description.ordered:
+        if part.evidence is None:
+            continue
+        free = {
+            leaf.channel: (0.0, 1.0) if leaf.bit else _range_kpa(description, leaf.channel)
+            for leaf in part.evidence.leaves
+            if leaf.channel not in taken
+        }
+        taken |= free.keys()
+        if free:
+            found[name] = _solved(description, name, part.evidence, free)
+    return found
+
+
+def _elsewhere(description: Description) -> Iterator[str]:
+    """Channels that the bench shows by their meaning."""
+    for _, part in description.ordered:
+        for key in kind_of(part).channels:
+            # what evidence replaces is not asked for by default
+            if (channel := named(getattr(part, key.key))) and (
+                part.evidence is None or key.key in part.model_fields_set
+            ):
+                yield channel
+    if changer := description.tool_changer:
+        yield from (changer.locked_bit, changer.unlocked_bit, changer.stand_bit, changer.present_bit)
+    if description.e_stop:
+        yield description.e_stop.channel
+
+
+def _range_kpa(description: Description, channel: str) -> Span:
+    declared = description.channels.get(channel)
+    if declared is None or declared.unit is None or declared.range is None:
+        return _GAUGE_KPA
+    low, high = (each * PASCAL[declared.unit] / 1000 for each in declared.range)
+    return low, high
+
+
+def _solved(
+    description: Description, name: str, asked: EvidenceConditions, free: dict[str, Span]
+) -> ShownByConditions:
+    def shown(*which: str) -> Mapping[str, Value] | None:
+        spans = _Search().solved(_wanted(asked, which), free)
+        return None if spans is None else {each: _value(each, spans, asked) for each in free}
+
+    confirmed, gone = shown("confirmed"), shown("gone")
+    if confirmed is None or gone is None:
+        which = "gone" if gone is None else "confirmed"
+        raise UsageError(
+            f"{name!r} cannot be simulated: nothing that its channels show makes {which!r} true alone.",
+            where=description.where("actuators", name, "evidence", which),
+            todo="Can its conditions hold one at a time?",
+        )
+    return ShownByConditions(confirmed, gone, shown(), shown("empty") if asked.empty else None)
+
+
+def _wanted(asked: EvidenceConditions, which: tuple[str, ...]) -> list[tuple[Condition, bool]]:
+    """What is to hold, and what is not: all the others."""
+    wanted = [
+        (condition, key in which)
+        for key, condition in asked.named
+        if key != "lost" or "confirmed" in which  # what is not confirmed may be lost
+    ]
+    first, second = asked.confirmed.asked, asked.gone.asked
+    if asked.fault is None and first is not None and second is not None:  # both are a contradiction
+        wanted += [(second, False)] if "confirmed" in which else [(first, False)] if "gone" in which else []
+    return wanted
+
+
+class _Search:
+    """Looks for spans of the free channels, in a bounded number of steps."""
+
+    def __init__(self) -> None:
+        self._left = MOST_STEPS
+
+    def solved(self, wanted: list[tuple[Condition, bool]], spans: Spans) -> Spans | None:
+        """Where each condition is what is wanted of it; None: nowhere, or not found."""
+        return next(self._all_of(wanted, spans), None)
+
+    def _all_of(self, wanted: list[tuple[Condition, bool]], spans: Spans) -> Iterator[Spans]:
+        if not wanted:
+            yield spans
+            return
+        (condition, holds), *rest = wanted
+        for narrowed in self._where(condition, holds, spans):
+            yield from self._all_of(rest, narrowed)
+
+    def _where(self, condition: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
+        """Where one condition holds, or does not; a channel that is not free is no hindrance."""
+        self._left -= 1
+        if self._left < 0:
+            return
+        if condition.not_ is not None:
+            yield from self._where(condition.not_, not holds, spans)
+        elif not condition.parts:
+            yield from _narrowed(condition, holds, spans)
+        elif (condition.all is not None) is holds:
+            yield from self._all_of([(part, holds) for part in condition.parts], spans)
+        else:
+            for part in condition.parts:
+                yield from self._where(part, holds, spans)
+
+
+def _narrowed(leaf: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
+    channel = leaf.on or leaf.channel or ""
+    if channel not in spans:
+        yield spans
+        return
+    for first, last in _allowed(leaf, holds):
+        low, high = max(spans[channel][0], first), min(spans[channel][1], last)
+        if low < high or (leaf.on is not None and low == high):
+            yield {**spans, channel: (low, high)}
+
+
+def _allowed(leaf: Condition, holds: bool) -> list[Span]:
+    if leaf.on is not None:
+        return [(1.0, 1.0) if holds else (0.0, 0.0)]
+    if leaf.between_kpa is not None:
+        first, last = leaf.between_kpa
+        return [(first, last)] if holds else [(-inf, first), (last, inf)]
+    limit, below = (leaf.above_kpa or 0.0, not holds) if leaf.below_kpa is None else (leaf.below_kpa, holds)
+    return [(-inf, limit) if below else (limit, inf)]
+
+
+def _value(channel: str, spans: Spans, asked: EvidenceConditions) -> Value:
+    """Within its span: the nearest to ambient, away from its ends."""
+    low, high = spans[channel]
+    if any(leaf.bit for leaf in asked.leaves if leaf.channel == channel):
+        return low == 1.0
+    away = min(AWAY_KPA, (high - low) / 2)
+    return round(min(max(0.0, low + away), high - away) * 1000)

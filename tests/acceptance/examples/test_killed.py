@@ -1,0 +1,49 @@
+"""Tools that are not the paper's are killed: the program, the line arbiter, both at once.
+
+What has to follow is computed from each description by the rules of the kill matrix. Each process dies once in each
+state, each time of another tool; all of it: `python -m tests.acceptance.kill_matrix.run --ros none --description FILE`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.codecs import load_tool
+from tests.acceptance.kill_matrix.cells import BOTH, Cell
+from tests.acceptance.kill_matrix.play import Play, Row
+from tests.acceptance.kill_matrix.system_plain import PlainSystem
+
+from .conftest import ROOT
+
+pytestmark = [pytest.mark.wall, pytest.mark.nightly, pytest.mark.timeout(600)]
+KILLED = {
+    "double_acting_jaw": (("HAL", "GRIPPING jaw"), (BOTH, "GRIPPED"), ("LineOwner", "RELEASING")),
+    "bistable_and_magnet": ((BOTH, "GRIPPING magnet"), ("LineOwner", "GRIPPED"), ("HAL", "RELEASING")),
+    "six_cups": (("LineOwner", "GRIPPING cup_6"), ("HAL", "GRIPPED"), (BOTH, "RELEASING")),
+    "two_coil_changer": (("HAL", "unlocking"), (BOTH, "unlocking")),
+}
+
+
+def played(name: str, folder: Path) -> list[Row]:
+    description = load_tool(ROOT / "examples/tools" / name / "end_effector.yaml")
+    with PlainSystem(folder, description) as system:
+        return [Play(system, Cell(process, "SIGKILL", state)).run() for process, state in KILLED[name]]
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, list[Row]]]:
+    """Two tools at once: most of the time is waiting."""
+    folder = tmp_path_factory.mktemp("killed")
+    with ThreadPoolExecutor(2) as pool:
+        found = pool.map(lambda name: played(name, folder / name), KILLED)
+        yield dict(zip(KILLED, found, strict=True))
+
+
+@pytest.mark.parametrize("name", KILLED)
+def test_what_is_declared_happens_and_the_tool_is_usable(name: str, rows: dict[str, list[Row]]) -> None:
+    for row in rows[name]:
+        assert row.ok, f"{row.cell}: expected {row.expected}; observed {row.observed}"
