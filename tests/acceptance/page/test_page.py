@@ -183,8 +183,8 @@ def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
         shows(page, "state-word", "STAND-BY")
         page.click("#control-take")
         page.click("#command-grip")
-        page.locator("#cards .attempts", has_text="attempt 2 of 3").wait_for(timeout=20_000)
-        page.locator("#cards .timer", has_text="time-out in").wait_for()
+        page.locator("#cards .attempts:not([hidden])", has_text="attempt 2 of 3").wait_for(timeout=20_000)
+        page.locator("#cards .timer:not([hidden])", has_text="time-out in").wait_for()
         shows(page, "goal-detail", "at most 58.00 s")
         shot(page, "failing-attempt", whole=True)
         page.click("#control-take")  # gives it back: who sees that a grip must end may end it

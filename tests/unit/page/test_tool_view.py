@@ -185,3 +185,13 @@ def test_a_program_with_another_description_is_not_shown(verdin: Description) ->
     other = verdin.model_copy(update={"name": "another"})
     with pytest.raises(ReportedError, match="runs another description"):
         view.take("grip", "header", 0, header_of(other, "grip", 0), 0)
+
+
+def test_clocks_have_their_bounds_as_the_constants_say(verdin: Description) -> None:
+    watched = Watched(verdin)
+    watched.tool.run(1.5)
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(0.2)
+    (clock,) = watched.shown()["automata"]["Gripper"]["clocks"]
+    assert (clock["name"], clock["bound"], clock["limit_ms"]) == ("t", "T_CONFIRM[i] + D", 5050)
+    assert 150 <= clock["ms"] <= 250

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import threading
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError, WireError
@@ -24,7 +25,8 @@ def listen(path: Path, group: str | None = None, *, whose: str = "the line arbit
         WireError: it cannot be made, or not be given to that group.
     """
     number = -1 if group is None else _number(group)
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    # short: the path of a socket has 107 bytes at most
+    fresh = path.with_name(f".{os.getpid()}-{threading.get_native_id()}")
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         fresh.unlink(missing_ok=True)

@@ -106,6 +106,7 @@ function facts(view) {
 function overview(view) {
   const state = view.state;
   if (!state) return;
+  alarms(state.alarms);
   put("state-word", state.word);
   setTone("panel-state", STATE_TONES[state.name] || "idle");
   put("state-reason", state.reason || (state.maintenance ? "Maintenance." : `for ${seconds(state.since_s)}`));
@@ -121,7 +122,16 @@ function overview(view) {
   put("goal-word", goal ? goal.name : "Nothing");
   setTone("panel-goal", goal ? "busy" : "idle");
   byId("goal-bar").style.width = goal && goal.at_most_s ? `${Math.min(100, 100 * goal.so_far_s / goal.at_most_s)}%` : "0";
-  put("goal-detail", goal ? `${seconds(goal.so_far_s)} so far${goal.at_most_s ? `, at most ${goal.at_most_s.toFixed(2)} s` : ""}` : "");
+  put("goal-detail", goal ? `${seconds(goal.so_far_s)} so far${goal.at_most_s ? `, at most ${goal.at_most_s.toFixed(2)} s${view.verdict.holds ? " (proven)" : ""}` : ""}` : "");
+}
+
+function alarms(texts) {
+  const list = byId("alarms");
+  list.hidden = !texts.length;
+  const key = texts.join("\n");
+  if (list.dataset.key === key) return;
+  list.dataset.key = key;
+  list.replaceChildren(...texts.map((text) => Object.assign(document.createElement("li"), { textContent: text, className: text.startsWith("Over:") ? "over" : "" })));
 }
 
 function flag(name, on, tone, detail) {

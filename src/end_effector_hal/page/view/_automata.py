@@ -8,7 +8,7 @@ from typing import Any
 
 from end_effector_hal.control import PROGRAMS, Controller, model_constants
 from end_effector_hal.description import Description
-from timed_automata import DrawnEdge, DrawnLocation, Label, Network, Step, Template
+from timed_automata import DrawnEdge, DrawnLocation, ExecutionSnapshot, Label, Network, Step, Template
 
 _BOUND = re.compile(r"\b(?P<clock>[A-Za-z_]\w*)\s*<=?\s*(?P<bound>[^&|]+)")
 _TERM = re.compile(r"(?P<number>\d+)|(?P<name>[A-Z]\w*)(\[(?P<index>\w+)\])?")
@@ -73,7 +73,7 @@ class AutomataView:
             shown[process.name] = {
                 "location": location,
                 "last": self._last.get(process.name),
-                "clocks": self._clocks(process.template, process.name, location, snapshot.zeros, at),
+                "clocks": self._clocks(process.template, process.name, snapshot, at),
             }
         return shown
 
@@ -82,9 +82,10 @@ class AutomataView:
         return self._sequence[int(found[1])] if found and int(found[1]) < len(self._sequence) else ""
 
     def _clocks(
-        self, template: str, process: str, location: str, zeros: Mapping[str, int], at: int
+        self, template: str, process: str, snapshot: ExecutionSnapshot, at: int
     ) -> list[dict[str, Any]]:
-        """The clocks that the invariant of a location bounds."""
+        """The clocks that the invariant of its location bounds."""
+        location, zeros = snapshot.locations[process], snapshot.zeros
         drawn = next((each for each in self._templates[template].locations if _name(each) == location), None)
         text = drawn.labels["invariant"].text.content if drawn and "invariant" in drawn.labels else ""
         clocks = []
@@ -93,13 +94,12 @@ class AutomataView:
             zero = zeros.get(f"{process}.{clock}", zeros.get(f"{template}.{clock}", zeros.get(clock)))
             if zero is not None:
                 bound = found["bound"].strip()
-                limit_ms = self._number(bound, process)
+                limit_ms = self._number(bound, process, snapshot.variables)
                 clocks.append({"name": clock, "ms": (at - zero) / 1000, "bound": bound, "limit_ms": limit_ms})
         return clocks
 
-    def _number(self, bound: str, process: str) -> int | None:
+    def _number(self, bound: str, process: str, variables: Mapping[str, int]) -> int | None:
         """A sum of constants and numbers, such as ``T_CONFIRM[i] + D``; None: it is something else."""
-        instance = re.fullmatch(r"\w+\((\d+)\)", process)
         total = 0
         for term in bound.split("+"):
             found = _TERM.fullmatch(term.strip())
@@ -107,8 +107,8 @@ class AutomataView:
                 return None
             value: Any = int(term) if found["number"] else self._constants.get(found["name"])
             if found["index"] is not None:
-                index = int(instance[1]) if instance and found["index"] == "i" else None
-                value = value[index] if isinstance(value, list) and index is not None else None
+                index = variables.get(f"{process}.{found['index']}", -1)
+                value = value[index] if isinstance(value, list) and 0 <= index < len(value) else None
             if not isinstance(value, int):
                 return None
             total += value

@@ -9,10 +9,9 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import PROGRAMS, Status, network_of
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.stream import program_of
-from end_effector_hal.verification.proof import kept_verdict
+from end_effector_hal.verification.proof import Verdict, kept_verdict
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
 from ._automata import AutomataView
@@ -25,6 +24,7 @@ from ._timeline import TimeLine
 STALE_US = 1_200_000
 """No news for so long: nothing that is shown counts as present."""
 _RATE_US = 2_000_000
+_VERDICT_US = 2_000_000
 _BUTTONS = ("grip", "drop", "cancel", "lock", "arm", "unlock", "reset")
 _CHANGER_WORDS = ("lock", "arm", "unlock")
 _GOING = {
@@ -58,6 +58,8 @@ class ToolView:
         self._frames: deque[int] = deque(maxlen=400)
         self._command: tuple[Command, int] = (Command.NONE, at)
         self._state: tuple[EndEffectorState, int] = (EndEffectorState.OFF, at)
+        self._kept: Verdict | None = None
+        self._verdict_due = at
         self._heard: dict[str, bool] = dict.fromkeys(PROGRAMS, False)
 
     # What comes.
@@ -159,7 +161,7 @@ class ToolView:
             ),
             "buttons": {word: self.refusal(word) for word in self.buttons},
             "cancel": self._cancel_words(status),
-            "verdict": self._verdict(),
+            "verdict": self._verdict(at),
             "automata": self._automata.now(
                 {name: each.controller for name, each in self._replicas.items()}, at
             ),
@@ -229,11 +231,10 @@ class ToolView:
             return f"Now: the grip ends; {names} stay{'s' if len(kept) == 1 else ''} active, as declared."
         return "Now: what runs is cancelled."
 
-    def _verdict(self) -> dict[str, Any]:
-        try:
-            found = kept_verdict(self.description)
-        except UsageError:
-            found = None
+    def _verdict(self, at: int) -> dict[str, Any]:
+        if at >= self._verdict_due:  # it is a file, which `eehal verify` may write at any time
+            self._verdict_due, self._kept = at + _VERDICT_US, kept_verdict(self.description)
+        found = self._kept
         if found is None:
             return {
                 "holds": None,

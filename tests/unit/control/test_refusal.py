@@ -1,0 +1,46 @@
+"""What a controller says that it would refuse is what it does refuse, word for word, and asking changes nothing."""
+
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.control import Controller, network_of
+from end_effector_hal.description import Description
+from tests.support.virtual_tool import VirtualTool
+
+WORDS = {"grip": ("grip", "drop", "cancel"), "tool_change": ("lock", "unlock", "arm", "reset")}
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        "nominal",
+        "never-confirms:cylinder",
+        "lost-after:top_vacuum:3",
+        "not-in-stand",
+        "supply:300",
+        "silent-after:4",
+    ],
+)
+def test_it_says_beforehand_what_it_answers(verdin: Description, scenario: str) -> None:
+    """Asked every 0.3 s of a run, of a controller and of its copy, which is then given the command."""
+    tool, network = VirtualTool(verdin, scenario), network_of(verdin)
+    said = set()
+    for moment in range(50):
+        if moment in (5, 30):
+            tool.command("grip" if moment == 5 else "drop")
+        if moment in (40, 44):
+            tool.command("unlock" if moment == 40 else "lock")
+        tool.run(0.3)
+        for program, controller in (("grip", tool.grip), ("tool_change", tool.change)):
+            before = controller.snapshot()
+            assert before is not None
+            for word in WORDS[program]:
+                refusal = controller.refusal(word)
+                copy = Controller(verdin, network, program)
+                copy.resume(before)
+                answer, _ = copy.command(word, tool.at)
+                assert (answer.accepted, answer.reason) == (not refusal, refusal), (moment, word)
+                said.add(refusal)
+            assert controller.snapshot() == before
+    assert len(said) > 5
