@@ -11,6 +11,7 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame, Kind, Value
 
 from ._bench import Bench
+from .modbus import CommandedRegisters
 
 
 def carried(
@@ -67,9 +68,18 @@ class SensorBoard:
         bench: what is measured, and what is wrong with the link.
         description: of the tool.
         start: µs, when it was switched on.
+        registers: that are commanded over the link, if there are any.
     """
 
-    def __init__(self, codec: Codec, bench: Bench, description: Description, start: int) -> None:
+    def __init__(
+        self,
+        codec: Codec,
+        bench: Bench,
+        description: Description,
+        start: int,
+        registers: CommandedRegisters | None = None,
+    ) -> None:
+        self._registers = registers
         self._codec, self._bench, self._description = codec, bench, description
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
@@ -83,6 +93,12 @@ class SensorBoard:
     def answer(self, request: bytes, at: int) -> Sent | None:
         """The answers to what was asked at ``at`` (µs); None: nothing was."""
         sample = self._bench.sample(at)
+        if self._registers:
+            if self._bench.silent(at):  # without power, or without a wire: it hears nothing
+                return None
+            if done := self._registers.answer(request):
+                return self._sent(done, self._next(at), sample, at)
+            sample |= self._registers.values
         answers = self._device.answer(request, self._carried(sample)) if self._device else b""
         if not answers:
             return None

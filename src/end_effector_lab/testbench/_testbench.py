@@ -15,7 +15,8 @@ from ._board_sensors import BoardSensors
 from ._ports import Port
 from ._scenario import parse_scenario
 from ._sensor_board import SensorBoard, Sent
-from .inputs import Clock, LineInputs, clock_of
+from .inputs import Clock, LineInputs, VirtualInputs, clock_of
+from .modbus import CommandedRegisters
 
 RECEIVE_S = 0.1
 
@@ -93,7 +94,11 @@ class Testbench:
                 self._port.close()
             raise
         if self._port and self.codec:
-            board = SensorBoard(self.codec, self._bench, self._description, self._start)
+            registers = None
+            if self._description.register_outputs:
+                registers = CommandedRegisters(self._description, self._obey)
+                registers.start(levels)
+            board = SensorBoard(self.codec, self._bench, self._description, self._start, registers)
             if is_polled(self.codec):
                 self._begin("frames", self._answer, board, self._port)
             else:
@@ -130,6 +135,13 @@ class Testbench:
         with self._lock:
             self._bench.line(name, level, at)
         self._watcher.line(name, level, at, seen)
+
+    def _obey(self, name: str, level: bool) -> None:
+        """An output was commanded over the link; called with the lock. On a virtual chip everybody sees it."""
+        if isinstance(self._inputs, VirtualInputs):
+            self._inputs.show(name, level)
+        else:
+            self._bench.line(name, level, self._clock.now_us())
 
     def _begin(self, name: str, work: Callable[..., None], *given: object) -> None:
         """A thread; what ends it is told."""

@@ -1,4 +1,4 @@
-"""What is read from a Modbus device, as data."""
+"""What is read from a Modbus device, and written to it, as data."""
 
 from __future__ import annotations
 
@@ -132,3 +132,20 @@ class Read:
     def answer_bytes(self) -> int:
         """Bytes of what was read in its answer; two answers of one unit and function are told apart by it."""
         return -(-self.count // 8) if self.function in BITS else 2 * self.count
+
+
+@dataclass(frozen=True)
+class Write:
+    """One request that sets registers, or coils, of a unit from ``address`` on, all of them or none.
+
+    Args:
+        unit: address of the device, 1 to 247.
+        address: of the first, as it stands on the wire.
+        values: 0 to 65535 each; of coils 0 or 1.
+        coils: whether they are coils.
+    """
+
+    unit: int
+    address: int
+    values: tuple[int, ...]
+    coils: bool = False

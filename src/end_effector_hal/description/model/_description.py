@@ -16,7 +16,18 @@ from end_effector_hal.description._fault import Place, Places
 from end_effector_hal.description._paths import profile_path, run_directory
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
-from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Opposite, Part, Supply, Word
+from end_effector_hal.kinds.stanza import (
+    Actuator,
+    Endings,
+    Hold,
+    Name,
+    Names,
+    Opposite,
+    Part,
+    RegisterOutput,
+    Supply,
+    Word,
+)
 
 from ._channels import Channels, Inputs
 from ._durations import Durations, durations
@@ -160,6 +171,16 @@ class Description(Part):
         parts: list[Actuator | ToolChanger] = [part for _, part in self.ordered]
         parts += [self.tool_changer] if self.tool_changer else []
         return {part.line: part.opposite for part in parts if part.opposite is not None}
+
+    @property
+    def register_outputs(self) -> dict[str, RegisterOutput]:
+        """Outputs on the bus, by the name that stands as `line`, in the order of a grip."""
+        return {part.line: part.modbus for _, part in self.ordered if part.modbus is not None}
+
+    @property
+    def may_be_unknown(self) -> frozenset[str]:
+        """Outputs of which at a start nobody may know how they stand."""
+        return frozenset((*self.opposites, *self.register_outputs))
 
     def service_of(self, name: str) -> str:
         """ROS service of an actuator (relative name); raises KeyError for an unknown one."""

@@ -5,12 +5,17 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
-from end_effector_hal.codecs import board_inputs, codec_of
-from end_effector_hal.description import Description
+from end_effector_hal.codecs import Codec, board_inputs, codec_of
+from end_effector_hal.description import Description, Link, socket_path
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.inputs import InputsHealth, InputsReader
 from end_effector_hal.wires.link import LinkHealth, LinkReader
+
+if TYPE_CHECKING:
+    from end_effector_hal.codecs.modbus import BusCodec
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +54,19 @@ class SensorReader:
         self._last, self._closed = 0, False
         inputs = board_inputs(description)
         codec = codec_of(description) if link or not inputs else None
-        self._link = (
-            LinkReader(link.port, codec, link.baudrate, self._deliver, self._changed, parity=link.parity)
-            if link and codec
-            else None
-        )
+        self._link = self._reader(description, link, codec) if link and codec else None
         self._inputs = InputsReader(description, self._deliver, self._changed) if inputs else None
+
+    def _reader(self, description: Description, link: Link, codec: Codec) -> LinkReader:
+        """Of the port; or of the line arbiter, where that masters the bus because it commands devices on it."""
+        connect = None
+        if description.register_outputs:
+            from end_effector_hal.codecs.modbus import RelayedBus
+            from end_effector_hal.wires.bus import connect_relay, relay_path
+
+            connect = partial(connect_relay, relay_path(socket_path(description)))
+            codec = RelayedBus(cast("BusCodec", codec))
+        return LinkReader(link.port, codec, link.baudrate, self._deliver, self._changed, link.parity, connect)
 
     def start(self) -> None:
         """Begin.

@@ -1,4 +1,4 @@
-"""The arbiter's Unix socket."""
+"""Unix sockets of the line arbiter."""
 
 from __future__ import annotations
 
