@@ -4,7 +4,7 @@ from ._adu import acknowledgement, write_request
 from ._codec import ModbusDevice, ModbusRtu
 from ._master import ModbusMaster
 from ._presets import EPick, OnRobotVG, Transmitters
-from ._read import COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read, Readout, Register, Write
+from ._read import COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read, Readout, Register, RegisterWrite
 from ._relay import BusCodec, RelayedBus, cycle_record
 
 __all__ = [
@@ -21,9 +21,9 @@ __all__ = [
     "Read",
     "Readout",
     "Register",
+    "RegisterWrite",
     "RelayedBus",
     "Transmitters",
-    "Write",
     "acknowledgement",
     "cycle_record",
     "write_request",

@@ -23,7 +23,15 @@ from pymodbus.pdu.register_message import (
     WriteSingleRegisterRequest,
 )
 
-from end_effector_hal.codecs.modbus._read import BITS, COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read, Write
+from end_effector_hal.codecs.modbus._read import (
+    BITS,
+    COILS,
+    DISCRETE_INPUTS,
+    HOLDING,
+    INPUT,
+    Read,
+    RegisterWrite,
+)
 
 DEVICE_FAILURE = 4
 REQUEST_BYTES = 8
@@ -44,12 +52,12 @@ def request(read: Read) -> bytes:
     return _frame(read, read.function, pdu)
 
 
-def write_request(write: Write) -> bytes:
+def write_request(write: RegisterWrite) -> bytes:
     """The request that writes, address to CRC: one register or coil with function 6 or 5, several with 16 or 15."""
     return _frame(write, *_writing(write))
 
 
-def acknowledgement(write: Write) -> bytes:
+def acknowledgement(write: RegisterWrite) -> bytes:
     """The only answer to it that says that it was done."""
     count, one = len(write.values), len(write.values) == 1
     if one:
@@ -58,7 +66,7 @@ def acknowledgement(write: Write) -> bytes:
     return _frame(write, _writing(write)[0], done(address=write.address, count=count).encode())
 
 
-def _writing(write: Write) -> tuple[int, bytes]:
+def _writing(write: RegisterWrite) -> tuple[int, bytes]:
     """Function and PDU."""
     values, one = list(write.values), len(write.values) == 1
     if write.coils:
@@ -97,6 +105,6 @@ def is_whole(adu: bytes) -> bool:
     return bool(FramerRTU.check_CRC(adu[:-2], int.from_bytes(adu[-2:], "big")))
 
 
-def _frame(read: Read | Write, function: int, pdu: bytes) -> bytes:
+def _frame(read: Read | RegisterWrite, function: int, pdu: bytes) -> bytes:
     frame: bytes = _FRAMER.encode(bytes([function]) + pdu, read.unit, 0)
     return frame

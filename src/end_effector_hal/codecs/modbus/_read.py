@@ -35,7 +35,7 @@ class Readout(Protocol):
         ...
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
-        """Write what a device shows; False: it can only refuse, as there is no value."""
+        """RegisterWrite what a device shows; False: it can only refuse, as there is no value."""
         ...
 
 
@@ -135,7 +135,7 @@ class Read:
 
 
 @dataclass(frozen=True)
-class Write:
+class RegisterWrite:
     """One request that sets registers, or coils, of a unit from ``address`` on, all of them or none.
 
     Args:

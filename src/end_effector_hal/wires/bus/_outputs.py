@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping
 
-from end_effector_hal.codecs.modbus import Write
+from end_effector_hal.codecs.modbus import RegisterWrite
 from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Value
 
@@ -179,7 +179,7 @@ class BusOutputs:
         for each in self._outputs.values():
             each.advance(at, others_may_hold=self._others_may_hold(each, at))
 
-    def next_write(self, at: int) -> Write | None:
+    def next_write(self, at: int) -> RegisterWrite | None:
         """What is to be written now; registers of one unit that stand side by side are written together."""
         self.advance(at)
         for each in self._outputs.values():
@@ -187,12 +187,12 @@ class BusOutputs:
                 return self._together(each, row, at)
         return None
 
-    def acknowledged(self, write: Write, at: int) -> None:
+    def acknowledged(self, write: RegisterWrite, at: int) -> None:
         """A device has done it."""
         for each, row in self._rows_of(write):
             each.acknowledged(row, at)
 
-    def failed(self, write: Write, at: int) -> None:
+    def failed(self, write: RegisterWrite, at: int) -> None:
         """It was refused, or not acknowledged."""
         for each, _ in self._rows_of(write):
             each.retry_at = at + RETRY_US
@@ -224,7 +224,7 @@ class BusOutputs:
             if each is not output and each.stanza.unit == output.stanza.unit
         )
 
-    def _together(self, first: BusOutput, row: tuple[int, ...], at: int) -> Write:
+    def _together(self, first: BusOutput, row: tuple[int, ...], at: int) -> RegisterWrite:
         """With the rows of others that stand right before or behind it and are due as well."""
         ready = {
             (each.stanza.unit, each.stanza.register_type, each.stanza.address): other
@@ -238,9 +238,9 @@ class BusOutputs:
                 address, row = before[0], before[1] + row
             while (behind := ready.get((unit, table, address + len(row)))) and len(row) < LONGEST_WRITE:
                 row += behind
-        return Write(unit, address, row, table == "coil")
+        return RegisterWrite(unit, address, row, table == "coil")
 
-    def _rows_of(self, write: Write) -> Iterable[tuple[BusOutput, tuple[int, ...]]]:
+    def _rows_of(self, write: RegisterWrite) -> Iterable[tuple[BusOutput, tuple[int, ...]]]:
         """The outputs that a write was made of, with the part of each."""
         for each in self._outputs.values():
             row = each.next_row(NEVER)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from end_effector_hal.codecs.modbus import ModbusMaster, Write, acknowledgement, write_request
+from end_effector_hal.codecs.modbus import ModbusMaster, RegisterWrite, acknowledgement, write_request
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus._outputs import BusOutputs
 
@@ -30,7 +30,7 @@ class BusTraffic:
 
     def __init__(self, master: ModbusMaster, outputs: BusOutputs) -> None:
         self._master, self._outputs = master, outputs
-        self._write: Write | None = None
+        self._write: RegisterWrite | None = None
         self._until = 0
         self._free_at = 0
         self._rest = b""
