@@ -6,6 +6,7 @@ import pytest
 
 from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.rules import ArbiterState
+from end_effector_hal.arbiter.rules._session import SessionRecord
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.wires.lines import ComposedLines, LineHandover, RemoteLines
 from tests.support.keeping import MS, TOKEN, S
@@ -84,8 +85,10 @@ def test_what_nobody_knows_at_a_start_counts_as_active_until_somebody_knows() ->
 
 
 def test_what_nobody_knows_at_a_start_was_not_changed_by_anybody() -> None:
-    state = ArbiterState(clean=False, levels={UNLOCK: False, FINGERS: False})
+    record = SessionRecord("grip", TOKEN, (FINGERS,), (), ended=False)
+    state = ArbiterState(clients=(record,), clean=False, levels={UNLOCK: False, FINGERS: False})
     assert not arbiter(Far(None), state).predicates.faults
+    assert arbiter(Far(True), state).predicates.faults  # that one was
 
 
 def test_no_unlock_before_a_release_is_acknowledged() -> None:

@@ -174,10 +174,11 @@ def test_the_request_that_closes_it_is_that_of_the_manual(bus: Bus, gripper: Gri
 
 def test_a_command_waits_for_the_answer_that_is_under_way(bus: Bus, gripper: Gripper2F85) -> None:
     activated(bus, gripper)
-    while bus.traffic._master.free_at is not None:
+    while not bus.arriving:
         bus.to(bus.at + 500)
     count = len(bus.requests)
     bus.command(False)
+    assert bus.traffic.poll(bus.at) == (b"", None)  # whoever commands wakes the master
     bus.to(bus.at + 100)
     assert len(bus.requests) == count
     bus.to(bus.at + 10 * MS)
@@ -193,7 +194,7 @@ def test_what_is_not_acknowledged_is_written_again_and_nobody_knows_how_it_stand
     bus.to(bus.at + 300 * MS)
     assert bus.outputs.known(bus.at) == {}
     assert not bus.outputs.troubles(bus.at)  # not yet: one answer may be lost
-    bus.to(bus.at + 5 * S)
+    bus.to(bus.at + 60 * S)
     assert "no device acknowledges it" in bus.outputs.troubles(bus.at)[FINGERS]
     assert len(gripper.written) > 10
     bus.wire = lambda request, answer: answer
@@ -342,6 +343,11 @@ def test_what_is_handed_on_gives_the_same_frames_and_noise_gives_none(bus: Bus) 
         b'{"at":1e9,"answers":[]}\n',
     ):
         assert decoder.feed(noise, bus.at) == []
+    damaged = bus.records[-1]
+    place = damaged.index(b"0903") + 8
+    damaged = damaged[:place] + bytes([damaged[place] ^ 1]) + damaged[place + 1 :]
+    assert relayed.decoder().feed(bus.records[-1], bus.at) == [bus.frames[-1]]
+    assert relayed.decoder().feed(damaged, bus.at) == []
     frame = bus.frames[-1]
     assert relayed.decoder().feed(relayed.encode(frame), frame.at) == [frame]
     assert decoder.feed(b"x" * 100_000, bus.at) == []
