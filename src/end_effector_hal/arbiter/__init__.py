@@ -2,7 +2,7 @@
 
 from .client import ArbiterClient, PredicateSender
 from .rules import Exclusion, LineArbiter, Need, Policy, SecondCoil
-from .server import ArbiterServer, listen, serve
+from .server import ArbiterServer, serve
 
 __all__ = [
     "ArbiterClient",
@@ -13,6 +13,5 @@ __all__ = [
     "Policy",
     "PredicateSender",
     "SecondCoil",
-    "listen",
     "serve",
 ]

@@ -16,6 +16,7 @@ from end_effector_hal.description import (
     Fault,
     did_you_mean,
     examine,
+    lost_by_silence,
     not_fitted,
     slow,
     unproven,
@@ -30,7 +31,7 @@ class CodecMatch:
     Attributes:
         faults: what can never work.
         not_fitted: what is off because the codec does not carry it.
-        slow: times that so slow a link cannot keep.
+        slow: times that so slow a link cannot keep, and what a silent bus would let fall.
     """
 
     faults: tuple[Fault, ...]
@@ -71,7 +72,7 @@ def match_codec(description: Description) -> CodecMatch:
     return CodecMatch(
         tuple(sorted([*unproven(description, channels), *_hidden(description), *_too_short(description)])),
         tuple(not_fitted(description, channels)),
-        tuple(slow(description, channels)),
+        (*slow(description, channels), *lost_by_silence(description, channels)),
     )
 
 

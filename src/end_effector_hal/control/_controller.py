@@ -281,7 +281,7 @@ class Controller:
         found, self._statuses.adopted, self._adopt_by = self._statuses.found, True, None
         self._statuses.know({})
         # of an output that nobody knows anything of there is no level: then the sensors decide, in doubt it is active
-        unknown = self._description.opposites.keys() - found.keys()
+        unknown = self._description.may_be_unknown - found.keys()
         pairs = zip(self._description.ordered, self._senses.now.evidence, strict=True)
         gone = {part.line for (_, part), level in pairs if level is Evidence.GONE}
         parts = [part for _, part in self._description.ordered]

@@ -73,7 +73,7 @@ class StatusBuilder:
         self._keeps = [f"kept[{i}]" for i in size]
         self._per_actuator = {*self._valves, *self._states, *self._keeps}
         self._lines = [part.line for _, part in description.ordered]
-        self._unread = frozenset(description.opposites)  # nobody may know how they stand: in doubt active
+        self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
         self._used = used_channels(description)
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {

@@ -29,7 +29,7 @@ from .model import (
     type_bits,
 )
 from .reading import examine, examine_text, load
-from .rules import CodecChannels, not_fitted, slow, unproven, used_channels
+from .rules import CodecChannels, lost_by_silence, not_fitted, slow, unproven, used_channels
 
 __all__ = [
     "CODES",
@@ -55,6 +55,7 @@ __all__ = [
     "examine",
     "examine_text",
     "load",
+    "lost_by_silence",
     "markdown",
     "mask_shift",
     "not_fitted",

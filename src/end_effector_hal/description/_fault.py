@@ -88,6 +88,7 @@ CODES = {
     "EE-226": "unknown codec",
     "EE-227": "a condition that cannot be meant",
     "EE-228": "channels and the frame of the link do not go together",
+    "EE-229": "an output on the bus that cannot be meant",
 }
 
 

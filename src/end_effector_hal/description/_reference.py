@@ -35,6 +35,11 @@ def schema() -> dict[str, Any]:
     for each in actuators["patternProperties"].values():
         # A word of OpenAPI's that JSON Schema does not know; oneOf says the same.
         each.pop("discriminator")
+    for stanza in actuator_stanzas().values():
+        # the output is one of the two; of one on the bus the name follows from its place
+        defined = found["$defs"][stanza.__name__]
+        defined["required"].remove("line")
+        defined["oneOf"] = [{"required": ["line"]}, {"required": ["modbus"]}]
     return {"$schema": GenerateJsonSchema.schema_dialect, **found, "title": "End-effector description"}
 
 
@@ -118,7 +123,12 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
         case "array":
             if "prefixItems" in each:
                 return f"list of {len(each['prefixItems'])} numbers"
-            nouns = {"number": "number", None: "condition"}
+            nouns = {
+                "number": "number",
+                "integer": "whole number",
+                "array": "list of whole number",
+                None: "condition",
+            }
             noun = nouns.get(each["items"].get("type")) or _value(key, path, each["items"])
             return f"list of {noun}s"
         case _:

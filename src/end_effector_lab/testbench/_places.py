@@ -49,6 +49,7 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
         text = f"virtual:{description.lines.path}"
     kind, _, rest = text.partition(":")
     if kind == "virtual" and rest:
+        lines = [*lines, *description.register_outputs]  # what they are commanded is shown on the chip
         return VirtualInputs(rest, lines, power_cycle=power_cycle, others=others, pulled=pulled)
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
@@ -144,7 +145,9 @@ def _port(text: str | None, description: Description, name: str, lines: str | No
 def _lines(description: Description) -> list[str]:
     changer = [description.tool_changer.line] if description.tool_changer else []
     second = [each.line for each in description.opposites.values()]
-    return [*changer, *(actuator.line for _, actuator in description.ordered), *second]
+    on_bus = description.register_outputs
+    lines = (actuator.line for _, actuator in description.ordered if actuator.line not in on_bus)
+    return [*changer, *lines, *second]
 
 
 def _renamed(text: str, lines: list[str]) -> dict[str, str]:

@@ -11,6 +11,7 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame, Kind, Value
 
 from ._bench import Bench
+from .modbus import CommandedRegisters
 
 
 def carried(
@@ -70,12 +71,19 @@ class SensorBoard:
         description: of the tool.
         start: µs, when it was switched on.
         link: its name; None: it is the only one.
+        registers: that are commanded over the link, if there are any.
     """
 
     def __init__(
-        self, codec: Codec, bench: Bench, description: Description, start: int, link: str | None = None
+        self,
+        codec: Codec,
+        bench: Bench,
+        description: Description,
+        start: int,
+        link: str | None = None,
+        registers: CommandedRegisters | None = None,
     ) -> None:
-        self._link = link
+        self._link, self._registers = link, registers
         self._codec, self._bench, self._description = codec, bench, description
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
@@ -89,6 +97,12 @@ class SensorBoard:
     def answer(self, request: bytes, at: int) -> Sent | None:
         """The answers to what was asked at ``at`` (µs); None: nothing was."""
         sample = self._bench.sample(at)
+        if self._registers:
+            if self._bench.silent(at):  # without power, or without a wire: it hears nothing
+                return None
+            if done := self._registers.answer(request):
+                return self._sent(done, self._next(at), sample, at)
+            sample |= self._registers.values
         answers = self._device.answer(request, self._carried(sample)) if self._device else b""
         if not answers:
             return None

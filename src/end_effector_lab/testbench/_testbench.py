@@ -15,7 +15,8 @@ from ._board_sensors import BoardSensors
 from ._ports import Port
 from ._scenario import parse_scenario
 from ._sensor_board import SensorBoard, Sent
-from .inputs import Clock, LineInputs, clock_of
+from .inputs import Clock, LineInputs, VirtualInputs, clock_of
+from .modbus import CommandedRegisters
 
 RECEIVE_S = 0.1
 
@@ -102,8 +103,11 @@ class Testbench:
                 port.close()
             raise
         for name, port in self._ports.items():
-            codec = self.codecs[name]
-            board = SensorBoard(codec, self._bench, self._description, self._start, name or None)
+            codec, registers = self.codecs[name], None
+            if name == self._description.bus:
+                registers = CommandedRegisters(self._description, self._obey)
+                registers.start(levels)
+            board = SensorBoard(codec, self._bench, self._description, self._start, name or None, registers)
             if is_polled(codec):
                 self._begin("frames", self._answer, board, port)
             else:
@@ -140,6 +144,13 @@ class Testbench:
         with self._lock:
             self._bench.line(name, level, at)
         self._watcher.line(name, level, at, seen)
+
+    def _obey(self, name: str, level: bool) -> None:
+        """An output was commanded over the link; called with the lock. On a virtual chip everybody sees it."""
+        if isinstance(self._inputs, VirtualInputs):
+            self._inputs.show(name, level)
+        else:
+            self._bench.line(name, level, self._clock.now_us())
 
     def _begin(self, name: str, work: Callable[..., None], *given: object) -> None:
         """A thread; what ends it is told."""

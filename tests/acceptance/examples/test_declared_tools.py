@@ -29,13 +29,14 @@ from .conftest import ROOT
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
 TOOLS = ROOT / "examples" / "tools"
 DECLARED = ("diy_text", "two_epick", "diy_record")
+COMMANDED = ("gripper_2f85", "epick_commanded")
 
 
 def eehal(*words: object) -> str:
     return subprocess.run([*EEHAL, *map(str, words)], capture_output=True, text=True, check=True).stdout
 
 
-@pytest.mark.parametrize("name", DECLARED)
+@pytest.mark.parametrize("name", DECLARED + COMMANDED)
 def test_it_is_checked_and_proved(name: str) -> None:
     tool = TOOLS / name / "end_effector.yaml"
     assert eehal("check", tool).startswith(name)
@@ -43,7 +44,7 @@ def test_it_is_checked_and_proved(name: str) -> None:
     assert all(each["holds"] for each in proof["requirements"])
 
 
-@pytest.mark.parametrize("name", first_of(DECLARED))
+@pytest.mark.parametrize("name", first_of(DECLARED) + first_of(COMMANDED))
 def test_it_grips_and_its_recording_decides_the_same(name: str, tmp_path: Path) -> None:
     tool = TOOLS / name / "end_effector.yaml"
     eehal("demo", tool, "--no-ros", "--only", "nominal", "-o", tmp_path)

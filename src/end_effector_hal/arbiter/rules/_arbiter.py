@@ -197,7 +197,7 @@ class LineArbiter:
         """
         self.trips.clear()
         stay = self.predicates.reset(at)
-        for name, why in (still or {}).items():
+        for name, why in {**(still or {}), **self._lines.troubles()}.items():
             self.predicates.latch(name, why)
             stay.append(why.rstrip("."))
         if stay:
@@ -230,6 +230,10 @@ class LineArbiter:
         self.sessions = [session for session in self.sessions if session.queue or not session.ended]
         if self._lines.coils is not None:
             self.end_pulses(at)
+        for name, why in self._lines.troubles().items():
+            if name not in self.predicates.faults:
+                _log.error("%s", why)
+            self.predicates.latch(name, why)
         for line in self.policy.max_active_us:
             if (end := self._lines.longest_end(line)) is not None and end <= at:
                 self._end_activation(line, at)
@@ -266,7 +270,7 @@ class LineArbiter:
 
     def _may_be_active(self, line: str) -> bool:
         """Whether it is active now, or will be before everything that waits in any queue is applied."""
-        return self.levels[line] or any(
+        return self._lines.may_be_active(line) or any(
             write.levels.get(line) for session in self.sessions for write in session.queue
         )
 
@@ -284,10 +288,11 @@ class LineArbiter:
             self._restore(record._replace(will=()) if doubt else record, at)
 
     def _changed_meanwhile(self, levels: Mapping[str, bool]) -> str:
+        guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
         others = [
             self.policy.called(line)
             for line, level in levels.items()
-            if self.levels.get(line, level) != level
+            if self.levels.get(line, level) != level and line not in guessed
         ]
         return f"{', '.join(others)} was changed while no line arbiter ran" if others else ""
 

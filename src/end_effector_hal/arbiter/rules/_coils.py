@@ -29,7 +29,8 @@ class Coils:
     """Writes outputs, and knows what was written; no coil is ever active together with its opposite.
 
     Where no coil is active and no record of an earlier arbiter says what was pulsed last, nobody knows how the device
-    stands: such an output is a guess and counts as active, until somebody writes it. A part that may be held is held.
+    stands; nor does anybody where its back-end leaves a line out. Such an output is a guess and counts as active, until
+    somebody writes it, or its back-end knows. A part that may be held is held.
 
     Args:
         backend: the lines, not claimed yet.
@@ -55,14 +56,14 @@ class Coils:
             believed: how pulsed outputs stand, where a record says it.
         """
         found = self._backend.request([*lines, *(each.line for each in self._opposites.values())])
-        levels, off, guessed = {line: found[line] for line in lines}, set[str](), set[str]()
+        levels, off = {line: found.get(line, True) for line in lines}, set[str]()
+        guessed = {line for line in lines if line not in found}
         for line, opposite in self._opposites.items():
             if found[line] and found[opposite.line]:
                 _log.error("both coils of one output were active: %s and %s", line, opposite.line)
                 off.add(opposite.line)
             known = found[line] or found[opposite.line] or (opposite.pulse_us and line in believed)
             if not known:
-                _log.warning("nothing says how %s stands: it counts as active", line)
                 guessed.add(line)
                 levels[line] = True
             elif opposite.pulse_us and not found[line]:
@@ -73,12 +74,15 @@ class Coils:
         if off:
             self._before_change()
             self._backend.set(dict.fromkeys(off, False))
+        for line in sorted(guessed):
+            _log.warning("nothing says how %s stands: it counts as active", line)
         self.guessed = frozenset(guessed)
         return levels
 
     def read(self) -> dict[str, bool]:
         """The levels of the outputs, read back where a level stands; without those of which nothing is known."""
         found = self._backend.levels()
+        self.guessed -= found.keys() - self._opposites.keys()  # it has become known
         unread = {each.line for each in self._opposites.values()} | self.guessed
         return {line: self._pulsed.get(line, level) for line, level in found.items() if line not in unread}
 

@@ -8,7 +8,7 @@ from end_effector_hal.arbiter.rules._coils import Coils
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._session import Write
 from end_effector_hal.errors import WireError
-from end_effector_hal.wires.lines import LineBackend
+from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 
 class OutputLines:
@@ -31,8 +31,10 @@ class OutputLines:
         believed: Mapping[str, bool],
     ) -> None:
         self._policy, self._before_change = policy, before_change
-        self.coils = Coils(backend, policy.opposites, before_change) if policy.opposites else None
-        """Outputs of two coils, with all others; None: each output is one line."""
+        self._remote = backend if isinstance(backend, RemoteLines) else None
+        guesses = policy.opposites or self._remote
+        self.coils = Coils(backend, policy.opposites, before_change) if guesses else None
+        """Outputs of two coils, with all others; None: each output is one line, whose level can be read."""
         self._backend = backend
         self.levels = (
             self.coils.request(policy.lines, believed) if self.coils else backend.request(policy.lines)
@@ -66,7 +68,20 @@ class OutputLines:
 
     def read(self) -> dict[str, bool]:
         """The levels, read back from the hardware where they stand there."""
-        return self.coils.read() if self.coils else self._backend.levels()
+        if self.coils is None:
+            return self._backend.levels()
+        guessed, found = self.coils.guessed, self.coils.read()
+        self.levels |= {line: level for line, level in found.items() if line in guessed}
+        return found
+
+    def may_be_active(self, line: str) -> bool:
+        """Whether it is active, or nobody knows how it stands."""
+        return self.levels[line] or (self._remote is not None and line in self._remote.unsure())
+
+    def troubles(self) -> dict[str, str]:
+        """What is wrong with outputs that are not written here, a sentence by the name of a fault."""
+        found = self._remote.troubles() if self._remote else {}
+        return {f"output {line}": f"{self._policy.called(line)} {why}." for line, why in found.items()}
 
     def ready_at(self, write: Write) -> int:
         """The earliest time at which a write may be applied, µs."""

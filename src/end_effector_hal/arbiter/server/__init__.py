@@ -1,6 +1,5 @@
 """The arbiter's process: its socket, its connections, and what it replies."""
 
 from ._server import ArbiterServer, serve
-from ._socket import listen
 
-__all__ = ["ArbiterServer", "listen", "serve"]
+__all__ = ["ArbiterServer", "serve"]

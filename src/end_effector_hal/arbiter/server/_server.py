@@ -22,10 +22,9 @@ from end_effector_hal.arbiter.records import (
 from end_effector_hal.arbiter.rules import LineArbiter, Policy
 from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connection, Connections
 from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
-from end_effector_hal.arbiter.server._socket import listen, no_socket
 from end_effector_hal.errors import ArbiterError, UsageError, WireError
-from end_effector_hal.wires import Claim, now_us
-from end_effector_hal.wires.lines import LineBackend
+from end_effector_hal.wires import Claim, listen, no_socket, now_us
+from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 LONGEST_PULSE_US = 2_000_000
@@ -82,6 +81,9 @@ class ArbiterServer(Closing):
             self._claim.release()
             self._close_ends()
             raise
+        if isinstance(backend, RemoteLines):
+            for fd in backend.filenos():
+                self._selector.register(fd, selectors.EVENT_READ, backend)
         self._connections = Connections(listener, self._selector)
         self._requests = RequestHandler(
             self._arbiter,
@@ -121,6 +123,8 @@ class ArbiterServer(Closing):
                 self._stopped_at = self._stopped_at or now_us()
             elif isinstance(key.data, Connection):
                 ready.add(key.data)
+            elif isinstance(key.data, RemoteLines):
+                key.data.heard()
             else:
                 self._end(self._connections.accept(), "there are too many connections")
         for connection in self._connections.round(ready):

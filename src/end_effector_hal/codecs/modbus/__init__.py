@@ -1,15 +1,18 @@
 """Modbus RTU: a polled codec made of reads, and presets for devices whose registers are known."""
 
+from ._adu import acknowledgement, write_request
 from ._codec import ModbusDevice, ModbusRtu
 from ._master import ModbusMaster
 from ._presets import EPick, OnRobotVG, Transmitters
-from ._read import COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read, Readout, Register
+from ._read import COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read, Readout, Register, RegisterWrite
+from ._relay import BusCodec, RelayedBus, cycle_record
 
 __all__ = [
     "COILS",
     "DISCRETE_INPUTS",
     "HOLDING",
     "INPUT",
+    "BusCodec",
     "EPick",
     "ModbusDevice",
     "ModbusMaster",
@@ -18,5 +21,10 @@ __all__ = [
     "Read",
     "Readout",
     "Register",
+    "RegisterWrite",
+    "RelayedBus",
     "Transmitters",
+    "acknowledgement",
+    "cycle_record",
+    "write_request",
 ]

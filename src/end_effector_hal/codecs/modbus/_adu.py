@@ -9,15 +9,29 @@ from pymodbus.pdu.bit_message import (
     ReadCoilsResponse,
     ReadDiscreteInputsRequest,
     ReadDiscreteInputsResponse,
+    WriteMultipleCoilsRequest,
+    WriteMultipleCoilsResponse,
+    WriteSingleCoilRequest,
 )
 from pymodbus.pdu.register_message import (
     ReadHoldingRegistersRequest,
     ReadHoldingRegistersResponse,
     ReadInputRegistersRequest,
     ReadInputRegistersResponse,
+    WriteMultipleRegistersRequest,
+    WriteMultipleRegistersResponse,
+    WriteSingleRegisterRequest,
 )
 
-from end_effector_hal.codecs.modbus._read import BITS, COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read
+from end_effector_hal.codecs.modbus._read import (
+    BITS,
+    COILS,
+    DISCRETE_INPUTS,
+    HOLDING,
+    INPUT,
+    Read,
+    RegisterWrite,
+)
 
 DEVICE_FAILURE = 4
 REQUEST_BYTES = 8
@@ -36,6 +50,31 @@ def request(read: Read) -> bytes:
     """The request, address to CRC."""
     pdu = _REQUESTS[read.function](address=read.address, count=read.count).encode()
     return _frame(read, read.function, pdu)
+
+
+def write_request(write: RegisterWrite) -> bytes:
+    """The request that writes, address to CRC: one register or coil with function 6 or 5, several with 16 or 15."""
+    return _frame(write, *_writing(write))
+
+
+def acknowledgement(write: RegisterWrite) -> bytes:
+    """The only answer to it that says that it was done."""
+    count, one = len(write.values), len(write.values) == 1
+    if one:
+        return write_request(write)  # the device repeats it
+    done = WriteMultipleCoilsResponse if write.coils else WriteMultipleRegistersResponse
+    return _frame(write, _writing(write)[0], done(address=write.address, count=count).encode())
+
+
+def _writing(write: RegisterWrite) -> tuple[int, bytes]:
+    """Function and PDU."""
+    values, one = list(write.values), len(write.values) == 1
+    if write.coils:
+        bits = [value != 0 for value in values]
+        coils = WriteSingleCoilRequest if one else WriteMultipleCoilsRequest
+        return (5 if one else 15), coils(address=write.address, bits=bits).encode()
+    registers = WriteSingleRegisterRequest if one else WriteMultipleRegistersRequest
+    return (6 if one else 16), registers(address=write.address, registers=values).encode()
 
 
 def answer(read: Read, words: list[int]) -> bytes:
@@ -66,6 +105,6 @@ def is_whole(adu: bytes) -> bool:
     return bool(FramerRTU.check_CRC(adu[:-2], int.from_bytes(adu[-2:], "big")))
 
 
-def _frame(read: Read, function: int, pdu: bytes) -> bytes:
+def _frame(read: Read | RegisterWrite, function: int, pdu: bytes) -> bytes:
     frame: bytes = _FRAMER.encode(bytes([function]) + pdu, read.unit, 0)
     return frame

@@ -14,7 +14,47 @@ MIX_UP_US = 1_000_000
 """An answer that comes later than this is lost."""
 
 
-class ModbusMaster:
+class ReadCycle:
+    """Makes a frame of the answers to the reads of one cycle, and counts; see `Decoder` for the counters.
+
+    Args:
+        reads: of a cycle.
+    """
+
+    def __init__(self, reads: Sequence[Read]) -> None:
+        self.bytes = 0
+        self.frames = 0
+        self.lost = 0
+        self.reboots = 0
+        self.errors: Counter[str] = Counter()
+        self._reads = reads
+        self._values: dict[str, Value] = {}
+
+    def _taken(self, read: Read, answer: bytes) -> dict[str, Value]:
+        if answer[1] != read.function:
+            self.errors["refused"] += 1
+            return {name: None for part in read.registers for name in part.channels}
+        words = adu.words_of(read, answer)
+        values = {name: value for part in read.registers for name, value in part.values(words).items()}
+        self.errors["range"] += sum(part.implausible(words) for part in read.registers)
+        return values
+
+    def _cycle_over(self, heard_at: int | None) -> tuple[Frame, ...]:
+        """The frame of a cycle, if anybody has answered; ``heard_at``: when the last one did, µs."""
+        if heard_at is None:
+            self.lost += 1
+            return ()
+        self.frames += 1
+        values = {
+            name: self._values.get(name)
+            for read in self._reads
+            for part in read.registers
+            for name in part.channels
+        }
+        return (Frame(heard_at, None, None, values),)
+
+
+class ModbusMaster(ReadCycle):
     """Asks one read after the other; keeps at most the bytes since the last request that could be its answer.
 
     Args:
@@ -25,20 +65,21 @@ class ModbusMaster:
     """Of a byte on the line, at most: start, 8, parity, stop."""
 
     def __init__(self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int) -> None:
-        self.bytes = 0
-        self.frames = 0
-        self.lost = 0
-        self.reboots = 0
-        self.errors: Counter[str] = Counter()
+        super().__init__(reads)
         self.due = 0
-        self._reads, self._baudrate = reads, baudrate
+        self.free_at: int | None = 0
+        """µs, from when on the line is free for somebody else's request; None: an answer is awaited."""
+        self.answers: tuple[bytes, ...] = ()
+        """To the reads of the last whole cycle, as they came, empty where none did; before that: empty."""
+        self._baudrate = baudrate
         self._period_us, self._timeout_us = period_us, timeout_us
-        self._silence_us = self.silence_us(baudrate)
+        self.silence_after_us = self.silence_us(baudrate)
+        """µs that the line is left alone after an answer."""
         self._next = 0
         self._unanswered: dict[tuple[int, int, int], tuple[Read, int]] = {}
         self._pending: Read | None = None
         self._cycle_at = 0
-        self._values: dict[str, Value] = {}
+        self._heard: list[bytes] = []
         self._heard_at: int | None = None
         self._rest = b""
 
@@ -60,11 +101,12 @@ class ModbusMaster:
                 return Polled(b"", frames)
         if self._next == 0:
             self._cycle_at, self._values, self._heard_at = at, {}, None
+            self._heard = [b""] * len(self._reads)
             while self._may_mix(self._reads[self._next], at):  # never all: not who has not answered
                 self._next += 1
-        self._pending, self._rest = self._reads[self._next], b""
+        self._pending, self._rest, self.free_at = self._reads[self._next], b"", None
         request = adu.request(self._pending)
-        self.due = at + self._timeout_us + len(request) * self.BITS * 1_000_000 // self._baudrate
+        self.due = at + self.answered_within_us(request)
         return Polled(request, frames)
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
@@ -79,7 +121,11 @@ class ModbusMaster:
             return []
         self._values |= self._taken(self._pending, answer)
         self._heard_at = at
-        return list(self._end(at))
+        return list(self._end(at, answer))
+
+    def answered_within_us(self, request: bytes) -> int:
+        """How long to wait for the answer to a request from its first byte on."""
+        return self._timeout_us + len(request) * self.BITS * 1_000_000 // self._baudrate
 
     def _may_mix(self, read: Read, at: int) -> bool:
         """Whether the answer to another read may still come, and would be taken for that to this one."""
@@ -102,37 +148,20 @@ class ModbusMaster:
         size = _size(self._rest[:3], good, bad)
         return self._rest[:size] if size and len(self._rest) >= size else None
 
-    def _taken(self, read: Read, answer: bytes) -> dict[str, Value]:
-        if answer[1] != read.function:
-            self.errors["refused"] += 1
-            return {name: None for part in read.registers for name in part.channels}
-        words = adu.words_of(read, answer)
-        values = {name: value for part in read.registers for name, value in part.values(words).items()}
-        self.errors["range"] += sum(part.implausible(words) for part in read.registers)
-        return values
-
-    def _end(self, at: int) -> tuple[Frame, ...]:
+    def _end(self, at: int, answer: bytes = b"") -> tuple[Frame, ...]:
         """The pending read is over; the frame, if it was the last of the cycle and anybody has answered."""
         self._pending, self._rest = None, b""
+        self._heard[self._next] = answer
         self._next += 1
         while self._next < len(self._reads) and self._may_mix(self._reads[self._next], at):
             self._next += 1
         self._next %= len(self._reads)
-        self.due = at + self._silence_us
+        self.due = self.free_at = at + self.silence_after_us
         if self._next:
             return ()
         self.due = max(self.due, self._cycle_at + self._period_us)
-        if self._heard_at is None:
-            self.lost += 1
-            return ()
-        self.frames += 1
-        values = {
-            name: self._values.get(name)
-            for read in self._reads
-            for part in read.registers
-            for name in part.channels
-        }
-        return (Frame(self._heard_at, None, None, values),)
+        self.answers = tuple(self._heard)
+        return self._cycle_over(self._heard_at)
 
 
 def _size(head: bytes, good: bytes, bad: bytes) -> int:

@@ -1,4 +1,4 @@
-"""What is read from a Modbus device, as data."""
+"""What is read from a Modbus device, and written to it, as data."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Readout(Protocol):
         ...
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
-        """Write what a device shows; False: it can only refuse, as there is no value."""
+        """RegisterWrite what a device shows; False: it can only refuse, as there is no value."""
         ...
 
 
@@ -137,3 +137,20 @@ class Read:
     def answer_bytes(self) -> int:
         """Bytes of what was read in its answer; two answers of one unit and function are told apart by it."""
         return -(-self.count // 8) if self.function in BITS else 2 * self.count
+
+
+@dataclass(frozen=True)
+class RegisterWrite:
+    """One request that sets registers, or coils, of a unit from ``address`` on, all of them or none.
+
+    Args:
+        unit: address of the device, 1 to 247.
+        address: of the first, as it stands on the wire.
+        values: 0 to 65535 each; of coils 0 or 1.
+        coils: whether they are coils.
+    """
+
+    unit: int
+    address: int
+    values: tuple[int, ...]
+    coils: bool = False

@@ -17,7 +17,18 @@ from end_effector_hal.description._fault import Place, Places
 from end_effector_hal.description._paths import profile_path, run_directory
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
-from end_effector_hal.kinds.stanza import Actuator, Endings, Hold, Name, Names, Opposite, Part, Supply, Word
+from end_effector_hal.kinds.stanza import (
+    Actuator,
+    Endings,
+    Hold,
+    Name,
+    Names,
+    Opposite,
+    Part,
+    RegisterOutput,
+    Supply,
+    Word,
+)
 
 from ._channels import Channel, Channels, Inputs
 from ._durations import Durations, durations
@@ -196,6 +207,22 @@ class Description(Part):
         parts: list[Actuator | ToolChanger] = [part for _, part in self.ordered]
         parts += [self.tool_changer] if self.tool_changer else []
         return {part.line: part.opposite for part in parts if part.opposite is not None}
+
+    @property
+    def bus(self) -> str | None:
+        """Name of the link whose devices are commanded; None: none is. A rule holds that it is one."""
+        over = [name for name, link in self.links.items() if link.frame and link.frame.modbus]
+        return over[0] if over and self.register_outputs else None
+
+    @property
+    def register_outputs(self) -> dict[str, RegisterOutput]:
+        """Outputs on the bus, by the name that stands as `line`, in the order of a grip."""
+        return {part.line: part.modbus for _, part in self.ordered if part.modbus is not None}
+
+    @property
+    def may_be_unknown(self) -> frozenset[str]:
+        """Outputs of which at a start nobody may know how they stand."""
+        return frozenset((*self.opposites, *self.register_outputs))
 
     def service_of(self, name: str) -> str:
         """ROS service of an actuator (relative name); raises KeyError for an unknown one."""

@@ -11,7 +11,13 @@ from pydantic import ValidationError
 from end_effector_hal.description._fault import Fault, Keys, Places, did_you_mean
 from end_effector_hal.description._shape import Facts, actuator_stanzas, fields_of
 from end_effector_hal.description.model import Description
-from end_effector_hal.description.rules import frame_faults, order_faults, rule_faults, shared_faults
+from end_effector_hal.description.rules import (
+    frame_faults,
+    order_faults,
+    output_faults,
+    rule_faults,
+    shared_faults,
+)
 from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
@@ -90,7 +96,7 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
         *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed)),
     ]
     facts = Facts(tree, places, broken)
-    rules = (order_faults, rule_faults, shared_faults, frame_faults)
+    rules = (order_faults, rule_faults, shared_faults, frame_faults, output_faults)
     faults += [fault for rule in rules for fault in rule(facts)]
     broken |= {("actuators", name) for name in guessed}
     return likely(tree, places, broken) if faults else description, faults, broken

@@ -4,14 +4,17 @@ from ._channels import CodecChannels, used_channels
 from ._codec import not_fitted, slow, unproven
 from ._frames import frame_faults
 from ._order import order_faults
+from ._outputs import lost_by_silence, output_faults
 from ._shared import shared_faults
 from ._stanzas import rule_faults
 
 __all__ = [
     "CodecChannels",
     "frame_faults",
+    "lost_by_silence",
     "not_fitted",
     "order_faults",
+    "output_faults",
     "rule_faults",
     "shared_faults",
     "slow",

@@ -25,6 +25,7 @@ from ._part import (
     Word,
     named,
 )
+from ._registers import RegisterOutput
 from ._tool import Actuator, Hold, Opposite, Supply
 
 __all__ = [
@@ -46,6 +47,7 @@ __all__ = [
     "Opposite",
     "OwnEndings",
     "Part",
+    "RegisterOutput",
     "RosName",
     "Samples",
     "Seconds",

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ._conditions import EvidenceConditions
 from ._endings import OwnEndings
 from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Seconds, Word
+from ._registers import RegisterOutput, with_line
 
 
 class Opposite(Part):
@@ -24,22 +25,33 @@ class Opposite(Part):
 
 
 class Actuator(Part):
-    """What every actuator has: a line that drives it, a channel that proves it, and its times.
+    """What every actuator has: an output that drives it, a channel that proves it, and its times.
+
+    The output is a `line`, or registers of a Modbus device (`modbus`).
 
     The stanza of a kind inherits it, with ``kind: Literal["…"]`` and its own keys. The keys here are also the
     constants that an actuator gives the automata: ``timeout_s`` is T_CONFIRM, ``reset_s`` T_RESET, ``release_s``
     T_GONE, ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
     """
 
-    LATER: ClassVar[tuple[str, ...]] = ("opposite", "evidence")
+    LATER: ClassVar[tuple[str, ...]] = ("opposite", "modbus", "on_power_loss", "evidence")
 
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
         kind: str
 
-    line: LineName = Field(description="name of the GPIO line, as gpioinfo shows it")
+    line: LineName = Field(
+        description="name of the GPIO line, as gpioinfo shows it; required without `modbus`"
+    )
     pin: Word = Field(default="", description="where it is found on the board; for people")
     opposite: Opposite | None = Field(
         default=None, description="absent: a spring drives it back when `line` is inactive"
+    )
+    modbus: RegisterOutput | None = Field(
+        default=None, description="instead of `line`: registers of a device on the link"
+    )
+    on_power_loss: Literal["hold", "release", "keep", "undefined"] = Field(
+        default="undefined",
+        description="without power, by its manual; hold: what is held stays held; keep: it stays as it was",
     )
     channel: Name = Field(description="pressure that proves it; none, where a bit proves it: no such sensor")
     timeout_s: Seconds = Field(default=5.0, description="not confirmed within: one failed attempt")
@@ -61,6 +73,15 @@ class Actuator(Part):
     topic: RosName | None = Field(
         default=None, description="ROS topic; default: Pressure + name in CamelCase"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _output_has_a_name(cls, given: Any) -> Any:
+        return with_line(given)
+
+    def superseded(self) -> tuple[str, ...]:
+        """Registers have a name by themselves."""
+        return ("line",) if self.modbus else ()
 
 
 class Supply(Part):

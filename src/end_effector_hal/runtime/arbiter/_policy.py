@@ -82,8 +82,9 @@ def output_lines(description: Description) -> tuple[str, ...]:
 
 
 def wired_lines(description: Description) -> tuple[str, ...]:
-    """Every output line that is wired: the outputs, and the second coils of those that have two."""
-    return (*output_lines(description), *(each.line for each in description.opposites.values()))
+    """Every output line of the board: the outputs, and the second coils of those that have two."""
+    lines = (line for line in output_lines(description) if line not in description.register_outputs)
+    return (*lines, *(each.line for each in description.opposites.values()))
 
 
 def program_lines(description: Description, program: str) -> tuple[str, ...]:

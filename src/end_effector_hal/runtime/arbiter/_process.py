@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, serve
+from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import be_steady
-from end_effector_hal.wires.lines import GpiodLines, LineBackend, LineHandover, VirtualLines
+from end_effector_hal.wires.lines import ComposedLines, GpiodLines, LineBackend, LineHandover, VirtualLines
 
 from ._policy import arbiter_policy, program_lines
 from ._service_manager import ServiceManager
+
+if TYPE_CHECKING:
+    from end_effector_hal.codecs.modbus import BusCodec
 
 
 def connect_arbiter(description: Description, program: str, *, patience_s: float = 5.0) -> ArbiterClient:
@@ -51,7 +56,8 @@ def run_arbiter(
         manager.ready(f"{description.name} on {where}", _Probe(where))
         be_steady()
 
-    where, backend = socket or socket_path(description), _backend(description)
+    where = socket or socket_path(description)
+    backend = _backend(description, where, group)
     with ServiceManager() as manager:
         if isinstance(backend, LineHandover):
             backend.restore(manager.stored_descriptors())
@@ -84,7 +90,20 @@ class _Probe:
         self._client.levels()
 
 
-def _backend(description: Description) -> LineBackend:
+def _backend(description: Description, socket: Path, group: str | None) -> LineBackend:
+    """The lines of the board, and the registers of devices on the link."""
+    outputs, name = description.register_outputs, description.bus
+    if name is None:
+        return _board_lines(description)
+    from end_effector_hal.wires.bus import BusLines, BusLink, relay_path
+
+    link, codec = description.links[name], codec_of(description, name)
+    bus = BusLink(link.port, cast("BusCodec", codec), *line_of(link, codec))
+    lines = BusLines(bus, outputs, relay_path(socket), group)
+    return ComposedLines(_board_lines(description), dict.fromkeys(outputs, lines))
+
+
+def _board_lines(description: Description) -> LineBackend:
     if description.lines.backend == "gpiod":
         return GpiodLines()
     if description.lines.path is None:

@@ -19,10 +19,9 @@ from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from end_effector_hal.arbiter import listen
 from end_effector_hal.control import Answer
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.wires import now_us
+from end_effector_hal.wires import listen, now_us
 
 from ._protocol import COMMAND_VALID_US, ProgramCommand, answer_line, read_command_message, record_line
 from ._readers import StreamReader, StreamReaders

@@ -1,7 +1,8 @@
 """Lines: binary outputs. The `gpiod` back-end drives real ones, `virtual` those of a chip in a file."""
 
-from ._backend import LineBackend, LineHandover, line_not_found
+from ._backend import LineBackend, LineHandover, RemoteLines, line_not_found
 from ._chip_log import ChipLog, ChipState, Edge, LineState
+from ._composed import ComposedLines
 from ._gpiod import CONSUMER, GpiodLines, busy, find_chips, find_lines, line_infos, load_gpiod, open_chip
 from ._virtual import Pull, VirtualChip, VirtualLines, VirtualPins, read_chip
 from ._watcher import ChipWatcher
@@ -11,12 +12,14 @@ __all__ = [
     "ChipLog",
     "ChipState",
     "ChipWatcher",
+    "ComposedLines",
     "Edge",
     "GpiodLines",
     "LineBackend",
     "LineHandover",
     "LineState",
     "Pull",
+    "RemoteLines",
     "VirtualChip",
     "VirtualLines",
     "VirtualPins",

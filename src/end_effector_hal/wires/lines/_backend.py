@@ -18,7 +18,7 @@ class LineBackend(Protocol):
         An output keeps its level, an input becomes an inactive output: a pull-up is not a command.
 
         Returns:
-            The levels after adoption.
+            The levels after adoption; a line of which nobody knows how it stands is left out.
 
         Raises:
             LineNotFoundError: a name is missing or ambiguous.
@@ -28,7 +28,10 @@ class LineBackend(Protocol):
         ...
 
     def levels(self) -> dict[str, bool]:
-        """The levels of the claimed lines, read back; they prove the claim, not the actuator."""
+        """The levels of the claimed lines, read back; they prove the claim, not the actuator.
+
+        A line of which nobody knows how it stands is left out.
+        """
         ...
 
     def set(self, levels: Mapping[str, bool]) -> None:
@@ -50,6 +53,27 @@ class LineHandover(Protocol):
 
     def restore(self, descriptors: Mapping[str, int]) -> None:
         """Use the stored descriptors of a predecessor; call it before `request`. One that fits no line is closed."""
+        ...
+
+
+@runtime_checkable
+class RemoteLines(Protocol):
+    """A `LineBackend` that does not write by itself: what it sends may be late, or lost on its way."""
+
+    def unsure(self) -> frozenset[str]:
+        """Lines of which nobody knows how they stand: a write is under way, or the device says otherwise."""
+        ...
+
+    def troubles(self) -> Mapping[str, str]:
+        """What is wrong with its lines now, a clause by line."""
+        ...
+
+    def filenos(self) -> Sequence[int]:
+        """Of the claimed lines; one is readable when `unsure` or `troubles` have changed, until `heard`."""
+        ...
+
+    def heard(self) -> None:
+        """Both are about to be asked."""
         ...
 
 

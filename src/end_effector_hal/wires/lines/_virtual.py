@@ -11,7 +11,15 @@ from end_effector_hal.errors import WireError
 from end_effector_hal.wires._claim import Claim
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.lines._backend import line_not_found
-from end_effector_hal.wires.lines._chip_log import ChipLog, ChipState, Edge, LineState, header, record
+from end_effector_hal.wires.lines._chip_log import (
+    ChipLog,
+    ChipState,
+    Direction,
+    Edge,
+    LineState,
+    header,
+    record,
+)
 
 Pull = Literal["up", "down"]
 
@@ -124,8 +132,12 @@ class VirtualPins:
         self._path, self._clock = Path(path), clock
         self._log, self._fd, self._read = ChipLog(), -1, 0
 
-    def drive(self, levels: Mapping[str, bool]) -> None:
+    def drive(self, levels: Mapping[str, bool], direction: Direction = "in") -> None:
         """Give some lines these levels, at once; a line that the chip drives is no input, and left alone.
+
+        Args:
+            levels: by line.
+            direction: "out": they show outputs that a device beside the chip has.
 
         Raises:
             WireError: there is no chip, or it cannot be written.
@@ -134,9 +146,11 @@ class VirtualPins:
             lines = self._lines()
             at, pid = self._clock(), os.getpid()
             changed = [
-                record(Edge(at, name, "in", level, pid))
+                record(Edge(at, name, direction, level, pid))
                 for name, level in levels.items()
-                if name in lines and lines[name].direction == "in" and lines[name].level != level
+                if name in lines
+                and lines[name].level != level
+                and (direction == "out" or lines[name].direction == "in")
             ]
             if changed:  # what somebody's death has torn ends with the first byte
                 os.write(self._fd, b"\n" + b"".join(changed))

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
 from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from end_effector_hal.codecs import Codec, Counters, get_codec, parity_of
 from end_effector_hal.errors import LinkBusyError, LinkError
@@ -22,8 +22,17 @@ from end_effector_hal.wires.link._codec_calls import CodecCalls, CodecFailure
 from end_effector_hal.wires.link._guard import GuardedDecoder
 from end_effector_hal.wires.link._port import open_port
 
-if TYPE_CHECKING:
-    import serial
+
+class OpenPort(Protocol):
+    """Where bytes come from: a serial port, or a connection to whoever has it."""
+
+    def fileno(self) -> int:
+        """For select; what is there can be read without waiting."""
+        ...
+
+    def close(self) -> None:
+        """Give it back."""
+        ...
 
 
 class LinkState(Enum):
@@ -79,6 +88,7 @@ class LinkReader:
         on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read.
         on_change: each change of state, and of the error while it is down.
         on_bytes: what was read, before it is decoded.
+        connect: opens something else in the place of the port; raises LinkError.
     """
 
     def __init__(
@@ -90,8 +100,9 @@ class LinkReader:
         on_change: Callable[[LinkHealth], None] | None = None,
         parity: str | None = None,
         on_bytes: Callable[[bytes], None] | None = None,
+        connect: Callable[[], OpenPort] | None = None,
     ) -> None:
-        self._port = port
+        self._port, self._connect = port, connect
         self._codec = get_codec(codec) if isinstance(codec, str) else codec
         self._baudrate, self._parity = baudrate, parity
         self._calls = CodecCalls(port)
@@ -101,8 +112,8 @@ class LinkReader:
         self._state, self._since, self._error, self._opened = LinkState.OPENING, now_us(), "", 0
         self._last_frame: int | None = None
         self._wait_s = FIRST_WAIT_S
-        self._first: serial.Serial | None = None
-        self._open_now: serial.Serial | None = None
+        self._first: OpenPort | None = None
+        self._open_now: OpenPort | None = None
         self._thread: threading.Thread | None = None
 
     def start(self, patience_s: float = 1.0) -> None:
@@ -197,12 +208,14 @@ class LinkReader:
         self._change(LinkState.DOWN, self._explained(error))
         self._sleep()
 
-    def _open(self) -> serial.Serial:
+    def _open(self) -> OpenPort:
+        if self._connect:
+            return self._connect()
         baudrate = self._baudrate or self._calls.run("baudrate", lambda: int(self._codec.baudrate))
         parity = self._parity or self._calls.run("parity", lambda: parity_of(self._codec))
         return open_port(self._port, baudrate, parity=parity)
 
-    def _claimed(self, until: int) -> serial.Serial | None:
+    def _claimed(self, until: int) -> OpenPort | None:
         """The port; None while there is none that can be opened."""
         while True:
             try:
@@ -214,7 +227,7 @@ class LinkReader:
                 return None
             time.sleep(FIRST_WAIT_S)
 
-    def _read(self, port: serial.Serial, decoder: GuardedDecoder) -> None:
+    def _read(self, port: OpenPort, decoder: GuardedDecoder) -> None:
         """Until the end; raises OSError when the port is lost, LinkError when the codec fails."""
         fd = port.fileno()
         while not self._closed:

@@ -6,12 +6,16 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TYPE_CHECKING, cast
 
 from end_effector_hal.codecs import board_inputs, codec_of
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, socket_path
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.inputs import InputsHealth, InputsReader
 from end_effector_hal.wires.link import LinkHealth, LinkReader
+
+if TYPE_CHECKING:
+    from end_effector_hal.codecs.modbus import BusCodec
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,19 +57,33 @@ class SensorReader:
         self._last, self._closed = 0, False
         inputs = board_inputs(description)
         self._links = {
-            name: LinkReader(
-                link.port,
-                codec_of(description, name),
-                link.baudrate,
-                self._deliver,
-                partial(self._changed, description.link_name(name) if name else "sensor link"),
-                parity=link.parity,
-                on_bytes=partial(on_bytes, name) if on_bytes else None,
-            )
-            for name, link in links.items()
+            name: self._reader(description, name, partial(on_bytes, name) if on_bytes else None)
+            for name in links
         }
         changed = partial(self._changed, "inputs of the board")
         self._inputs = InputsReader(description, self._deliver, changed) if inputs else None
+
+    def _reader(
+        self, description: Description, name: str, on_bytes: Callable[[bytes], None] | None
+    ) -> LinkReader:
+        """Of the port; or of the line arbiter, where that masters the bus because it commands devices on it."""
+        link, codec, connect = description.links[name], codec_of(description, name), None
+        if name == description.bus:
+            from end_effector_hal.codecs.modbus import RelayedBus
+            from end_effector_hal.wires.bus import connect_relay, relay_path
+
+            connect = partial(connect_relay, relay_path(socket_path(description)))
+            codec = RelayedBus(cast("BusCodec", codec))
+        return LinkReader(
+            link.port,
+            codec,
+            link.baudrate,
+            self._deliver,
+            partial(self._changed, description.link_name(name) if name else "sensor link"),
+            parity=link.parity,
+            on_bytes=on_bytes,
+            connect=connect,
+        )
 
     def start(self) -> None:
         """Begin.

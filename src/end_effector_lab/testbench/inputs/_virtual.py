@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from end_effector_hal.errors import LineNotFoundError, WireError
-from end_effector_hal.wires.lines import ChipWatcher, Edge, Pull, VirtualChip
+from end_effector_hal.wires.lines import ChipWatcher, Edge, Pull, VirtualChip, VirtualPins
 
 from ._inputs import OnEdge
 
@@ -36,6 +36,7 @@ class VirtualInputs:
         self._path, self._names, self._power_cycle = Path(path), tuple(names), power_cycle
         self._others, self._pulled = tuple(others), dict(pulled or {})
         self._watcher: ChipWatcher | None = None
+        self._pins = VirtualPins(self._path)
 
     @property
     def text(self) -> str:
@@ -79,6 +80,11 @@ class VirtualInputs:
             levels.setdefault(name, level)  # an edge may have come already
         return began
 
+    def show(self, name: str, level: bool) -> None:
+        """A device on a bus was commanded: its output is a line of the chip, for whoever looks at that."""
+        self._pins.drive({name: level}, "out")
+
     def close(self) -> None:
+        self._pins.close()
         if self._watcher is not None:
             self._watcher.close()

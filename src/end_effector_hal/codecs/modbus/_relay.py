@@ -1,0 +1,117 @@
+"""The answers of a bus that another process masters: each cycle is handed on as it came, and read here."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Protocol
+
+from end_effector_hal.codecs._codec import Codec, parity_of, resolution_of
+from end_effector_hal.codecs.modbus import _adu as adu
+from end_effector_hal.codecs.modbus._master import ReadCycle
+from end_effector_hal.codecs.modbus._read import Read
+from end_effector_hal.signals import Frame, Kind
+
+LONGEST_ADU = 256
+LONGEST = 2 * LONGEST_ADU * 64
+"""Bytes of a record: 64 channels stand in at most 64 answers."""
+
+
+class BusCodec(Codec, Protocol):
+    """A codec made of Modbus reads, see `ModbusRtu`."""
+
+    @property
+    def reads(self) -> Sequence[Read]:
+        """The requests of one cycle, in their order."""
+        ...
+
+
+def cycle_record(answers: Sequence[bytes], at: int) -> bytes:
+    """One cycle, as a line: what each read has brought, empty where nothing, and when the cycle was over (µs)."""
+    record = {"at": at, "answers": [answer.hex() for answer in answers]}
+    return json.dumps(record, separators=(",", ":")).encode() + b"\n"
+
+
+class RelayedBus:
+    """The codec of a bus as it arrives over the relay of the process that asks.
+
+    Args:
+        bus: as that process has it.
+    """
+
+    def __init__(self, bus: BusCodec) -> None:
+        self._bus = bus
+        self.name, self.baudrate, self.parity = bus.name, bus.baudrate, parity_of(bus)
+        self.channels: Mapping[str, Kind] = bus.channels
+        self.period_us, self.resolution_pa = bus.period_us, resolution_of(bus)
+
+    def decoder(self) -> RelayDecoder:
+        """A new one, which listens."""
+        return RelayDecoder(self._bus.reads)
+
+    def encode(self, frame: Frame) -> bytes:
+        """The record of a cycle with the answers that this frame is made of."""
+        answers, data = [], self._bus.encode(frame)
+        for read in self._bus.reads:
+            size = 3 + read.answer_bytes + 2 if data[1:2] == bytes([read.function]) else 5
+            answers.append(data[:size])
+            data = data[size:]
+        return cycle_record(answers, frame.at)
+
+
+class RelayDecoder(ReadCycle):
+    """Reads records; one of another bus, or damaged, is noise, as is more than a record without an end."""
+
+    def __init__(self, reads: Sequence[Read]) -> None:
+        super().__init__(reads)
+        self._rest = b""
+        self._last = 0
+
+    def feed(self, data: bytes, at: int) -> list[Frame]:
+        """The frames of the records that end in ``data``, with the time that stands in each."""
+        self.bytes += len(data)
+        *records, self._rest = (self._rest + data).split(b"\n")
+        if len(self._rest) > LONGEST:
+            self.errors["noise"] += len(self._rest)
+            self._rest = b""
+        return [frame for record in records for frame in self._frames(record, at)]
+
+    def _frames(self, record: bytes, at: int) -> Iterator[Frame]:
+        cycle = _read(record, len(self._reads))
+        if cycle is None or not self._last <= cycle[0] <= at or not self._fits(cycle[1]):
+            self.errors["noise"] += len(record)
+            return
+        self._last, answers = cycle
+        self._values = {}
+        for read, answer in zip(self._reads, answers, strict=True):
+            if answer:
+                self._values |= self._taken(read, answer)
+            else:
+                self.errors["timeout"] += 1
+        yield from self._cycle_over(self._last if any(answers) else None)
+
+    def _fits(self, answers: Sequence[bytes]) -> bool:
+        """Whether each is an answer to its read, or none."""
+        return all(
+            not answer or (adu.is_whole(answer) and (_is_answer(answer, read) or _is_refusal(answer, read)))
+            for read, answer in zip(self._reads, answers, strict=True)
+        )
+
+
+def _is_answer(adu_: bytes, read: Read) -> bool:
+    head = bytes([read.unit, read.function, read.answer_bytes])
+    return adu_.startswith(head) and len(adu_) == len(head) + read.answer_bytes + 2
+
+
+def _is_refusal(adu_: bytes, read: Read) -> bool:
+    return adu_.startswith(bytes([read.unit, read.function | 0x80])) and len(adu_) == 5
+
+
+def _read(record: bytes, reads: int) -> tuple[int, list[bytes]] | None:
+    """Time and answers; None: this is no record of so many reads."""
+    try:
+        given = json.loads(record)
+        at, answers = given["at"], [bytes.fromhex(each) for each in given["answers"]]
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return None
+    return (at, answers) if type(at) is int and len(answers) == reads else None

@@ -1,0 +1,162 @@
+"""Rules for outputs that are registers of a device on the link: what can be written and cannot be meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.description._fault import Fault, Keys, did_you_mean
+from end_effector_hal.description._numbers import number
+from end_effector_hal.description._shape import Facts
+from end_effector_hal.description.model import Description
+
+from ._channels import CodecChannels
+
+CODE = "EE-229"
+
+
+def output_faults(facts: Facts) -> Iterator[Fault]:
+    """Every fault of an output on the bus."""
+    taken: dict[tuple[int, str, int], str] = {}
+    for name, _ in facts.actuators():
+        path = ("actuators", name, "modbus")
+        if not facts.written(*path) or not isinstance(facts.get(*path), dict):
+            continue
+        yield from _one_output(facts, name)
+        yield from _commands(facts, path)
+        yield from _activation(facts, name)
+        yield from _keeps_alive(facts, path)
+        for key in (("verify",), ("activation", "ready")):
+            yield from _channel(facts, (*path, *key))
+        yield from _shared(facts, name, taken)
+
+
+def _one_output(facts: Facts, name: str) -> Iterator[Fault]:
+    for key in ("line", "opposite"):
+        path = ("actuators", name, key)
+        if facts.written(*path) and facts.get(*path) is not None:
+            place, what = facts.places.key(*path), f"{key!r} and 'modbus' exclude each other"
+            yield Fault.at(place, CODE, what, found=key, expected="one output: a line, or registers")
+    if any(path[:1] in (("link",), ("links",)) for path in facts.broken):
+        return
+    links: list[Keys] = [("links", each) for each in facts.names("links")] or [("link",)]
+    buses = [path for path in links if (facts.get(*path, "frame") or {}).get("modbus") is not None]
+    if len(buses) != 1:
+        place = facts.places.key("actuators", name, "modbus")
+        what = "registers need one Modbus link" + (f", and there are {len(buses)}" if buses else "")
+        expected = "link: {port: …, frame: {modbus: {}}}"
+        yield Fault.at(place, CODE, what, found="modbus", expected=expected)
+
+
+def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
+    on, off = facts.get(*path, "command_on"), facts.get(*path, "command_off")
+    coils = facts.get(*path, "register_type") == "coil"
+    rows: list[tuple[Keys, list[int]]] = [
+        ((*path, key), row) for key, row in (("command_on", on), ("command_off", off)) if row
+    ]
+    rows += [
+        ((*path, "activation", "write", index), row)
+        for index, row in enumerate(facts.get(*path, "activation", "write") or ())
+    ]
+    address = facts.get(*path, "address")
+    for key in ("command_on", "command_off", "activation"):
+        where = (*path, key, *(("write",) if key == "activation" else ()))
+        given = facts.get(*where)
+        if given is not None and (len(given) == 0 or [] in [*given]):
+            what = f"{where[-1]!r} is empty"
+            yield Fault.at(facts.places.value(*where), "EE-211", what, expected="at least one register")
+    for where, row in rows:
+        if _broken_within(facts, where):
+            continue
+        if coils and set(row) - {0, 1}:
+            yield Fault.at(facts.places.value(*where), "EE-208", "a coil is 0 or 1", expected="[0] or [1]")
+        if address is not None and address + len(row) > 0x10000:
+            what, expected = "the last of these registers does not exist", "less than 65536 with address"
+            yield Fault.at(facts.places.value(*where), "EE-208", what, expected=expected)
+    if not on or not off or any(_broken_within(facts, each) for each, _ in rows):
+        return
+    place = facts.places.value(*path, "command_off")
+    if len(on) != len(off):
+        what = "'command_off' does not write what 'command_on' writes"
+        yield Fault.at(place, CODE, what, expected=f"{len(on)} values")
+    elif on == off:
+        what = "'command_on' and 'command_off' are the same"
+        yield Fault.at(place, CODE, what, expected="what makes it release")
+
+
+def _activation(facts: Facts, name: str) -> Iterator[Fault]:
+    path = ("actuators", name, "modbus", "activation")
+    limit_s, whole_s = facts.get(*path, "ready_within_s"), facts.get("actuators", name, "timeout_s")
+    if facts.written(*path) and limit_s is not None and whole_s is not None and limit_s >= whole_s:
+        place = facts.places.value(*path, "ready_within_s")
+        what = "the attempt is over before the device is activated"
+        expected = f"less than timeout_s of {name} = {number(whole_s)}"
+        yield Fault.at(place, "EE-222", what, expected=expected)
+
+
+def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
+    """What keeps a device alive is that it is read."""
+    unit = facts.get(*path, "unit")
+    read = [facts.get("channels", name, "modbus", "unit") for name in facts.names("channels")]
+    if facts.get(*path, "keep_alive_ms") is not None and unit is not None and unit not in read:
+        place, what = facts.places.value(*path, "keep_alive_ms"), f"nothing is read from unit {unit}"
+        expected = f"a channel: {{modbus: {{unit: {unit}, address: …}}}}"
+        yield Fault.at(place, CODE, what, expected=expected)
+
+
+def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
+    """A bit that comes over the link: the one who masters the bus reads nothing else."""
+    channel = facts.get(*path) if facts.written(*path) else None
+    if channel is None or path in facts.broken:
+        return
+    channels = [
+        name
+        for name in facts.names("channels")
+        if facts.get("channels", name, "modbus") is not None and facts.get("channels", name, "unit") is None
+    ]
+    if channel not in channels:
+        place, expected = facts.places.value(*path), f"one of {', '.join(channels)}"
+        yield Fault.at(
+            place,
+            CODE,
+            f"{path[-1]!r} names no bit that is read over the bus",
+            expected=expected if channels else "a channel: {modbus: …} without unit",
+            hint=did_you_mean(channel, channels),
+        )
+
+
+def _shared(facts: Facts, name: str, taken: dict[tuple[int, str, int], str]) -> Iterator[Fault]:
+    path = ("actuators", name, "modbus")
+    unit, table = facts.get(*path, "unit"), facts.get(*path, "register_type")
+    address, row = facts.get(*path, "address"), facts.get(*path, "command_on")
+    if None in (unit, table, address) or not row or _broken_within(facts, path):
+        return
+    mine = [(unit, table, address + index) for index in range(len(row))]
+    if owner := next((taken[each] for each in mine if each in taken), None):
+        place = facts.places.value(*path, "address")
+        what = f"these registers already belong to {owner!r}"
+        yield Fault.at(place, "EE-221", what, expected="registers of its own")
+    taken |= {each: taken.get(each, name) for each in mine}
+
+
+def _broken_within(facts: Facts, path: Keys) -> bool:
+    return any(each[: len(path)] == path for each in facts.broken)
+
+
+def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[str]:
+    """A sentence for each held part that falls when its device hears nothing, and for a bus that is too slow."""
+    period_ms = codec.period_us / 1000
+    for name, part in description.ordered:
+        output = part.modbus
+        if output is None:
+            continue
+        if output.keep_alive_ms is not None and output.keep_alive_ms < 2 * period_ms:
+            yield (
+                f"{name}: keep_alive_ms = {output.keep_alive_ms}, and the bus is read each "
+                f"{number(period_ms)} ms: one lost answer, and the device takes the link for lost"
+            )
+        if output.on_link_loss == "release":
+            when = f" for {output.keep_alive_ms} ms" if output.keep_alive_ms else ""
+            yield (
+                f"{name}: on_link_loss: release: a held part falls when the bus or the line arbiter is "
+                f"silent{when}"
+            )

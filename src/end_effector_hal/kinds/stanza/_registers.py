@@ -1,0 +1,79 @@
+"""An output that is a register of a Modbus device: what is written to it, and how it is known what it did."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from ._part import Name, Part
+
+Registers = Annotated[tuple[Annotated[int, Field(ge=0, le=0xFFFF)], ...], Field(strict=False, max_length=16)]
+Steps = Annotated[tuple[Registers, ...], Field(strict=False, max_length=8)]
+
+
+class Activation(Part):
+    """What a device needs before it obeys. It is done only as the first part of a commanded activation.
+
+    So nothing moves at a start, after a loss of power or after a fault; and it is not done while another actuator of
+    the same unit may hold a part. `command_off` follows it, then `command_on`.
+    """
+
+    write: Steps = Field(description="rows of registers, written one after the other from `address` on")
+    ready: Name = Field(
+        description="bit channel: on while the device is activated; it is only done while off"
+    )
+    ready_within_s: Annotated[float, Field(ge=0.1, le=60)] = Field(
+        default=4.0,
+        description="not ready within: the command is given up; less than the timeout_s of the actuator",
+    )
+
+
+class RegisterOutput(Part):
+    """Registers, or a coil, of a Modbus device on the link, written by the line arbiter, which masters the bus."""
+
+    unit: Annotated[int, Field(ge=1, le=247)] = Field(
+        default=1, description="address of the device on the bus"
+    )
+    address: Annotated[int, Field(ge=0, le=0xFFFF)] = Field(
+        description="of the first register, as it stands on the wire, from 0 on (40001 in a manual is 0)"
+    )
+    register_type: Literal["holding", "coil"] = Field(
+        default="holding",
+        description="one register is written with function 6, several with 16; coils with 5 and 15",
+    )
+    command_on: Registers = Field(description="values that make it grip, from `address` on, in one request")
+    command_off: Registers = Field(description="values that make it release; as many")
+    verify: Name | None = Field(
+        default=None,
+        description="bit channel: on while the device says that command_on is what it was told; null: it cannot be "
+        "read back, so that after a start of the line arbiter the sensors decide, and in doubt it is active",
+    )
+    activation: Activation | None = Field(default=None, description="absent: it obeys from its start on")
+    keep_alive_ms: Annotated[int | None, Field(ge=20, le=60_000)] = Field(
+        default=None,
+        description="the device takes the link for lost when it hears nothing for so long; null: it never does",
+    )
+    on_link_loss: Literal["hold", "release", "keep", "undefined"] = Field(
+        default="undefined",
+        description="what it does then, by its manual; hold: what is held stays held; keep: it stays as it was",
+    )
+
+    @property
+    def output(self) -> str:
+        """Its name among the outputs of a tool: where it is."""
+        return output_name(self.unit, self.address)
+
+
+def output_name(unit: int, address: int) -> str:
+    """How an output on the bus is called."""
+    return f"modbus:{unit}/0x{address:04X}"
+
+
+def with_line(given: Any) -> Any:
+    """The keys of an actuator with the name of its output as `line`, where that is on the bus."""
+    if not isinstance(given, dict) or not isinstance(given.get("modbus"), dict):
+        return given
+    unit, address = given["modbus"].get("unit", 1), given["modbus"].get("address", 0)
+    name = output_name(unit, address) if type(unit) is int and type(address) is int else "modbus"
+    return {**given, "line": name[:64]}

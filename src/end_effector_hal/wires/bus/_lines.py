@@ -1,0 +1,249 @@
+"""Registers of the devices on a bus as output lines: one thread masters the bus, for reads and for writes."""
+
+from __future__ import annotations
+
+import logging
+import os
+import select
+import socket
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, cycle_record
+from end_effector_hal.errors import LinkBusyError, WireError
+from end_effector_hal.kinds.stanza import RegisterOutput
+from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires.bus._outputs import BusOutputs
+from end_effector_hal.wires.bus._relay import RelayServer
+from end_effector_hal.wires.bus._traffic import BusTraffic
+from end_effector_hal.wires.link import open_port
+
+if TYPE_CHECKING:
+    import serial
+
+_log = logging.getLogger("end_effector_hal.wires")
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 2.0
+ADOPT_S = 1.0
+"""How long a start waits for what the devices report of their outputs."""
+PATIENCE_S = 1.0
+"""How long somebody else may still have the port: a predecessor that is ending."""
+FLUSH_S = 1.0
+"""How long an end waits for what is still to be written."""
+CLOSE_S = 2.0
+READ_BYTES = 4096
+LEAST_FRESH_US, FRESH_PERIODS = 150_000, 3
+
+
+class BusLink(NamedTuple):
+    """The link of a bus: its port, and what is read over it."""
+
+    port: str
+    codec: BusCodec
+    baudrate: int
+    parity: str
+
+
+class BusLines:
+    """A `LineBackend` of registers, and `RemoteLines`: whoever sets one does not wait for the device.
+
+    The device's acknowledgement ends a write; until then nobody knows how its output stands. A deactivation is written
+    until a device acknowledges it; an activation is given up after a time, so that nothing moves by itself when a
+    bus comes back. A start writes nothing.
+
+    Args:
+        link: the bus.
+        outputs: by their names.
+        relay: path of the socket over which each cycle is handed on.
+        group: whose members may read there; default: that of the process.
+    """
+
+    def __init__(
+        self, link: BusLink, outputs: Mapping[str, RegisterOutput], relay: Path, group: str | None = None
+    ) -> None:
+        self._link, self._relay_path, self._group = link, relay, group
+        fresh_us = max(LEAST_FRESH_US, FRESH_PERIODS * link.codec.period_us)
+        self._outputs = BusOutputs(outputs, fresh_us)
+        self._names = frozenset(outputs)
+        self._lock = threading.Lock()
+        self._cycle = threading.Event()
+        self._ended = False
+        self._error = ""
+        self._thread: threading.Thread | None = None
+        self._told: tuple[frozenset[str], Mapping[str, str]] = frozenset(), {}
+
+    def request(self, names: Sequence[str]) -> dict[str, bool]:
+        """Take the port, and adopt what the devices report; see `LineBackend.request`. A start writes nothing.
+
+        Raises:
+            LinkBusyError: somebody else has the port; says who.
+            WireError: the relay cannot be made.
+        """
+        del names  # all of them
+        port = self._claimed()
+        try:
+            self._relay = RelayServer(self._relay_path, self._group)
+        except BaseException:
+            if port is not None:
+                port.close()
+            raise
+        self._wake_read, self._wake = os.pipe()
+        self._news_read, self._news = os.pipe()
+        for end in (self._news_read, self._news, self._wake_read):
+            os.set_blocking(end, False)
+        self._thread = threading.Thread(
+            target=self._run, args=(port,), name=f"bus {self._link.port}", daemon=True
+        )
+        self._thread.start()
+        until = time.monotonic() + ADOPT_S
+        while self._names - self.levels().keys() and (left := until - time.monotonic()) > 0:
+            self._cycle.wait(left)
+            self._cycle.clear()
+        return self.levels()
+
+    def levels(self) -> dict[str, bool]:
+        """Those of which somebody knows how they stand: as commanded and acknowledged, or as a device reports."""
+        with self._lock:
+            return self._outputs.known(now_us())
+
+    def set(self, levels: Mapping[str, bool]) -> None:
+        """Have them written; returns at once."""
+        with self._lock:
+            self._outputs.command(levels, now_us())
+        os.write(self._wake, b"x")
+
+    def unsure(self) -> frozenset[str]:
+        """See `RemoteLines`."""
+        return self._names.difference(self.levels())
+
+    def troubles(self) -> dict[str, str]:
+        """See `RemoteLines`."""
+        with self._lock:
+            found = self._outputs.troubles(now_us())
+        return {line: f"{why}{f' ({self._error})' if self._error else ''}" for line, why in found.items()}
+
+    def filenos(self) -> tuple[int, ...]:
+        """See `RemoteLines`."""
+        return (self._news_read,)
+
+    def heard(self) -> None:
+        """See `RemoteLines`."""
+        with suppress(BlockingIOError):
+            os.read(self._news_read, 4096)
+
+    def close(self) -> None:
+        """Give the port back; what is still to be written has a moment, then the registers stay as they are."""
+        thread, self._thread = self._thread, None
+        if thread is None:
+            return
+        until = time.monotonic() + FLUSH_S
+        while self._pending and (left := until - time.monotonic()) > 0:
+            self._cycle.wait(min(left, 0.05))
+            self._cycle.clear()
+        self._ended = True
+        os.write(self._wake, b"x")
+        thread.join(CLOSE_S)
+        self._relay.close()
+        for end in (self._wake, self._news, self._news_read):
+            os.close(end)
+        if not thread.is_alive():
+            os.close(self._wake_read)
+
+    @property
+    def _pending(self) -> bool:
+        with self._lock:
+            return self._outputs.pending
+
+    def _claimed(self) -> serial.Serial | None:
+        """The port; None while there is none that can be opened."""
+        until = time.monotonic() + PATIENCE_S
+        while True:
+            try:
+                return self._open()
+            except LinkBusyError:
+                if time.monotonic() >= until:
+                    raise
+            except WireError as error:
+                self._error = str(error)
+                return None
+            time.sleep(FIRST_WAIT_S)
+
+    def _open(self) -> serial.Serial:
+        return open_port(self._link.port, self._link.baudrate, parity=self._link.parity)
+
+    def _run(self, port: serial.Serial | None) -> None:
+        wait_s = FIRST_WAIT_S
+        while not self._ended:
+            try:
+                with closing(port or self._open()) as opened:
+                    port, self._error, wait_s = None, "", FIRST_WAIT_S
+                    self._talk(opened)
+            except Exception as error:  # noqa: BLE001 a driver may raise anything: this thread outlives it
+                port, text = None, str(error) or type(error).__name__
+                if text != self._error:
+                    _log.error("the bus %s is lost: %s", self._link.port, text)
+                self._error = text
+                self._wait(wait_s)
+                wait_s = min(2 * wait_s, LONGEST_WAIT_S)
+
+    def _wait(self, wait_s: float) -> None:
+        """Without a port: commands are given up in their time, readers come and go."""
+        until = time.monotonic() + wait_s
+        while not self._ended and (left := until - time.monotonic()) > 0:
+            self._select([], left)
+            with self._lock:
+                self._outputs.advance(now_us())
+            self._tell()
+
+    def _talk(self, port: serial.Serial) -> None:
+        """Until the end; raises OSError when the port is lost."""
+        codec = self._link.codec
+        master = codec.decoder()
+        assert isinstance(master, ModbusMaster)
+        traffic, fd = BusTraffic(master, self._outputs), port.fileno()
+        while not self._ended:
+            with self._lock:
+                wait_us = traffic.due - now_us()
+            ready = self._select([fd], max(0, wait_us) / 1e6)
+            cycles = []
+            if ready:
+                data = os.read(fd, READ_BYTES)
+                if not data:
+                    raise OSError("end of file")
+                with self._lock:
+                    cycles.append(traffic.feed(data, now_us()))
+            with self._lock:
+                request, cycle = traffic.poll(now_us())
+            cycles.append(cycle)
+            if request:
+                with suppress(BlockingIOError):  # no room: a request that is not answered
+                    os.write(fd, request)
+            for each in cycles:
+                if each is not None:
+                    self._relay.send(cycle_record(each.answers, each.at))
+                    self._cycle.set()
+            self._tell()
+
+    def _select(self, ports: list[int], wait_s: float) -> list[int]:
+        """The ports that have something to read; the relay is served, a call to wake is heard."""
+        relay = self._relay.sockets
+        waited: list[int | socket.socket] = [*ports, self._wake_read, *relay]
+        ready = select.select(waited, [], [], wait_s)[0]
+        if self._wake_read in ready:
+            with suppress(BlockingIOError):
+                os.read(self._wake_read, 4096)
+        for each in relay:
+            if each in ready:
+                self._relay.ready(each)
+        return [port for port in ports if port in ready]
+
+    def _tell(self) -> None:
+        """That `unsure` or `troubles` have changed."""
+        now = self.unsure(), self.troubles()
+        if now != self._told:
+            self._told = now
+            with suppress(BlockingIOError):
+                os.write(self._news, b"x")

@@ -1,0 +1,100 @@
+"""What goes over a bus that has outputs, sans-IO: reads in their cycle, and writes between two of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from end_effector_hal.codecs.modbus import ModbusMaster, RegisterWrite, acknowledgement, write_request
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires.bus._outputs import BusOutputs
+
+EXCEPTION_BYTES = 5
+MOST_KEPT = 512
+
+
+class Cycle(NamedTuple):
+    """One cycle of reads: when it was over, µs, the answers as they came, and the frame if there is one."""
+
+    at: int
+    answers: tuple[bytes, ...]
+    frame: Frame | None
+
+
+class BusTraffic:
+    """Asks and commands, one request at a time.
+
+    Args:
+        master: asks what the channels need.
+        outputs: say what is to be written.
+    """
+
+    def __init__(self, master: ModbusMaster, outputs: BusOutputs) -> None:
+        self._master, self._outputs = master, outputs
+        self._write: RegisterWrite | None = None
+        self._until = 0
+        self._free_at = 0
+        self._rest = b""
+        self.unacknowledged = 0
+        """Writes that were refused or not answered."""
+
+    def poll(self, at: int) -> tuple[bytes, Cycle | None]:
+        """What is to be sent now, and the cycle that ended because an answer did not come."""
+        if self._write is not None:
+            if at < self._until:
+                return b"", None
+            self._end_write(at, done=False)
+        free_at = self._master.free_at
+        free = free_at is not None and at >= max(free_at, self._free_at)
+        if free and (write := self._outputs.next_write(at)) is not None:
+            self._write, self._rest, request = write, b"", write_request(write)
+            self._until = at + self._master.answered_within_us(request)
+            return request, None
+        if at < self._free_at:
+            return b"", None
+        before = self._master.answers
+        polled = self._master.poll(at)
+        return polled.data, self._cycle(at, polled.frames, before)
+
+    def feed(self, data: bytes, at: int) -> Cycle | None:
+        """The cycle that ends with what has come."""
+        if self._write is None:
+            before = self._master.answers
+            return self._cycle(at, tuple(self._master.feed(data, at)), before)
+        self._rest = (self._rest + data)[-MOST_KEPT:]
+        done = acknowledgement(self._write)
+        refused = bytes([self._write.unit, done[1] | 0x80])
+        if done in self._rest:
+            self._end_write(at, done=True)
+        elif (start := self._rest.find(refused)) >= 0 and len(self._rest) - start >= EXCEPTION_BYTES:
+            self._end_write(at, done=False)
+        return None
+
+    @property
+    def due(self) -> int:
+        """When `poll` is due."""
+        if self._write is not None:
+            return self._until
+        due = self._master.due
+        free_at = self._master.free_at
+        if free_at is not None and (wanted := self._outputs.due) is not None:
+            due = min(due, max(wanted, free_at))
+        return max(due, self._free_at)
+
+    def _end_write(self, at: int, *, done: bool) -> None:
+        write, self._write, self._rest = self._write, None, b""
+        self._free_at = at + self._master.silence_after_us
+        if write is None:
+            return
+        if done:
+            self._outputs.acknowledged(write, at)
+        else:
+            self.unacknowledged += 1
+            self._outputs.failed(write, at)
+
+    def _cycle(self, at: int, frames: tuple[Frame, ...], before: tuple[bytes, ...]) -> Cycle | None:
+        if self._master.answers is before:
+            return None
+        frame = frames[-1] if frames else None
+        if frame is not None:
+            self._outputs.report(frame.values, frame.at)
+        return Cycle(at if frame is None else frame.at, self._master.answers, frame)

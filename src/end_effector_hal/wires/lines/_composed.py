@@ -1,0 +1,94 @@
+"""Lines of several back-ends as those of one: those of the board, and registers on a bus."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from end_effector_hal.wires.lines._backend import LineBackend, LineHandover, RemoteLines
+
+
+class RemoteBackend(LineBackend, RemoteLines, Protocol):
+    """Lines that are written by somebody else."""
+
+
+class ComposedLines:
+    """A `LineBackend`, `LineHandover` and `RemoteLines` made of the board's and of others, known by their lines.
+
+    Args:
+        board: has every line that is not named in ``others``; it is left alone where there is none.
+        others: by the names of their lines.
+    """
+
+    def __init__(self, board: LineBackend, others: Mapping[str, RemoteBackend]) -> None:
+        self._board, self._others = board, others
+        self._claimed: list[LineBackend] = []
+
+    def request(self, names: Sequence[str]) -> dict[str, bool]:
+        """Claim and adopt; see `LineBackend.request`."""
+        levels: dict[str, bool] = {}
+        try:
+            for backend, mine in self._shares(names):
+                levels |= backend.request(mine)
+                self._claimed.append(backend)
+        except BaseException:
+            self.close()
+            raise
+        return levels
+
+    def levels(self) -> dict[str, bool]:
+        """The levels of the claimed lines, read back."""
+        return {line: level for backend in self._claimed for line, level in backend.levels().items()}
+
+    def set(self, levels: Mapping[str, bool]) -> None:
+        """Write some of the claimed lines; those of one back-end at once."""
+        for backend, mine in self._shares(levels):
+            backend.set({line: levels[line] for line in mine})
+
+    def close(self) -> None:
+        """Give the claim back."""
+        while self._claimed:
+            self._claimed.pop().close()
+
+    def descriptors(self) -> Mapping[str, int]:
+        """Of the lines of the board; see `LineHandover`."""
+        held = self._board in self._claimed and isinstance(self._board, LineHandover)
+        return self._board.descriptors() if held and isinstance(self._board, LineHandover) else {}
+
+    def restore(self, descriptors: Mapping[str, int]) -> None:
+        """Use those of a predecessor; see `LineHandover`."""
+        if isinstance(self._board, LineHandover):
+            self._board.restore(descriptors)
+        else:
+            for fd in descriptors.values():
+                os.close(fd)
+
+    def unsure(self) -> frozenset[str]:
+        """Lines of which nobody knows how they stand."""
+        return frozenset[str]().union(*(each.unsure() for each in self._remote))
+
+    def troubles(self) -> dict[str, str]:
+        """What is wrong with lines, a clause each."""
+        return {line: why for each in self._remote for line, why in each.troubles().items()}
+
+    def filenos(self) -> list[int]:
+        """Of all of them."""
+        return [fd for each in self._remote for fd in each.filenos()]
+
+    def heard(self) -> None:
+        """All of them."""
+        for each in self._remote:
+            each.heard()
+
+    @property
+    def _remote(self) -> list[RemoteBackend]:
+        return list(dict.fromkeys(self._others.values()))
+
+    def _shares(self, names: Sequence[str] | Mapping[str, bool]) -> list[tuple[LineBackend, list[str]]]:
+        """Which of them each back-end has, the board first."""
+        shares: list[tuple[LineBackend, list[str]]] = []
+        for backend in dict.fromkeys((self._board, *self._others.values())):
+            mine = [name for name in names if self._others.get(name, self._board) is backend]
+            shares += [(backend, mine)] if mine else []
+        return shares

@@ -1,0 +1,69 @@
+"""The registers that a description commands, as any device has them: for the testbench of any tool."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from end_effector_hal.description import Description
+from end_effector_hal.signals import Value
+
+from ._rtu import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer, read_request
+
+
+class CommandedRegisters:
+    """Obeys command_on and command_off of each output, once its unit is activated; others are refused.
+
+    Args:
+        description: whose outputs these are.
+        obey: called with the name and the level of an output that was commanded.
+    """
+
+    def __init__(self, description: Description, obey: Callable[[str, bool], None]) -> None:
+        self._outputs, self._obey = description.register_outputs, obey
+        self._levels: dict[str, bool] = {}
+        self._activated: set[int] = set()
+
+    def start(self, levels: dict[str, bool]) -> None:
+        """As they stand when the device is looked at first; one that is active was activated before."""
+        self._levels = {name: levels.get(name, False) for name in self._outputs}
+        self._activated = {self._outputs[name].unit for name, level in self._levels.items() if level}
+
+    def answer(self, frame: bytes) -> bytes | None:
+        """The answer to a write; None: it is none, or not for these units."""
+        request = read_request(frame)
+        if request is None or request.values is None:
+            return None
+        if request.unit not in {each.unit for each in self._outputs.values()}:
+            return None
+        return done_answer(request) if self._done(request) else exception_answer(request, ILLEGAL_VALUE)
+
+    @property
+    def values(self) -> dict[str, Value]:
+        """What the channels of `verify` and `ready` show."""
+        shown: dict[str, Value] = {}
+        for name, each in self._outputs.items():
+            if each.activation:
+                shown[each.activation.ready] = each.unit in self._activated
+            if each.verify:
+                shown[each.verify] = self._levels.get(name, False)
+        return shown
+
+    def _done(self, request: RegisterRequest) -> bool:
+        values, coils, left = request.values or (), request.function in (5, 15), set(range(request.size))
+        for name, each in self._outputs.items():
+            start = each.address - request.address
+            if each.unit != request.unit or coils != (each.register_type == "coil") or start < 0:
+                continue
+            row = values[start : start + len(each.command_on)]
+            if row in (each.command_on, each.command_off):
+                left -= set(range(start, start + len(row)))
+                if each.activation is None or each.unit in self._activated:
+                    self._levels[name] = row == each.command_on
+                    self._obey(name, self._levels[name])
+            elif each.activation and values in each.activation.write:
+                left.clear()
+                if values == each.activation.write[-1]:
+                    self._activated.add(each.unit)
+                else:
+                    self._activated.discard(each.unit)
+        return not left

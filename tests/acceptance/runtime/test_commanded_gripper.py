@@ -1,0 +1,207 @@
+"""A gripper that is commanded over its bus, with real processes: a pty, and a 2F-85 or an EPick at its far end."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.runtime import EndEffector
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.wires import now_us
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL, Child
+from end_effector_lab.testbench import PtyPort
+from end_effector_lab.testbench.modbus import EPick, Gripper2F85, RtuServer
+from tests.support.patience import PATIENCE_S, wait_until
+
+pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
+TOOLS = Path(__file__).parents[3] / "examples" / "tools"
+READY_S = 30.0
+OPEN, CLOSE = (0x0900, 0, 0xFFFF), (0x0900, 0x00FF, 0xFFFF)
+
+
+class Cable:
+    """A pty with one device of Robotiq's at its far end; ``cut`` while nothing passes."""
+
+    def __init__(self, place: Path, device: Gripper2F85 | EPick) -> None:
+        self.port, self.device, self.cut = str(place / "uart"), device, False
+        self._pty = PtyPort(self.port)
+        self._pty.open()
+        self._server, self._ended = RtuServer({9: device}), threading.Event()
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._ended.set()
+        self._thread.join()
+        self._pty.close()
+
+    def _serve(self) -> None:
+        while not self._ended.is_set():
+            request = self._pty.receive(0.05)
+            if request and not self.cut and (answer := self._server.answer(request, now_us())):
+                self._pty.send(answer)
+
+
+class Rig:
+    """Cable and line arbiter; programs are started by the tests."""
+
+    def __init__(self, name: str, device: Gripper2F85 | EPick, folder: Path) -> None:
+        tool = load_tool(TOOLS / name / "end_effector.yaml")
+        self.cable, self.device = Cable(folder, device), device
+        self.world = World(
+            tool.with_virtual(folder / "chip", self.cable.port), "nominal", folder, own_wires=True
+        )
+        self.folder = folder
+
+    def __enter__(self) -> Rig:
+        self.world.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.world.__exit__(*error)
+        self.cable.close()
+
+    def kill_arbiter(self) -> None:
+        with ArbiterClient(self.world.socket, "test") as observer:
+            os.kill(observer.status()["pid"], signal.SIGKILL)
+
+    def arbiter_again(self) -> Child:
+        again = self.world.children.start(
+            "line arbiter again",
+            [*EEHAL, "arbiter", str(self.world.description_path)],
+            log=self.folder / "again.log",
+        )
+        again.wait_until(lambda: "ready:" in again.text(), timeout_s=PATIENCE_S, what="it was ready")
+        return again
+
+    def program(self, script: str) -> Child:
+        command = [*EEHAL, "run", str(self.world.description_path), "--script", script]
+        return self.world.children.start("program", command, log=self.folder / "run.log")
+
+    def faults(self) -> str:
+        with ArbiterClient(self.world.socket, "test") as observer:
+            return " ".join(observer.status()["faults"].values())
+
+
+@pytest.fixture
+def gripper(tmp_path: Path) -> Iterator[Rig]:
+    with Rig("gripper_2f85", Gripper2F85(now_us()), tmp_path) as rig:
+        yield rig
+
+
+def test_it_grips_and_drops_and_an_empty_grip_says_so(gripper: Rig) -> None:
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        assert gripper.device.written == []  # nothing moves at a start
+        assert tool.grip().succeeded
+        assert gripper.device.holds
+        assert not tool.status.alarms
+        assert tool.drop().succeeded
+        assert gripper.device.written[-2:] == [CLOSE, OPEN]
+        gripper.device.has_part = False
+        running = tool.begin(Command.GRIP)
+        assert not running.wait().succeeded
+        assert "closed on nothing" in running.wait().reason
+
+
+def test_a_killed_program_holds_what_it_held_and_its_successor_drops_it(gripper: Rig) -> None:
+    program = gripper.program("grip; wait 60")
+    program.wait_until(lambda: "GRIPPED" in program.text(), timeout_s=PATIENCE_S, what="GRIPPED")
+    told = len(gripper.device.written)
+    os.killpg(program.pid, signal.SIGKILL)
+    with ArbiterClient(gripper.world.socket, "test") as observer:
+        wait_until("its death is known", lambda: not observer.status()["clients"])
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        assert len(gripper.device.written) == told
+        assert tool.drop().succeeded
+    assert not gripper.device.holds
+
+
+def test_a_program_that_is_killed_while_it_grips_has_its_last_will_done_over_the_bus(gripper: Rig) -> None:
+    gripper.device.has_part = False
+    program = gripper.program("grip; wait 60")
+    wait_until("it closes", lambda: CLOSE in gripper.device.written)
+    os.killpg(program.pid, signal.SIGKILL)
+    wait_until("the last will", lambda: gripper.device.written[-1] == OPEN)
+
+
+def test_a_killed_arbiter_leaves_it_holding_and_the_next_one_adopts_and_writes_nothing(gripper: Rig) -> None:
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        assert tool.grip().succeeded
+        told = len(gripper.device.written)
+        gripper.kill_arbiter()
+    again = gripper.arbiter_again()
+    assert "modbus:9/0x03E8=1" in again.text()
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        assert len(gripper.device.written) == told
+        assert tool.drop().succeeded
+
+
+def test_a_cut_cable_while_it_holds_is_told_and_changes_nothing(gripper: Rig) -> None:
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        assert tool.grip().succeeded
+        told = len(gripper.device.written)
+        gripper.cable.cut = True
+        wait_until("it is told", lambda: tool.status.alarms)
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        gripper.cable.cut = False
+        wait_until("it is over", lambda: all(each.startswith("Over:") for each in tool.status.alarms))
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        assert len(gripper.device.written) == told
+        assert tool.drop().succeeded
+
+
+def test_a_drop_over_a_cut_cable_is_no_success_and_is_done_when_it_is_back(gripper: Rig) -> None:
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        assert tool.grip().succeeded
+        gripper.cable.cut = True
+        assert not tool.drop().succeeded
+        assert "no device acknowledges it" in gripper.faults()
+        assert gripper.device.holds
+        gripper.cable.cut = False
+        wait_until("it is released", lambda: not gripper.device.holds)
+        assert tool.drop().succeeded or tool.status.ee == EndEffectorState.STAND_BY
+
+
+def test_a_start_without_the_device_guesses_and_knows_when_it_is_there(tmp_path: Path) -> None:
+    rig = Rig("gripper_2f85", Gripper2F85(now_us()), tmp_path)
+    rig.cable.cut = True
+    with rig:
+        assert "modbus:9/0x03E8=1" in rig.world.arbiter.text()
+        rig.cable.cut = False
+        with ArbiterClient(rig.world.socket, "test") as observer:
+            wait_until("it is known", lambda: observer.levels() == {"modbus:9/0x03E8": False})
+        assert rig.device.written == []
+
+
+def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_and_not_told_again(
+    tmp_path: Path,
+) -> None:
+    with Rig("epick_commanded", EPick(now_us()), tmp_path) as rig:
+        with EndEffector.open(rig.world.description) as tool:
+            tool.wait_ready(READY_S)
+            assert tool.grip().succeeded
+            told = len(rig.device.written)
+            rig.kill_arbiter()
+        heard = rig.device._heard_at
+        wait_until("it has heard nothing for a second", lambda: now_us() - heard > 1_100_000)
+        rig.arbiter_again()
+        with EndEffector.open(rig.world.description) as tool:
+            tool.wait_ready(READY_S)
+            assert tool.status.ee == EndEffectorState.GRIP_ERROR
+            assert len(rig.device.written) == told

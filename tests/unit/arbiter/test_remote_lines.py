@@ -1,0 +1,121 @@
+"""Outputs that somebody else writes: what the rules make of what nobody knows, in virtual time."""
+
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.arbiter import LineArbiter, Policy
+from end_effector_hal.arbiter.rules import ArbiterState
+from end_effector_hal.arbiter.rules._session import SessionRecord
+from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.wires.lines import ComposedLines, LineHandover, RemoteLines
+from tests.support.keeping import MS, TOKEN, S
+
+UNLOCK, FINGERS = "unlock", "modbus:9/0x03E8"
+POLICY = Policy((UNLOCK, FINGERS), exclusions=[(UNLOCK, FINGERS)])
+
+
+class Board:
+    """Lines that are what was written."""
+
+    def __init__(self) -> None:
+        self.state: dict[str, bool] = {}
+
+    def request(self, names: list[str]) -> dict[str, bool]:
+        self.state = dict.fromkeys(names, False)
+        return self.levels()
+
+    def levels(self) -> dict[str, bool]:
+        return dict(self.state)
+
+    def set(self, levels: dict[str, bool]) -> None:
+        assert levels.keys() <= self.state.keys()
+        self.state |= levels
+
+    def close(self) -> None:
+        self.state = {}
+
+
+class Far(Board):
+    """Registers of which ``known`` says what anybody knows."""
+
+    def __init__(self, known: bool | None) -> None:
+        super().__init__()
+        self.known, self.trouble, self.written = known, "", list[dict[str, bool]]()
+
+    def request(self, names: list[str]) -> dict[str, bool]:
+        assert names == [FINGERS]
+        return self.levels()
+
+    def levels(self) -> dict[str, bool]:
+        return {} if self.known is None else {FINGERS: self.known}
+
+    def set(self, levels: dict[str, bool]) -> None:
+        self.written.append(levels)
+        self.known = None
+
+    def unsure(self) -> frozenset[str]:
+        return frozenset() if self.known is not None else frozenset((FINGERS,))
+
+    def troubles(self) -> dict[str, str]:
+        return {FINGERS: self.trouble} if self.trouble else {}
+
+    def filenos(self) -> list[int]:
+        return []
+
+    def heard(self) -> None:
+        pass
+
+
+def arbiter(far: Far, state: ArbiterState | None = None) -> LineArbiter:
+    lines = ComposedLines(Board(), {FINGERS: far})
+    assert isinstance(lines, RemoteLines)
+    assert isinstance(lines, LineHandover)
+    return LineArbiter(lines, POLICY, 0, state)
+
+
+def test_what_nobody_knows_at_a_start_counts_as_active_until_somebody_knows() -> None:
+    far = Far(None)
+    rules = arbiter(far)
+    assert rules.levels == {UNLOCK: False, FINGERS: True}
+    assert rules.read_levels() == {UNLOCK: False}  # the sensors decide
+    far.known = False
+    assert rules.read_levels() == rules.levels == {UNLOCK: False, FINGERS: False}
+    assert far.written == []
+
+
+def test_what_nobody_knows_at_a_start_was_not_changed_by_anybody() -> None:
+    record = SessionRecord("grip", TOKEN, (FINGERS,), (), ended=False)
+    state = ArbiterState(clients=(record,), clean=False, levels={UNLOCK: False, FINGERS: False})
+    assert not arbiter(Far(None), state).predicates.faults
+    assert arbiter(Far(True), state).predicates.faults  # that one was
+
+
+def test_no_unlock_before_a_release_is_acknowledged() -> None:
+    far = Far(True)
+    rules = arbiter(far)
+    grip = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
+    changer = rules.hello("tool_change", TOKEN, (UNLOCK,), (), 0)
+    rules.write(grip, {FINGERS: False}, None, 100 * MS)
+    assert far.written == [{FINGERS: False}]
+    with pytest.raises(LineRefusedError, match="IL-01: unlock is not activated while"):
+        rules.write(changer, {UNLOCK: True}, None, 200 * MS)
+    far.known = False
+    rules.write(changer, {UNLOCK: True}, None, 300 * MS)
+    assert rules.levels[UNLOCK]
+
+
+def test_trouble_is_a_latched_fault_that_a_reset_clears_when_it_is_over() -> None:
+    far = Far(True)
+    rules = arbiter(far)
+    far.trouble = "is to be deactivated, and no device acknowledges it"
+    rules.advance(1 * S)
+    told = f"{FINGERS} {far.trouble}."
+    assert rules.predicates.faults == {f"output {FINGERS}": told}
+    with pytest.raises(LineRefusedError, match="no device acknowledges it: this fault stays"):
+        rules.reset(2 * S)
+    far.trouble = ""
+    rules.advance(3 * S)
+    assert rules.predicates.faults
+    rules.reset(4 * S)
+    assert not rules.predicates.faults

@@ -1,0 +1,354 @@
+"""A bus with outputs in virtual time: commands between reads, and what devices, wires and time do to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.codecs import codec_of
+from end_effector_hal.codecs.modbus import ModbusMaster, RelayedBus, cycle_record
+from end_effector_hal.description import Description, examine_text
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires.bus import BusOutputs, BusTraffic
+from end_effector_lab.testbench.modbus import EPick, Gripper2F85, RegisterMap, RtuServer
+
+MS, S = 1_000, 1_000_000
+EXAMPLES = Path(__file__).parents[4] / "examples" / "tools"
+FINGERS = "modbus:9/0x03E8"
+ANSWER_US = 2 * MS
+
+VG10 = """
+schema: 2
+name: cups
+link: {port: /dev/ttyUSB0, baudrate: 115200, parity: E, frame: {modbus: {}}}
+channels:
+  a_vacuum: {modbus: {unit: 65, address: 18}, unit: kPa, scale: -0.1}
+  b_vacuum: {modbus: {unit: 65, address: 19}, unit: kPa, scale: -0.1}
+  a_grips: {modbus: {unit: 65, address: 0, bitmask: 0xFF00}, on: [1]}
+  b_grips: {modbus: {unit: 65, address: 1, bitmask: 0xFF00}, on: [1]}
+sequence: [a, b]
+actuators:
+  a:
+    {kind: vacuum, channel: a_vacuum,
+     modbus: {unit: 65, address: 0, command_on: [0x0150], command_off: [0x0000], verify: a_grips}}
+  b:
+    {kind: vacuum, channel: b_vacuum,
+     modbus: {unit: 65, address: 1, command_on: [0x0150], command_off: [0x0000], verify: b_grips}}
+supply: {channel: none}
+"""
+
+
+def described(text: str) -> Description:
+    found = examine_text(text, "cups.yaml")
+    assert found.description, found.lines()
+    return found.description
+
+
+def example(name: str) -> Description:
+    return described((EXAMPLES / name / "end_effector.yaml").read_text())
+
+
+class Registers:
+    """Plain ones, by address; what was written in one request stands in ``written``."""
+
+    def __init__(self) -> None:
+        self.words = dict.fromkeys(range(64), 0)
+        self.written: list[tuple[int, tuple[int, ...]]] = []
+
+    def read(self, function: int, address: int, count: int, at: int) -> list[int]:
+        return [self.words[address + i] for i in range(count)]
+
+    def write(self, address: int, values: tuple[int, ...], at: int) -> bool:
+        self.written.append((address, values))
+        self.words |= {address + i: value for i, value in enumerate(values)}
+        return True
+
+
+class Bus:
+    """The master, a wire, and the devices; ``wire`` changes an answer on its way, or loses it."""
+
+    def __init__(self, tool: Description, units: dict[int, RegisterMap], at: int = 0) -> None:
+        self.codec, self.at = codec_of(tool), at
+        period_us = self.codec.period_us
+        self.outputs = BusOutputs(tool.register_outputs, max(150 * MS, 3 * period_us))
+        self.server = RtuServer(units)
+        self.wire: Callable[[bytes, bytes], bytes] = lambda request, answer: answer
+        self.requests: list[bytes] = []
+        self.frames: list[Frame] = []
+        self.records: list[bytes] = []
+        self.power()
+
+    def power(self) -> None:
+        """The port is opened, anew."""
+        master = self.codec.decoder()
+        assert isinstance(master, ModbusMaster)
+        self.traffic = BusTraffic(master, self.outputs)
+        self.arriving: list[tuple[int, bytes]] = []
+
+    def to(self, until: int) -> None:
+        while True:
+            due = min([self.traffic.due, *(when for when, _ in self.arriving)])
+            if due > until:
+                break
+            self.at = max(self.at, due)
+            if self.arriving and self.arriving[0][0] <= self.at:
+                cycles = [self.traffic.feed(self.arriving.pop(0)[1], self.at)]
+            else:
+                cycles = []
+            request, cycle = self.traffic.poll(self.at)
+            for each in (*cycles, cycle):
+                if each is not None:
+                    self.records.append(cycle_record(each.answers, each.at))
+                    self.frames += [each.frame] if each.frame else []
+            if request:
+                self.requests.append(request)
+                answer = self.wire(request, self.server.answer(request, self.at))
+                if answer:
+                    self.arriving.append((self.at + ANSWER_US, answer))
+        self.at = until
+        self.outputs.advance(self.at)
+
+    def command(self, level: bool) -> None:
+        self.outputs.command({FINGERS: level}, self.at)
+
+
+def writes(request: bytes) -> bool:
+    return request[1] in (5, 6, 15, 16)
+
+
+@pytest.fixture
+def gripper() -> Gripper2F85:
+    return Gripper2F85()
+
+
+@pytest.fixture
+def bus(gripper: Gripper2F85) -> Bus:
+    return Bus(example("gripper_2f85"), {9: gripper})
+
+
+def activated(bus: Bus, gripper: Gripper2F85) -> None:
+    bus.command(True)
+    bus.to(bus.at + 5 * S)
+    assert gripper.holds
+    bus.requests.clear()
+    gripper.written.clear()
+
+
+def test_a_start_reads_how_it_stands_and_writes_nothing(bus: Bus, gripper: Gripper2F85) -> None:
+    assert bus.outputs.known(bus.at) == {}
+    bus.to(2 * S)
+    assert bus.outputs.known(bus.at) == {FINGERS: False}
+    assert not gripper.written
+    assert bus.requests[0] == bytes.fromhex("090307D00003040E")  # as in the maker's manual
+
+
+def test_it_is_activated_when_it_is_commanded_then_released_and_only_then_it_grips(
+    bus: Bus, gripper: Gripper2F85
+) -> None:
+    bus.to(1 * S)
+    bus.command(True)
+    while bus.at < 5 * S:
+        bus.to(bus.at + 1 * MS)
+        assert not bus.outputs.troubles(bus.at)
+    rest, rise, off, on = (0, 0, 0), (0x0100, 0, 0), (0x0900, 0, 0xFFFF), (0x0900, 0x00FF, 0xFFFF)
+    assert gripper.written == [rest, rise, off, on]
+    assert gripper.holds
+    assert bus.outputs.known(bus.at) == {FINGERS: True}
+    values = bus.frames[-1].values
+    assert (values["part"], values["opened"], values["closed"]) == (True, False, False)
+
+
+def test_the_request_that_closes_it_is_that_of_the_manual(bus: Bus, gripper: Gripper2F85) -> None:
+    activated(bus, gripper)
+    bus.command(False)
+    bus.to(bus.at + 2 * S)
+    bus.command(True)
+    bus.to(bus.at + 2 * S)
+    assert [each.hex() for each in bus.requests if writes(each)] == [
+        "091003e80003060900" + "0000" + "ffff" + "7219",
+        "091003e80003060900" + "00ff" + "ffff" + "4229",
+    ]
+
+
+def test_a_command_waits_for_the_answer_that_is_under_way(bus: Bus, gripper: Gripper2F85) -> None:
+    activated(bus, gripper)
+    while not bus.arriving:
+        bus.to(bus.at + 500)
+    count = len(bus.requests)
+    bus.command(False)
+    assert bus.traffic.poll(bus.at) == (b"", None)  # whoever commands wakes the master
+    bus.to(bus.at + 100)
+    assert len(bus.requests) == count
+    bus.to(bus.at + 10 * MS)
+    assert writes(bus.requests[count])
+
+
+def test_what_is_not_acknowledged_is_written_again_and_nobody_knows_how_it_stands(
+    bus: Bus, gripper: Gripper2F85
+) -> None:
+    activated(bus, gripper)
+    bus.wire = lambda request, answer: b"" if writes(request) else answer
+    bus.command(False)
+    bus.to(bus.at + 300 * MS)
+    assert bus.outputs.known(bus.at) == {}
+    assert not bus.outputs.troubles(bus.at)  # not yet: one answer may be lost
+    bus.to(bus.at + 60 * S)
+    assert "no device acknowledges it" in bus.outputs.troubles(bus.at)[FINGERS]
+    assert len(gripper.written) > 10
+    bus.wire = lambda request, answer: answer
+    bus.to(bus.at + 1 * S)
+    assert bus.outputs.known(bus.at) == {FINGERS: False}
+    assert not bus.outputs.troubles(bus.at)
+
+
+def test_an_activation_that_nobody_acknowledges_is_given_up_and_never_done_later(
+    bus: Bus, gripper: Gripper2F85
+) -> None:
+    activated(bus, gripper)
+    bus.command(False)
+    bus.to(bus.at + 2 * S)
+    bus.wire = lambda request, answer: b""
+    bus.server = RtuServer({})
+    bus.command(True)
+    bus.to(bus.at + 20 * S)
+    assert "was not activated" in bus.outputs.troubles(bus.at)[FINGERS]
+    bus.server, bus.wire = RtuServer({9: gripper}), lambda request, answer: answer
+    bus.to(bus.at + 20 * S)
+    assert gripper.written[-1] == (0x0900, 0, 0xFFFF)
+    assert bus.outputs.known(bus.at) == {}  # it was commanded, and its device says otherwise
+    bus.command(False)
+    bus.to(bus.at + 1 * S)
+    assert bus.outputs.known(bus.at) == {FINGERS: False}
+
+
+@pytest.mark.parametrize(
+    "wire",
+    [
+        pytest.param(lambda request, answer: answer[:-1] + bytes([answer[-1] ^ 1]), id="damaged"),
+        pytest.param(lambda request, answer: bytes([10]) + answer[1:], id="of another unit"),
+        pytest.param(lambda request, answer: bytes([9, 0x90, 2, 0xCD, 0xC1]), id="refused"),
+        pytest.param(lambda request, answer: answer[:5], id="cut off"),
+    ],
+)
+def test_only_the_right_acknowledgement_counts(
+    bus: Bus, gripper: Gripper2F85, wire: Callable[[bytes, bytes], bytes]
+) -> None:
+    activated(bus, gripper)
+    bus.wire = lambda request, answer: wire(request, answer) if writes(request) else answer
+    bus.command(False)
+    bus.to(bus.at + 2 * S)
+    assert bus.outputs.known(bus.at) == {}
+    assert bus.traffic.unacknowledged > 3
+
+
+def test_an_answer_that_comes_twice_counts_once(bus: Bus, gripper: Gripper2F85) -> None:
+    activated(bus, gripper)
+    bus.wire = lambda request, answer: answer + answer
+    bus.command(False)
+    bus.to(bus.at + 2 * S)
+    assert bus.outputs.known(bus.at) == {FINGERS: False}
+    assert gripper.written == [(0x0900, 0, 0xFFFF)]
+
+
+def test_a_device_that_restarts_while_it_holds_is_told_nothing_and_counts_as_unknown(
+    bus: Bus, gripper: Gripper2F85
+) -> None:
+    activated(bus, gripper)
+    gripper.power_up(bus.at)
+    bus.to(bus.at + 5 * S)
+    assert not gripper.written
+    assert gripper.holds
+    assert bus.outputs.known(bus.at) == {}
+    assert "is not activated any more" in bus.outputs.troubles(bus.at)[FINGERS]
+
+
+def test_a_bus_that_is_away_while_it_holds_and_comes_back(bus: Bus, gripper: Gripper2F85) -> None:
+    activated(bus, gripper)
+    bus.wire = lambda request, answer: b""
+    bus.server = RtuServer({})
+    bus.to(bus.at + 30 * S)
+    bus.server, bus.wire = RtuServer({9: gripper}), lambda request, answer: answer
+    bus.power()
+    bus.to(bus.at + 2 * S)
+    assert bus.outputs.known(bus.at) == {FINGERS: True}
+    assert gripper.holds
+    assert not gripper.written
+
+
+def test_the_newest_command_counts(bus: Bus, gripper: Gripper2F85) -> None:
+    bus.to(1 * S)
+    bus.command(True)
+    bus.to(bus.at + 100 * MS)  # its activation is under way
+    bus.command(False)
+    bus.to(bus.at + 10 * S)
+    assert gripper.written[-1] == (0x0900, 0, 0xFFFF)
+    assert bus.outputs.known(bus.at) == {FINGERS: False}
+    assert not gripper.holds
+
+
+def test_an_epick_is_released_before_its_first_grip_and_reads_keep_it_alive() -> None:
+    pick = EPick()
+    bus = Bus(example("epick_commanded"), {9: pick})
+    bus.to(1 * S)
+    bus.command(True)
+    bus.to(5 * S)
+    assert pick.holds
+    bus.to(60 * S)
+    assert pick.holds
+    bus.command(False)
+    bus.to(61 * S)
+    assert not pick.holds
+
+
+def test_an_epick_that_heard_nothing_for_a_second_has_let_go_and_is_not_commanded_again() -> None:
+    pick = EPick()
+    bus = Bus(example("epick_commanded"), {9: pick})
+    bus.command(True)
+    bus.to(5 * S)
+    told = len(pick.written)
+    bus.at += 2 * S
+    bus.to(bus.at + 3 * S)
+    assert not pick.holds
+    assert len(pick.written) == told
+
+
+def test_two_channels_of_one_device_are_written_together_if_they_change_together() -> None:
+    device = Registers()
+    bus = Bus(described(VG10), {65: device})
+    bus.to(1 * S)
+    a, b = "modbus:65/0x0000", "modbus:65/0x0001"
+    assert bus.outputs.known(bus.at) == {a: False, b: False}
+    bus.outputs.command({a: True, b: True}, bus.at)
+    bus.to(2 * S)
+    assert device.written == [(0, (0x0150, 0x0150))]
+    bus.outputs.command({b: False}, bus.at)
+    bus.to(3 * S)
+    assert device.written[1:] == [(1, (0,))]
+    assert bus.outputs.known(bus.at) == {a: True, b: False}
+
+
+def test_what_is_handed_on_gives_the_same_frames_and_noise_gives_none(bus: Bus) -> None:
+    bus.to(2 * S)
+    relayed = RelayedBus(bus.codec)  # type: ignore[arg-type]
+    decoder = relayed.decoder()
+    found = [frame for record in bus.records for frame in decoder.feed(record, bus.at)]
+    assert found == bus.frames
+    for noise in (
+        b"\x00\xff\n",
+        b"{}\n",
+        b'{"at":1,"answers":["00"]}\n',
+        bus.records[0],
+        b'{"at":1e9,"answers":[]}\n',
+    ):
+        assert decoder.feed(noise, bus.at) == []
+    damaged = bus.records[-1]
+    place = damaged.index(b"0903") + 8
+    damaged = damaged[:place] + bytes([damaged[place] ^ 1]) + damaged[place + 1 :]
+    assert relayed.decoder().feed(bus.records[-1], bus.at) == [bus.frames[-1]]
+    assert relayed.decoder().feed(damaged, bus.at) == []
+    frame = bus.frames[-1]
+    assert relayed.decoder().feed(relayed.encode(frame), frame.at) == [frame]
+    assert decoder.feed(b"x" * 100_000, bus.at) == []
+    assert len(decoder._rest) < 50_000
