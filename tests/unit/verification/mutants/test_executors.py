@@ -19,9 +19,13 @@ EXECUTABLE = [mutant for mutant in MUTANTS if mutant.get("template") in EXECUTED
 SAME = {
     "two attempts only",
     "ON with part of the evidence",
+    "the first empty attempt aborts",
+    "an empty attempt is over before the tool changer has heard of the grip",
+    "what was confirmed is taken for empty",
 }
 """They add a choice. The executor takes the edge that stands first in the file, which is the right one: only the
-checker, which looks at every choice, can find them."""
+checker, which looks at every choice, can find them. The last one takes a moment that random inputs do not find: the
+last actuator is confirmed, another one has no reading, and then it is empty."""
 LEVELS = {"gone": 1, "partial": 2, "confirmed": 3}
 LEVELS_ASKED = ("vented", "parked", "told[0]")
 COMMANDS = ("grip", "grip", "drop", "cancel", "lock", "unlock")
@@ -60,6 +64,9 @@ def play(network: Network, seed: int) -> list[object]:
                 asked = {name: int(chooser.random() < 0.9) for name in LEVELS_ASKED}
                 told += execution.write(asked, at)
                 name, writes = command(execution, chooser), {}
+            elif kind == "sensor" and network.constants["SHOWS_EMPTY"] and chooser.random() < 0.3:
+                active_now = [i for i in range(3) if execution.value(f"valve[{i}]")]
+                name, writes = f"empty[{max(active_now, default=0)}]", {}
             elif kind == "tool":
                 unlocking = execution.value("changer") == 3 and chooser.random() < 0.7
                 level = 2 if unlocking else chooser.choice([1, 1, 1, 1, 1, 1, 2, 0, 3])
