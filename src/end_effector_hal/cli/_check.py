@@ -53,13 +53,14 @@ class Checked:
     Attributes:
         description: None where its keys or values are faulty.
         found: every fault, with its line.
-        not_fitted, slow: sentences about a description without faults.
+        not_fitted, slow, hints: sentences about a description without faults.
     """
 
     description: Description | None
     found: tuple[MarkedFault, ...]
     not_fitted: tuple[str, ...] = ()
     slow: tuple[str, ...] = ()
+    hints: tuple[str, ...] = ()
 
     @property
     def faults(self) -> tuple[Diagnostic, ...]:
@@ -74,6 +75,7 @@ class Checked:
             "faults": [fault.as_json() for fault in self.faults],
             "not_fitted": list(self.not_fitted),
             "warnings": list(self.slow),
+            "hints": list(self.hints),
             "computed_bounds": computed_bounds(self.description) if self.description is not None else {},
         }
 
@@ -110,7 +112,16 @@ def check(path: Path) -> Checked:
     found += [MarkedFault(each) for each in automata]
     if description is None or match is None:
         return Checked(description, tuple(found))
-    return Checked(description, tuple(found), match.not_fitted, match.slow)
+    return Checked(description, tuple(found), match.not_fitted, match.slow, tuple(_hints(description)))
+
+
+def _hints(description: Description) -> Iterator[str]:
+    """How to say it the new way."""
+    if description.schema_version == 1:
+        yield (
+            f"{description.where('schema')}: write schema: 2; all that stands here keeps its meaning, and "
+            "channels of names of your own may come from the link and from inputs of the board (docs/channels.md)"
+        )
 
 
 def _automata_faults(description: Description) -> tuple[Diagnostic, ...]:
@@ -143,6 +154,8 @@ def _print_summary(description: Description, checked: Checked) -> None:
         console.print(f"not fitted  {sentence}", style="yellow")
     for sentence in checked.slow:
         console.print(f"warning  {sentence}", style="bold yellow")
+    for sentence in checked.hints:
+        console.print(f"hint  {sentence}")
 
 
 def _actuators(description: Description) -> Table:

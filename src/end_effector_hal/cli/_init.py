@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from pathlib import Path
 
@@ -64,9 +65,10 @@ def command(
         return
     for path in files:
         click.echo(str(path))
-    click.echo(f"Next: edit {files[0]}, then `eehal check {files[0]}`.", err=True)
+    file = shlex.quote(str(files[0]))
+    click.echo(f"Next: edit {file}, then `eehal check {file}`.", err=True)
     if actuators is not None:
-        click.echo(f"To try it without hardware: `eehal run --simulate {files[0]}`.", err=True)
+        click.echo(f"To try it without hardware: `eehal run --simulate {file}`.", err=True)
 
 
 def _described(

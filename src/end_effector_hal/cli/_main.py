@@ -19,7 +19,7 @@ _COMMANDS = {
     "doctor": "what this machine lacks to run a tool, and what to do",
     "export": "a tool for other programs: links and joints as a xacro, its policy of SROS 2",
     "init": "a folder with a description to start from, and its schema",
-    "listen": "what arrives on each channel of the link, live; thresholds from a recording",
+    "listen": "what arrives on each channel, live; thresholds from a recording",
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",
     "page": "the live page of a tool, in a browser",

@@ -13,6 +13,7 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
 from end_effector_hal.signals import Kind
 
 CHANGER_BITS = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+_MEAN_A_BIT = tuple(str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS)
 
 
 @dataclass
@@ -42,12 +43,13 @@ def new_channels(
         found.given[name] = {each.key: NO_CHANNEL for each in kind.channels}
         for each in wanted:
             if each.carries is Kind.BIT or not on_board:
-                channel = f"{name}_{each.key.removesuffix('_bit')}" if each.carries is Kind.BIT else name
+                channel = (
+                    f"{name}_{each.meaning}" if each.carries is Kind.BIT or name in _MEAN_A_BIT else name
+                )
                 found.carried[channel] = each.carries
                 found.given[name][each.key] = channel
     if tool_changer:
-        defaults = (str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS)
-        found.carried |= dict.fromkeys(defaults, Kind.BIT)
+        found.carried |= dict.fromkeys(_MEAN_A_BIT, Kind.BIT)
     return found
 
 

@@ -17,11 +17,13 @@ from end_effector_hal.description import did_you_mean, examine_text, schema_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import DeviceKind, get_kind
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator
+from end_effector_hal.nodes.interface import name_faults
 from end_effector_hal.signals import Kind
 
 from ._new_channels import CHANGER_BITS, NewChannels, channel_lines, frame_lines, new_channels
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_OTHER_WORDS = ("null", "true", "false", NO_CHANNEL)
 _WHAT = 34
 """Column of the comments."""
 _TIMES = ("timeout_s", "reset_s", "attempts", "release_s")
@@ -52,6 +54,11 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
         if not _NAME.fullmatch(name):
             raise UsageError(
                 f"{name!r} is no name of an actuator.", todo="Write lower-case letters, digits and '_'."
+            )
+        if name in _OTHER_WORDS:
+            raise UsageError(
+                f"{name!r} is no name of an actuator: in a description it means something else.",
+                todo=f"Write another one, such as {name}_1.",
             )
         if name in found:
             raise UsageError(f"Two actuators are named {name!r}.", todo="Give each a name of its own.")
@@ -111,7 +118,7 @@ def new_description(
                 for line in _actuator(each, number, channels.given[each.name], ask)
             ),
             *(_changer(len(actuators) + 1, channels.carried) if tool_changer else ()),
-            *_supply(channels.carried),
+            *_supply(channels.carried if link not in LINKS else {}),
             "",
             "# bounds: grip_s, release_s and cancel_s are computed from the times above; write them to require less.",
             "",
@@ -126,9 +133,11 @@ def _refuse_faulty(text: str, folder: Path) -> None:
     examination = examine_text(text, folder / "end_effector.yaml")
     faults = list(examination.faults)
     if examination.description is not None:
-        faults += match_codec(examination.description).faults
+        faults += (*match_codec(examination.description).faults, *name_faults(examination.description))
     if faults:
-        raise UsageError(f"This tool cannot be described so: {faults[0].message}.")
+        first = faults[0]
+        named = f"Name the actuator {first.path[1]!r} otherwise." if first.path[:1] == ("actuators",) else ""
+        raise UsageError(f"This tool cannot be described so: {first.message}.", todo=named)
 
 
 class _CodecChannels:

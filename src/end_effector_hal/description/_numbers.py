@@ -41,7 +41,8 @@ def right_key(key: str, value: object, keys: Iterable[str]) -> tuple[str, str] |
     stem, unit = split(key)
     for known in keys:
         right_stem, right_unit = split(known)
-        if right_unit and right_stem == stem and right_unit != unit:
+        same = not unit or convert(1, unit, right_unit) is not None
+        if right_unit and right_stem == stem and right_unit != unit and same:
             converted = convert(value, unit, right_unit) if unit else None
             return known, known if converted is None else f"{known}: {number(converted)}"
     return None

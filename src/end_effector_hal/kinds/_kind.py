@@ -31,7 +31,7 @@ class DeviceKind(Generic[Stanza]):
        their key (``lost_kpa``, ``timeout_s``). ``orders`` and ``joint_rules`` say which numbers exclude each other.
     2. **Outputs.** ``line`` is active while the actuator shall grip (a mono-stable valve). ``opposing`` names the key
        of a stanza ``{line, gap_s}``: an output that is never active together with it (IL-08).
-    3. **Channels.** ``channels`` are the keys that name channels of the link. At least one of them confirms.
+    3. **Channels.** ``channels`` are the keys that name channels. At least one of them confirms.
     4. **Evidence.** ``detector`` judges readings: CONFIRMED (it grips), GONE (it is released), PARTIAL (neither is
        proven), UNKNOWN (there is no fresh, valid reading of what decides it). Nothing is confirmed without a reading.
        A kind whose evidence can be said in conditions gives them with ``preset`` and needs no detector of its own.

@@ -12,7 +12,7 @@ from end_effector_hal.vocabulary import Evidence
 
 
 class ChannelKey(NamedTuple):
-    """A key of a stanza that names a channel of the link.
+    """A key of a stanza that names a channel.
 
     Attributes:
         key: in the stanza; its value is the name of a channel, or ``none``: there is no such sensor.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from random import Random
 
 from end_effector_hal.codecs.described import CHECKSUMS
@@ -10,7 +10,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.kinds.stanza import Actuator, named
+from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind, Value
 
 from ._evidence import shown_by_conditions
@@ -271,33 +271,14 @@ class Bench:
         if description.e_stop is not None:
             values[description.e_stop.channel] = scenario.estop_ok
         for name, shown in self._conditions.items():
-            values |= shown.at(devices[name])
+            for channel, value in shown.at(devices[name]):
+                if isinstance(value, bool):
+                    values[channel] = value
+                else:
+                    values[channel] = self._shown(name, channel, value, at)
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
-        for name, actuator in description.ordered:
-            for channel, value in self._only_in_evidence(name, actuator, at):
-                values.setdefault(channel, value)
         self._swap(values)
         return values
-
-    def _only_in_evidence(self, name: str, actuator: Actuator, at: int) -> Iterator[tuple[str, Value]]:
-        """What the channels in its `evidence` show: its pressure, that it grips, or that it has released.
-
-        A bit that `confirmed` asks for stands for the switch of its kind that confirms, one of `gone` for the other.
-        """
-        if actuator.evidence is None:
-            return
-        device, keys = self._plant.devices[name], kind_of(actuator).channels
-        for leaf in actuator.evidence.leaves:
-            if not leaf.bit and device.pressure_kpa is not None:
-                yield leaf.channel, self._shown(name, leaf.channel, device.pressure_kpa, at)
-        for condition, confirms in ((actuator.evidence.gone, False), (actuator.evidence.confirmed, True)):
-            switches = (
-                each.meaning for each in keys if each.carries is Kind.BIT and each.confirms is confirms
-            )
-            shown = device.bits.get(next(switches, ""))
-            for leaf in condition.asked.leaves if condition.asked and shown is not None else ():
-                if leaf.bit:
-                    yield leaf.channel, shown
 
     def _changer_bits(self, changer: Changer, places: Mapping[str, bool]) -> dict[str, Value]:
         """What the sensors of the tool changer and of its stand show while it is at ``places``."""

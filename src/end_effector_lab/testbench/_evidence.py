@@ -10,7 +10,6 @@ from end_effector_hal.description import PASCAL, Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Condition, EvidenceConditions, named
-from end_effector_hal.signals import Value
 
 from .physics import Device
 
@@ -26,15 +25,30 @@ Spans = Mapping[str, Span]
 
 @dataclass(frozen=True)
 class ShownByConditions:
-    """What the free channels of one actuator show, by how far its device is."""
+    """What the free channels of one actuator show, by how far its device is: a span each.
 
-    confirmed: Mapping[str, Value]
-    gone: Mapping[str, Value]
-    between: Mapping[str, Value] | None
-    empty: Mapping[str, Value] | None
+    Attributes:
+        bits: those of them that say yes or no.
+        confirmed, gone, between, empty: where each lies then; None: nowhere.
+    """
 
-    def at(self, device: Device) -> Mapping[str, Value]:
-        """At this moment. Where nothing lies between the two, the old one is shown until the device is there."""
+    bits: frozenset[str]
+    confirmed: Spans
+    gone: Spans
+    between: Spans | None
+    empty: Spans | None
+
+    def at(self, device: Device) -> Iterator[tuple[str, bool | float]]:
+        """Channel, and yes or no, or gauge kPa: that of the device as far as its span allows."""
+        for channel, (low, high) in self._spans(device).items():
+            if channel in self.bits:
+                yield channel, low == 1.0
+            else:
+                away = min(AWAY_KPA, (high - low) / 2)
+                yield channel, min(max(device.pressure_kpa or 0.0, low + away), high - away)
+
+    def _spans(self, device: Device) -> Spans:
+        """Where nothing lies between the two, the old one is shown until the device is there."""
         if device.grips:
             return self.confirmed
         if device.is_released:
@@ -96,9 +110,8 @@ def _range_kpa(description: Description, channel: str) -> Span:
 def _solved(
     description: Description, name: str, asked: EvidenceConditions, free: dict[str, Span]
 ) -> ShownByConditions:
-    def shown(*which: str) -> Mapping[str, Value] | None:
-        spans = _Search().solved(_wanted(asked, which), free)
-        return None if spans is None else {each: _value(each, spans, asked) for each in free}
+    def shown(*which: str) -> Spans | None:
+        return _Search().solved(_wanted(asked, which), free)
 
     confirmed, gone = shown("confirmed"), shown("gone")
     if confirmed is None or gone is None:
@@ -108,7 +121,8 @@ def _solved(
             where=description.where("actuators", name, "evidence", which),
             todo="Can its conditions hold one at a time?",
         )
-    return ShownByConditions(confirmed, gone, shown(), shown("empty") if asked.empty else None)
+    bits = frozenset(leaf.channel for leaf in asked.leaves if leaf.bit)
+    return ShownByConditions(bits, confirmed, gone, shown(), shown("empty") if asked.empty else None)
 
 
 def _wanted(asked: EvidenceConditions, which: tuple[str, ...]) -> list[tuple[Condition, bool]]:
@@ -177,12 +191,3 @@ def _allowed(leaf: Condition, holds: bool) -> list[Span]:
         return [(first, last)] if holds else [(-inf, first), (last, inf)]
     limit, below = (leaf.above_kpa or 0.0, not holds) if leaf.below_kpa is None else (leaf.below_kpa, holds)
     return [(-inf, limit) if below else (limit, inf)]
-
-
-def _value(channel: str, spans: Spans, asked: EvidenceConditions) -> Value:
-    """Within its span: the nearest to ambient, away from its ends."""
-    low, high = spans[channel]
-    if any(leaf.bit for leaf in asked.leaves if leaf.channel == channel):
-        return low == 1.0
-    away = min(AWAY_KPA, (high - low) / 2)
-    return round(min(max(0.0, low + away), high - away) * 1000)

@@ -97,6 +97,7 @@ def test_without_a_file_it_is_the_shipped_one() -> None:
         "faults": [],
         "not_fitted": [NO_E_STOP],
         "warnings": [],
+        "hints": [],
         "computed_bounds": {},
     }
 
@@ -136,6 +137,7 @@ def test_faults_as_json(check: Check) -> None:
         ],
         "not_fitted": [],
         "warnings": [],
+        "hints": [],
         "computed_bounds": {},
     }
 
@@ -494,3 +496,14 @@ def test_a_program_says_where_an_unknown_codec_stands(tmp_path: Path) -> None:
     (tmp_path / "tool.yaml").write_text(text)
     with pytest.raises(UsageError, match=r"tool\.yaml:13:10: .*Did you mean ees1-cobs\?"):
         codec_of(load(tmp_path / "tool.yaml"))
+
+
+def test_how_an_earlier_description_is_said_the_new_way(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    text = "schema: 1\n" + profile_path().read_text("utf-8")
+    path.write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(_check.command, [str(path)], catch_exceptions=False)
+    assert result.exit_code == 0
+    assert f"hint  {path}:1:9: write schema: 2; all that stands here keeps its meaning" in result.output
+    path.write_text(text.replace("schema: 1", "schema: 2"), encoding="utf-8")
+    assert "hint" not in CliRunner().invoke(_check.command, [str(path)], catch_exceptions=False).output

@@ -1,7 +1,8 @@
 """Everything that is wrong, in one run, with its line and a mark: the cases stand in ``faults/*.txt``.
 
-A case changes lines of SMALL (``9|new text``, several times for several lines; ``9|`` takes the line out); what follows
-is what `eehal check` prints. ``EEHAL_UPDATE=1 pytest`` of this file writes what it prints now: read the difference.
+A case changes lines of the description of its table (``9|new text``, several times for several lines; ``9|`` takes
+the line out); what follows is what `eehal check` prints. ``EEHAL_UPDATE=1 pytest`` of this file writes what it prints
+now: read the difference.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from click.testing import CliRunner
 
 from end_effector_hal.cli import _check
 
-TABLE = Path(__file__).parent / "faults" / "one_pass.txt"
+FOLDER = Path(__file__).parent / "faults"
 UPDATE = bool(os.environ.get("EEHAL_UPDATE"))
-SMALL = """\
+ONE_PASS = """\
 name: tool
 link: {port: /dev/ttyS0, codec: ees1-ascii}
 sequence: [cup, rod]
@@ -31,14 +32,37 @@ actuators:
     channel: cylinder
 tool_changer: {line: C}
 supply: {channel: supply}
-""".splitlines()
+"""
+DEVICES = """\
+schema: 2
+name: tool
+inputs: {period_ms: 10}
+channels:
+  open: {digital: {line: IN1, bias: pull_up, debounce_ms: 2}, invert: true}
+  closed: {digital: {line: IN2}}
+  part: {digital: {line: IN3}}
+  cup: {analog: {device: ads1015, channel: voltage0}, unit: kPa, scale: 0.025, offset: -112.5}
+  shut: {digital: {line: IN4}}
+  apart: {digital: {line: IN5}}
+sequence: [jaw, magnet, cup]
+actuators:
+  jaw: {kind: gripper, line: A, opposite: {line: B}, open_bit: open, closed_bit: closed}
+  magnet: {kind: magnet, line: C, opposite: {line: D, pulse_s: 0.2}, part_bit: part}
+  cup: {kind: vacuum, line: E, channel: cup, blow_off: {line: F}}
+tool_changer: {line: G, opposite: {line: H}, locked_bit: shut, unlocked_bit: apart, stand_bit: none, present_bit: none}
+supply: {channel: none}
+"""
+TABLES = {"one_pass": ONE_PASS, "devices": DEVICES}
 
 
-def cases() -> list[tuple[str, dict[int, list[str]], str]]:
+Changes = dict[int, list[str]]
+
+
+def cases(table: str) -> list[tuple[str, Changes, str]]:
     found = []
-    for block in TABLE.read_text(encoding="utf-8").split("== ")[1:]:
+    for block in (FOLDER / f"{table}.txt").read_text(encoding="utf-8").split("== ")[1:]:
         title, _, rest = block.partition("\n")
-        changes: dict[int, list[str]] = {}
+        changes: Changes = {}
         lines = rest.splitlines(keepends=True)
         while lines and (number := lines[0].partition("|")[0]).isdigit():
             changes.setdefault(int(number), []).append(lines.pop(0).partition("|")[2].rstrip("\n"))
@@ -46,8 +70,8 @@ def cases() -> list[tuple[str, dict[int, list[str]], str]]:
     return found
 
 
-def told(changes: dict[int, list[str]], folder: Path) -> str:
-    lines = [changes.get(number, [text]) for number, text in enumerate(SMALL, start=1)]
+def told(table: str, changes: Changes, folder: Path) -> str:
+    lines = [changes.get(number, [old]) for number, old in enumerate(TABLES[table].splitlines(), start=1)]
     text = "\n".join(line for each in lines for line in each if line) + "\n"
     (folder / "tool.yaml").write_bytes(text.encode().replace(b"\\t", b"\t"))
     result = CliRunner().invoke(_check.command, ["tool.yaml"], catch_exceptions=False)
@@ -56,28 +80,33 @@ def told(changes: dict[int, list[str]], folder: Path) -> str:
 
 
 @pytest.mark.parametrize(
-    ("title", "changes", "expected"), [pytest.param(*each, id=each[0]) for each in cases()]
+    ("table", "title", "changes", "expected"),
+    [pytest.param(table, *each, id=f"{table}: {each[0]}") for table in TABLES for each in cases(table)],
 )
 def test_all_of_it_is_told_at_once(
-    title: str,
-    changes: dict[int, list[str]],
-    expected: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    table: str, title: str, changes: Changes, expected: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert told(changes, tmp_path) == expected
+    assert told(table, changes, tmp_path) == expected
 
 
-@pytest.mark.skipif(not UPDATE, reason="writes the table")
-def test_write_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("table", TABLES)
+def test_what_they_change_is_right(table: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert told(table, {}, tmp_path) == ""
+
+
+@pytest.mark.skipif(not UPDATE, reason="writes the tables")
+@pytest.mark.parametrize("table", TABLES)
+def test_write_the_table(table: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     blocks = []
-    for title, changes, _ in cases():
+    for title, changes, _ in cases(table):
         edits = "".join(f"{number}|{text}\n" for number, texts in changes.items() for text in texts)
-        blocks.append(f"== {title}\n{edits}{told(changes, tmp_path)}\n")
-    TABLE.write_text("\n".join(blocks), encoding="utf-8")
+        blocks.append(f"== {title}\n{edits}{told(table, changes, tmp_path)}\n")
+    (FOLDER / f"{table}.txt").write_text("\n".join(blocks), encoding="utf-8")
 
 
-def test_the_table_has_25_cases() -> None:
-    assert len(cases()) >= 25
+@pytest.mark.parametrize(("table", "least"), [("one_pass", 25), ("devices", 60)])
+def test_the_tables_have_cases_for_each_key(table: str, least: int) -> None:
+    assert len(cases(table)) >= least

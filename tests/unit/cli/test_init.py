@@ -62,3 +62,9 @@ def test_the_current_folder_is_a_point(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.chdir(tmp_path)
     assert CliRunner().invoke(eehal, ["init", "."]).exit_code == 0
     assert (tmp_path / "end_effector.yaml").exists()
+
+
+def test_a_path_with_blanks_is_quoted_in_what_comes_next(tmp_path: Path) -> None:
+    result = CliRunner().invoke(eehal, ["init", f"{tmp_path}/my tool"], catch_exceptions=False)
+    file = f"'{tmp_path}/my tool/end_effector.yaml'"
+    assert f"Next: edit {file}, then `eehal check {file}`." in result.output

@@ -28,6 +28,7 @@ TOOLS = [
     (",".join(f"v{n}:vacuum" for n in range(6)), ("--link", "modbus", "--no-tool-changer")),
     (",".join(f"g{n}:gripper" for n in range(12)), ("--link", "none", "--no-tool-changer")),
     ("a:vacuum,b:vacuum", ("--link", "modbus-rtu-onrobot-vg", "--no-tool-changer")),
+    ("on:vacuum,locked:vacuum", ("--link", "text")),
     ("top:vacuum,other:vacuum,rod:cylinder", ("--link", "legacy-nibble", "--tool-changer")),
 ]
 
@@ -83,6 +84,20 @@ def test_a_channel_named_like_an_actuator_or_its_kind_is_its_own() -> None:
         (["--actuators", ""], "'' is no actuator. Write NAME:KIND"),
         (["--actuators", "A:vacuum"], "'A' is no name of an actuator. Write lower-case letters"),
         (["--actuators", "a:vacuum,a:cylinder"], "Two actuators are named 'a'. Give each a name of its own."),
+        (
+            ["--actuators", "null:vacuum"],
+            "'null' is no name of an actuator: in a description it means something",
+        ),
+        (
+            ["--actuators", "a:vacuum,true:gripper"],
+            "'true' is no name of an actuator: in a description it means",
+        ),
+        (
+            ["--actuators", "supply:vacuum"],
+            "This tool cannot be described so: topic 'PressureSupply' belongs to the nodes "
+            "(topic: PressureSupply), expected another name. "
+            "Name the actuator 'supply' otherwise.",
+        ),
         (
             ["--actuators", "time_s:vacuum"],
             "This tool cannot be described so: this name means something else",

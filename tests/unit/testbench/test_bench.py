@@ -328,4 +328,4 @@ supply: {channel: none}
     bench.line("B", True, 0)
     shown = bench.sample(2 * S)
     assert [shown[name] for name in ("left", "right", "open", "grips")] == [True, True, False, True]
-    assert kpa(bench, "deep", 2) < -75
+    assert kpa(bench, "deep", 2) < -50

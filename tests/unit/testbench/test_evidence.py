@@ -111,6 +111,8 @@ def test_what_the_kind_shows_by_itself_is_left_to_it() -> None:
     [
         ("confirmed: {all: [{on: a}, {not: {on: a}}]}, gone: {on: b}", "confirmed"),
         ("confirmed: {on: a}, gone: {all: [{on: a}, {on: b}]}, fault: {on: c}", "gone"),
+        # what each asks to be on would be on: a contradiction, by default
+        ("confirmed: {on: a}, lost: {not: {on: b}}, gone: {all: [{not: {on: a}}, {on: b}]}", "confirmed"),
     ],
 )
 def test_what_cannot_be_played_is_refused_in_one_sentence(evidence: str, which: str) -> None:

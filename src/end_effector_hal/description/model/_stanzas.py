@@ -33,11 +33,9 @@ class ToolChanger(Part):
     opposite: Opposite | None = Field(
         default=None, description="the coil that locks; absent: a spring locks when `line` is inactive"
     )
-    locked_bit: Name = Field(
-        default="locked", description="bit of the link that proves locked; none: no such sensor"
-    )
+    locked_bit: Name = Field(default="locked", description="bit that proves locked; none: no such sensor")
     unlocked_bit: Name = Field(
-        default="unlocked", description="bit of the link that proves unlocked; none: no such sensor"
+        default="unlocked", description="bit that proves unlocked; none: no such sensor"
     )
     latching: bool = Field(default=False, description="the unlock output may stay active (IL-03 off)")
     unlock_max_s: Seconds = Field(
@@ -54,10 +52,10 @@ class ToolChanger(Part):
     vented_s: Seconds = Field(default=0.5, description="IL-01: and for at least this long")
     stand_bit: Name = Field(
         default="in_stand",
-        description="IL-02: bit of the link: the tool is in its stand; none: no such sensor",
+        description="IL-02: bit: the tool is in its stand; none: no such sensor",
     )
     present_bit: Name = Field(
-        default="tool_present", description="IL-02: bit of the link: there is a tool; none: no such sensor"
+        default="tool_present", description="IL-02: bit: there is a tool; none: no such sensor"
     )
     arm_s: Seconds = Field(
         default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"
@@ -72,7 +70,7 @@ class EStop(Part):
     """An emergency-stop input (IL-13): while it is open, and until a reset, nothing is activated."""
 
     channel: Name = Field(
-        default="estop_ok", description="bit of the link that is set while it is closed; none: no such input"
+        default="estop_ok", description="bit that is set while it is closed; none: no such input"
     )
 
 

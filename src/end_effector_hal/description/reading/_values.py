@@ -47,7 +47,7 @@ def out_of_range(path: Keys, kind: str, error: ErrorDetails, places: Places) -> 
 
 def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
     """A word that is not one of a few."""
-    choices = re.findall(r"'([^']*)'", error["ctx"]["expected"])
+    choices = [word.strip("'") for word in re.findall(r"'[^']*'|\d+", error["ctx"]["expected"])]
     what, hint = f"{_label(path)} is not one of its choices", did_you_mean(error["input"], choices)
     if error["input"] == "leave" and "endings" in path:
         says_the_same = "write hold: here it says the same"

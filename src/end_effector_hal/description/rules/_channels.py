@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from end_effector_hal.description._fault import Fault, did_you_mean
@@ -159,10 +159,15 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
             expected = f"such a {kind.value} under channels"
         else:
             expected = f"a codec with such a {kind.value}"
+        place = description.place(*use.stanza, use.key)
+        absent = f"{use.key}: {NO_CHANNEL}"
+        if use.stanza[0] not in description.model_fields_set:  # only what does not carry it is written
+            carrier = description.key_place("channels" if codec.declared else "link")
+            place, absent = replace(carrier, path=place.path), f"{use.stanza[0]}: {{{absent}}}"
         meant = did_you_mean(use.channel, known) if use.written else ""
-        instead = "" if use.condition else f"if there is no such sensor, write {use.key}: {NO_CHANNEL}"
+        instead = "" if use.condition else f"if there is no such sensor, write {absent}"
         yield Fault.at(
-            description.place(*use.stanza, use.key),
+            place,
             "EE-225",
             f"{codec.codec} carries no {use.channel!r}",
             found=None if use.written else f"{use.key}: {use.channel} (default)",

@@ -41,9 +41,7 @@ class Actuator(Part):
     opposite: Opposite | None = Field(
         default=None, description="absent: a spring drives it back when `line` is inactive"
     )
-    channel: Name = Field(
-        description="pressure channel of the link that proves it; none, where a bit proves it: no such sensor"
-    )
+    channel: Name = Field(description="pressure that proves it; none, where a bit proves it: no such sensor")
     timeout_s: Seconds = Field(default=5.0, description="not confirmed within: one failed attempt")
     reset_s: Seconds = Field(default=1.0, description="inactive between two attempts")
     attempts: Annotated[int, Field(ge=1, le=20)] = Field(default=3, description="failed attempts that abort")
@@ -68,7 +66,7 @@ class Actuator(Part):
 class Supply(Part):
     """The compressed-air supply (IL-06)."""
 
-    channel: Name = Field(default="supply", description="pressure channel of the link; none: no such sensor")
+    channel: Name = Field(default="supply", description="its pressure; none: no such sensor")
     nominal_kpa: Kilopascal = Field(default=600.0, description="taken where its channel is none")
     warn_kpa: Kilopascal = Field(default=450.0, description="less than this: a warning")
     refuse_kpa: Kilopascal = Field(default=400.0, description="less than this: a new grip is refused")

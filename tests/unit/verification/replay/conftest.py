@@ -37,6 +37,7 @@ class RecordedTool(VirtualTool):
         scenario: str = "nominal",
         levels: dict[str, bool] | None = None,
         limits: RecordingLimits | None = None,
+        description: Description | None = None,
     ) -> None:
         self.recorders: list[Recorder] = []
         self.folder = folder
@@ -45,7 +46,7 @@ class RecordedTool(VirtualTool):
             self.recorders.append(open_recorder(folder, description, program, at=0, limits=limits))
             return self.recorders[-1].controller(description, network, program)
 
-        super().__init__(load(profile_path()), scenario, levels=levels, controller=recorded)
+        super().__init__(description or load(profile_path()), scenario, levels=levels, controller=recorded)
 
     def run(self, seconds: float) -> None:
         until = self.at + round(seconds * 1e6)

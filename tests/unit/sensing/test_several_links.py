@@ -1,0 +1,92 @@
+"""Two links with a sequence number each: what one of them does is nothing to the channels of the other."""
+
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.description import Description, examine_text
+from end_effector_hal.sensing import SensorSet
+from end_effector_hal.signals import Frame, clone, memory_of, recall, same_memory
+from end_effector_hal.vocabulary import Evidence
+
+TOOL = """\
+name: tool
+links: {left: {port: /dev/a}, right: {port: /dev/b, stale_s: 0.3, down_s: 2}}
+channels:
+  one: {link: left, codec: {channel: bottom}}
+  two: {link: right, codec: {channel: bottom}}
+sequence: [a, b]
+actuators:
+  a: {kind: vacuum, line: A, channel: one}
+  b: {kind: vacuum, line: B, channel: two}
+supply: {channel: none}
+"""
+MS = 1000
+
+
+@pytest.fixture(scope="module")
+def tool() -> Description:
+    found = examine_text(TOOL, "tool.yaml").description
+    assert found is not None
+    return found
+
+
+def fed(senses: SensorSet, at: int, **seqs: int) -> int:
+    """20 frames of these channels, 20 ms apart, with sequence numbers from these on; returns the end."""
+    for number in range(20):
+        for channel, seq in seqs.items():
+            at += 10 * MS
+            senses.frame(Frame(at, seq + number, 20 * (seq + number), {channel: -70_000 - number}))
+    return at
+
+
+def test_interleaved_numbers_are_no_reboot_and_a_reboot_is_that_of_one(tool: Description) -> None:
+    senses = SensorSet(tool, carrier_of(tool))
+    at = fed(senses, 0, one=1000, two=40_000)
+    assert senses.now.evidence == (Evidence.CONFIRMED, Evidence.CONFIRMED)
+    assert senses.notices(at, held=False) == ()
+    senses.frame(Frame(at + 10 * MS, 0, 0, {"one": -70_000}))  # begins anew: its evidence, too
+    assert senses.now.evidence[0] is not Evidence.CONFIRMED
+    assert senses.now.readings.get("two", at + 10 * MS) == -70_019
+    assert senses.now.evidence[1] is Evidence.CONFIRMED
+    (said,) = [each for each in senses.notices(at + 10 * MS, held=True) if "anew" in each]
+    assert said == "The device on the sensor link left (/dev/a) began anew: all was read anew."
+
+
+def test_one_link_is_down_and_the_other_is_judged(tool: Description) -> None:
+    senses = SensorSet(tool, carrier_of(tool))
+    at = fed(senses, 0, one=1000, two=40_000)
+    begun = at
+    for again in range(1, 4):
+        at = fed(senses, at, two=40_000 + 20 * again)
+        senses.advance(at)
+    assert senses.now.evidence == (Evidence.UNKNOWN, Evidence.CONFIRMED)
+    assert senses.now.readings.down(at) == ()
+    at = fed(senses, fed(senses, at, two=40_080), two=40_100)
+    assert at - begun == 1000 * MS
+    senses.advance(at)
+    assert [each.link for each in senses.now.readings.down(at)] == ["left"]
+    assert senses.notices(at, held=False) == ()  # that it is down is told elsewhere
+
+
+def test_each_link_has_its_own_times(tool: Description) -> None:
+    senses = SensorSet(tool, carrier_of(tool))
+    at = fed(senses, 0, one=1000, two=40_000)
+    readings = senses.now.readings
+    assert (readings.stale_after_us("one"), readings.stale_after_us("two")) == (150 * MS, 300 * MS)
+    assert readings.stale(at + 200 * MS) == ("one",)
+    assert [each.link for each in readings.down(at + 1500 * MS)] == ["left"]
+    assert {each.link for each in readings.down(at + 2500 * MS)} == {"left", "right"}
+
+
+def test_a_recording_that_begins_in_the_middle_goes_on_alike(tool: Description) -> None:
+    first, second = (SensorSet(tool, carrier_of(tool)).now for _ in range(2))
+    senses = SensorSet(tool, carrier_of(tool))
+    at = fed(senses, 0, one=1000, two=40_000)
+    senses.frame(Frame(at + 10 * MS, 0, 0, {"one": -70_000}))
+    recall(first, memory_of(senses.now))
+    assert same_memory(first, senses.now)
+    assert same_memory(clone(senses.now), senses.now)
+    assert not same_memory(second, senses.now)
+    assert first.doubts(at + 20 * MS) == senses.now.doubts(at + 20 * MS) != ()
