@@ -49,7 +49,9 @@ function begin(content) {
   document.title = content.name;
   put("tool-name", content.name);
   put("tool-summary", content.summary);
-  byId("panel-changer").hidden = !content.lanes.some((lane) => lane.name === "tool changer");
+  const changer = content.lanes.some((lane) => lane.name === "tool changer");
+  document.querySelector(".overview").classList.toggle("no-changer", !changer);
+  byId("panel-changer").hidden = !changer;
   parts = {
     cards: new Cards(byId("cards"), content),
     commands: new Commands(page, content),

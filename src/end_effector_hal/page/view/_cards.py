@@ -123,7 +123,10 @@ class Cards:
             "leak_kpa_s": None,
             "lost_in_s": None,
         }
-        if isinstance(watch, LeakWatch):
+        pressed = self._carried.get(self._parts[index][1].channel) is Kind.PRESSURE
+        if not pressed and not hold["secure"]:
+            hold["secure"] = None  # without a pressure nobody knows
+        elif pressed and isinstance(watch, LeakWatch):
             hold |= {"leak_kpa_s": watch.leak_kpa_s, "lost_in_s": watch.lost_in_s}
         return hold
 

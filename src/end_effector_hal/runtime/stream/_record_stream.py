@@ -11,9 +11,9 @@ Rule 4: Whatever happens to the socket ends no program: without it there is a wa
 from __future__ import annotations
 
 import logging
-import os
 import queue
 import selectors
+import socket
 import threading
 from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
@@ -81,7 +81,9 @@ class RecordStream:
         except (ReportedError, OSError) as error:
             _log.warning("no page can show this program: %s", error)
             return
-        self._wake_read, self._wake = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        # sockets, for one that is closed is never written to: its number may be somebody else's by then
+        self._wake_read, self._wake = socket.socketpair()
+        self._wake.setblocking(False)
         self._command, self._alive, self._nudge = command, alive, nudge
         for name, run in (("stream", self._run), ("stream commands", self._ask)):
             self._threads.append(threading.Thread(target=run, name=name, daemon=True))
@@ -119,10 +121,11 @@ class RecordStream:
         for thread in self._threads:
             if thread is not threading.current_thread():
                 thread.join(END_S)
+        self._wake.close()
 
     def _ring(self) -> None:
         with suppress(OSError):
-            os.write(self._wake, b"x")
+            self._wake.send(b"x")
 
     # From here on: in the thread of the stream.
 
@@ -144,7 +147,7 @@ class RecordStream:
             with suppress(OSError):  # not that of one who came after us
                 if self._path.stat().st_ino == self._inode:
                     self._path.unlink()
-            os.close(self._wake_read)
+            self._wake_read.close()
 
     def _loop(self, selector: selectors.BaseSelector, readers: StreamReaders) -> None:
         alive_at = 0
@@ -155,7 +158,7 @@ class RecordStream:
                 elif key.fileobj is self._listener:
                     readers.accept(self._listener)
                 else:
-                    os.read(self._wake_read, 100)
+                    self._wake_read.recv(100)
             sent = self._send_all(readers)
             at = now_us()
             if sent:
