@@ -75,7 +75,7 @@ class ModbusMaster(ReadCycle):
         self._next = 0
         self._pending: Read | None = None
         self._cycle_at = 0
-        self._heard: list[bytes] = []
+        self._heard = [b""] * len(reads)
         self._heard_at: int | None = None
         self._rest = b""
 
@@ -95,7 +95,8 @@ class ModbusMaster(ReadCycle):
             if self.due > at:
                 return Polled(b"", frames)
         if self._next == 0:
-            self._cycle_at, self._values, self._heard, self._heard_at = at, {}, [], None
+            self._cycle_at, self._values, self._heard_at = at, {}, None
+            self._heard = [b""] * len(self._reads)
         self._pending, self._rest, self.free_at = self._reads[self._next], b"", None
         request = adu.request(self._pending)
         self.due = at + self.answered_within_us(request)
@@ -138,7 +139,7 @@ class ModbusMaster(ReadCycle):
     def _end(self, at: int, answer: bytes = b"") -> tuple[Frame, ...]:
         """The pending read is over; the frame, if it was the last of the cycle and anybody has answered."""
         self._pending, self._rest = None, b""
-        self._heard.append(answer)
+        self._heard[self._next] = answer
         self._next = (self._next + 1) % len(self._reads)
         self.due = self.free_at = at + self.silence_after_us
         if self._next:
