@@ -42,7 +42,7 @@ def _one_output(facts: Facts, name: str) -> Iterator[Fault]:
     buses = [path for path in links if (facts.get(*path, "frame") or {}).get("modbus") is not None]
     if len(buses) != 1:
         place = facts.places.key("actuators", name, "modbus")
-        what = "registers need one Modbus link" + (f", and there are {len(buses)}" if buses else "")
+        what = f"registers need one Modbus link, of {len(buses)}" if buses else "registers need a Modbus link"
         expected = "link: {port: …, frame: {modbus: {}}}"
         yield Fault.at(place, CODE, what, found="modbus", expected=expected)
 
