@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
 import threading
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError, WireError
+
+LONGEST_PATH = 107
+"""Bytes of the path of a Unix socket."""
 
 
 def listen(path: Path, group: str | None = None, *, whose: str = "the line arbiter") -> socket.socket:
@@ -25,7 +29,8 @@ def listen(path: Path, group: str | None = None, *, whose: str = "the line arbit
         WireError: it cannot be made, or not be given to that group.
     """
     number = -1 if group is None else _number(group)
-    # short: the path of a socket has 107 bytes at most
+    if len(os.fsencode(path)) > LONGEST_PATH:  # it could be made, but nobody could connect
+        raise no_socket(path, OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG)), whose)
     fresh = path.with_name(f".{os.getpid()}-{threading.get_native_id()}")
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:

@@ -101,7 +101,7 @@ def test_it_grips_and_drops_and_an_empty_grip_says_so(gripper: Rig) -> None:
     with EndEffector.open(gripper.world.description) as tool:
         tool.wait_ready(READY_S)
         assert gripper.device.written == []  # nothing moves at a start
-        assert tool.grip().succeeded
+        wait_until("a grip", lambda: tool.grip().succeeded)
         assert gripper.device.holds
         assert not tool.status.alarms
         assert tool.drop().succeeded
@@ -138,7 +138,7 @@ def test_a_program_that_is_killed_while_it_grips_has_its_last_will_done_over_the
 def test_a_killed_arbiter_leaves_it_holding_and_the_next_one_adopts_and_writes_nothing(gripper: Rig) -> None:
     with EndEffector.open(gripper.world.description) as tool:
         tool.wait_ready(READY_S)
-        assert tool.grip().succeeded
+        wait_until("a grip", lambda: tool.grip().succeeded)
         told = len(gripper.device.written)
         gripper.kill_arbiter()
     again = gripper.arbiter_again()
@@ -153,7 +153,7 @@ def test_a_killed_arbiter_leaves_it_holding_and_the_next_one_adopts_and_writes_n
 def test_a_cut_cable_while_it_holds_is_told_and_changes_nothing(gripper: Rig) -> None:
     with EndEffector.open(gripper.world.description) as tool:
         tool.wait_ready(READY_S)
-        assert tool.grip().succeeded
+        wait_until("a grip", lambda: tool.grip().succeeded)
         told = len(gripper.device.written)
         gripper.cable.cut = True
         wait_until("it is told", lambda: tool.status.alarms)
@@ -168,7 +168,7 @@ def test_a_cut_cable_while_it_holds_is_told_and_changes_nothing(gripper: Rig) ->
 def test_a_drop_over_a_cut_cable_is_no_success_and_is_done_when_it_is_back(gripper: Rig) -> None:
     with EndEffector.open(gripper.world.description) as tool:
         tool.wait_ready(READY_S)
-        assert tool.grip().succeeded
+        wait_until("a grip", lambda: tool.grip().succeeded)
         gripper.cable.cut = True
         assert not tool.drop().succeeded
         assert "no device acknowledges it" in gripper.faults()
@@ -195,7 +195,7 @@ def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_and_not_tol
     with Rig("epick_commanded", EPick(now_us()), tmp_path) as rig:
         with EndEffector.open(rig.world.description) as tool:
             tool.wait_ready(READY_S)
-            assert tool.grip().succeeded
+            wait_until("a grip", lambda: tool.grip().succeeded)
             told = len(rig.device.written)
             rig.kill_arbiter()
         heard = rig.device._heard_at

@@ -74,7 +74,7 @@ def test_a_codec_that_fails_while_gripped_lets_nothing_go(
     world: World, monkeypatch: pytest.MonkeyPatch, fault: Callable[[list[Frame]], Any], why: str
 ) -> None:
     codec = Failing()
-    monkeypatch.setattr(_reader, "codec_of", lambda description: codec)
+    monkeypatch.setattr(_reader, "codec_of", lambda description, link: codec)
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("a grip", lambda: tool.grip().succeeded)
