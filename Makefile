@@ -59,7 +59,7 @@ nightly: setup ## at length: the proof on thousands of random networks, 8 and 32
 
 test-page: setup ## the live page in a real browser: Debian's Chromium
 	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
-	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q --durations=0 --durations-min=1 tests/acceptance/page
+	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q --durations=0 --durations-min=1 tests/acceptance/page $(WALL_OPTIONS)
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py
