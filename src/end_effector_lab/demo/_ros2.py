@@ -6,9 +6,12 @@ Only processes are started here and the recording is read; nothing of ROS is imp
 from __future__ import annotations
 
 import importlib.util
+import os
 import random
 import signal
+import socket
 import sys
+from collections import deque
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +25,7 @@ PROGRAM = (sys.executable, "-m", "end_effector_hal.ros2")
 ONE, FIVE = ("hal",), ("pressure", "position", "grip", "tool_change", "hal_main")
 MOST_DOMAIN = 101
 """The ports of a larger number of a domain are those that Linux gives to others."""
+_MOST_CLAIMS = 16
 
 
 class Ros2:
@@ -68,6 +72,28 @@ class Ros2:
         world.children.end_since(nodes[0])
 
 
+_claims: deque[int] = deque()
+"""Descriptors: they are closed by the end of the process."""
+
+
+def _free_domain() -> int:
+    """One that no other process of this machine has from here; the newest ones stay claimed until it ends."""
+    if len(_claims) == _MOST_CLAIMS:
+        os.close(_claims.popleft())
+    numbers = list(range(1, MOST_DOMAIN + 1))
+    random.SystemRandom().shuffle(numbers)
+    for number in numbers:
+        claim = socket.socket(socket.AF_UNIX)
+        try:
+            claim.bind(f"\0end-effector-hal/domain/{number}")  # an abstract name: it is gone with its process
+        except OSError:
+            claim.close()
+            continue
+        _claims.append(claim.detach())
+        return number
+    raise RosError("All domains of ROS 2 are taken by tools on this machine.", todo="End some of them.")
+
+
 def apart(logs: Path) -> dict[str, str]:
     """What processes of ROS 2 need in their environment to hear only each other, and nobody outside this machine.
 
@@ -75,7 +101,7 @@ def apart(logs: Path) -> dict[str, str]:
         logs: folder for the logs of ROS.
     """
     return {
-        "ROS_DOMAIN_ID": str(random.SystemRandom().randint(1, MOST_DOMAIN)),
+        "ROS_DOMAIN_ID": str(_free_domain()),
         "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_LOG_DIR": str(logs),
