@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import pytest
 
 from end_effector_hal.arbiter import LineArbiter, Policy
@@ -42,6 +44,7 @@ class Far(Board):
     def __init__(self, known: bool | None) -> None:
         super().__init__()
         self.known, self.trouble, self.written = known, "", list[dict[str, bool]]()
+        self.under_way, self.withdrawn = False, list[str]()
 
     def request(self, names: list[str]) -> dict[str, bool]:
         assert names == [FINGERS]
@@ -56,6 +59,12 @@ class Far(Board):
 
     def unsure(self) -> frozenset[str]:
         return frozenset() if self.known is not None else frozenset((FINGERS,))
+
+    def activating(self) -> frozenset[str]:
+        return frozenset((FINGERS,)) if self.under_way else frozenset()
+
+    def withdraw(self, lines: Iterable[str], why: str) -> None:
+        self.withdrawn += [why for line in lines if line == FINGERS]
 
     def troubles(self) -> dict[str, str]:
         return {FINGERS: self.trouble} if self.trouble else {}

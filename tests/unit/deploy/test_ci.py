@@ -18,6 +18,7 @@ CALLED = [
     "test-dist",
     "test",
     "test-thinned",
+    "test-page",
     "kill-matrix",
     "demo",
     "demo-ros2",

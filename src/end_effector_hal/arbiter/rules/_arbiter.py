@@ -186,7 +186,7 @@ class LineArbiter:
         """The client leaves in order; ``will`` is executed now, the last will that it left before is void."""
         self._set_last_will(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
-        session.forget_activations(session.lines)
+        self._forget_activations(session, "its program has left")
         self._end_session(session, will, at)
 
     def reset(self, at: int, still: Mapping[str, str] | None = None) -> None:
@@ -208,7 +208,7 @@ class LineArbiter:
     def declare_dead(self, session: Session, why: str, at: int) -> None:
         """The client died: none of its waiting activations is applied, its last will is executed."""
         will = session.will
-        session.forget_activations(session.lines)
+        self._forget_activations(session, "its program has died")
         self._dead.append((session.client, session.token))
         self._end_session(session, will, at)
         _log.warning("%s died (%s); its last will: %s", session.client, why, _in_words(will))  # not before it
@@ -222,6 +222,11 @@ class LineArbiter:
 
     def advance(self, at: int) -> None:
         """Execute what is due: waiting writes, last wills, and the ends of activations."""
+        self._lines.hear(at)
+        for line in self._lines.activating():
+            for need in self.policy.needs.get(line, ()):
+                if why := self.predicates.objection(need, at):
+                    self._lines.withdraw((line,), f"{need.interlock}: {why}")
         for session in list(self.sessions):
             try:
                 self._apply_due(session, at)
@@ -267,6 +272,11 @@ class LineArbiter:
         for need in self.policy.needs.get(line, ()):
             if why := self.predicates.objection(need, at):
                 raise LineRefusedError(f"{need.interlock}: {called} is not activated: {why}.")
+
+    def _forget_activations(self, session: Session, why: str) -> None:
+        """None that waits is applied, neither in the queue nor on its way to a device."""
+        session.forget_activations(session.lines)
+        self._lines.withdraw(session.lines, why)
 
     def _may_be_active(self, line: str) -> bool:
         """Whether it is active now, or will be before everything that waits in any queue is applied."""

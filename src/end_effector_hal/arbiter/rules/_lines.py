@@ -41,6 +41,7 @@ class OutputLines:
         )
         self.changed_at = dict.fromkeys(policy.lines, at)
         """The time of the last change of each line, µs."""
+        self._unsure = self._remote.unsure() if self._remote else frozenset[str]()
 
     def set(self, levels: Mapping[str, bool], at: int) -> None:
         """Write those that have another level; raises WireError."""
@@ -73,6 +74,22 @@ class OutputLines:
         guessed, found = self.coils.guessed, self.coils.read()
         self.levels |= {line: level for line, level in found.items() if line in guessed}
         return found
+
+    def hear(self, at: int) -> None:
+        """What a device has done by now, changed now: pauses are counted from there."""
+        if self._remote is None:
+            return
+        before, self._unsure = self._unsure, self._remote.unsure()
+        self.changed_at |= dict.fromkeys(before - self._unsure, at)
+
+    def activating(self) -> frozenset[str]:
+        """Lines whose activation a device has not done for longer than one write takes."""
+        return self._remote.activating() if self._remote else frozenset()
+
+    def withdraw(self, lines: Iterable[str], why: str) -> None:
+        """Activations of these that no device has done yet are not done any more; ``why``: a clause."""
+        if self._remote is not None:
+            self._remote.withdraw(lines, why)
 
     def may_be_active(self, line: str) -> bool:
         """Whether it is active, or nobody knows how it stands."""

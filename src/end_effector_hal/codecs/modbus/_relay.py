@@ -78,7 +78,7 @@ class RelayDecoder(ReadCycle):
 
     def _frames(self, record: bytes, at: int) -> Iterator[Frame]:
         cycle = _read(record, len(self._reads))
-        if cycle is None or not self._last <= cycle[0] <= at or not self._fits(cycle[1]):
+        if cycle is None or not self._last < cycle[0] <= at or not self._fits(cycle[1]):
             self.errors["noise"] += len(record)
             return
         self._last, answers = cycle

@@ -8,7 +8,7 @@ import select
 import socket
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -119,6 +119,16 @@ class BusLines:
         """See `RemoteLines`."""
         return self._names.difference(self.levels())
 
+    def activating(self) -> frozenset[str]:
+        """See `RemoteLines`."""
+        with self._lock:
+            return self._outputs.activating(now_us())
+
+    def withdraw(self, lines: Iterable[str], why: str) -> None:
+        """See `RemoteLines`."""
+        with self._lock:
+            self._outputs.withdraw(lines, why)
+
     def troubles(self) -> dict[str, str]:
         """See `RemoteLines`."""
         with self._lock:
@@ -186,7 +196,11 @@ class BusLines:
                 if text != self._error:
                     _log.error("the bus %s is lost: %s", self._link.port, text)
                 self._error = text
-                self._wait(wait_s)
+                try:
+                    self._wait(wait_s)
+                except Exception:  # noqa: BLE001 its end would end every release
+                    _log.exception("readers of the bus %s", self._link.port)
+                    time.sleep(wait_s)
                 wait_s = min(2 * wait_s, LONGEST_WAIT_S)
 
     def _wait(self, wait_s: float) -> None:
@@ -236,7 +250,7 @@ class BusLines:
             with suppress(BlockingIOError):
                 os.read(self._wake_read, 4096)
         for each in relay:
-            if each in ready:
+            if each in ready and each in self._relay.sockets:  # not one that another one's turn has ended
                 self._relay.ready(each)
         return [port for port in ports if port in ready]
 

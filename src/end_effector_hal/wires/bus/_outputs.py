@@ -33,13 +33,15 @@ class BusOutput:
         self.level: bool | None = None
         """As it was commanded; None: nobody has, since the start."""
         self.retry_at = 0
+        self.alone = False
+        """Whether it is written by itself: together with its neighbours it was not acknowledged."""
         self.why = ""
         """Why the last command was given up, a clause; empty: it was not."""
         self._rows: deque[tuple[int, ...]] = deque()
         self._undecided = False  # whether the device must be activated first is not known yet
         self._awaits_ready: int | None = None  # reported after this time, µs
         self._give_up_at: int | None = None
-        self._progress_at = 0
+        self._commanded_at = self._progress_at = 0
         self._reports: dict[str, tuple[bool, int]] = {}
 
     @property
@@ -49,7 +51,10 @@ class BusOutput:
 
     def command(self, level: bool, at: int) -> None:
         """What it is to be from now on; what was still to be written is forgotten."""
-        self.level, self.why, self.retry_at, self._progress_at = level, "", at, at
+        # not before a late answer to the write before would be noise
+        self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
+        self._commanded_at = self._progress_at = at
+        self.alone = False
         self._rows.clear()
         self._awaits_ready = None
         activation = self.stanza.activation
@@ -97,6 +102,15 @@ class BusOutput:
             self._awaits_ready, self._progress_at = None, at
             self._rows.extend((self.stanza.command_off, self.stanza.command_on))
 
+    def withdraw(self, why: str) -> None:
+        """An activation that is not done yet is not done any more; what the device has done of it stays."""
+        if self.level and self.pending:
+            self._give_up(why)
+
+    def lasts(self, at: int) -> bool:
+        """Whether an activation has been under way for longer than one write takes."""
+        return bool(self.level) and self.pending and at - self._commanded_at > RETRY_US
+
     def next_row(self, at: int) -> tuple[int, ...] | None:
         """What is to be written now."""
         return self._rows[0] if self._rows and at >= self.retry_at else None
@@ -105,7 +119,7 @@ class BusOutput:
         """The device has done it."""
         if self._rows and self._rows[0] == row:
             self._rows.popleft()
-            self._progress_at = at
+            self._progress_at, self.alone = at, False
             if self._awaits_ready is not None and not self._rows:
                 self._awaits_ready = at
 
@@ -182,10 +196,13 @@ class BusOutputs:
     def next_write(self, at: int) -> RegisterWrite | None:
         """What is to be written now; registers of one unit that stand side by side are written together."""
         self.advance(at)
-        for each in self._outputs.values():
-            if (row := each.next_row(at)) is not None:
-                return self._together(each, row, at)
-        return None
+        due = [each for each in self._outputs.values() if each.next_row(at) is not None]
+        if not due:
+            return None
+        first = min(
+            due, key=lambda each: each.retry_at
+        )  # or a device that is dead would keep the others waiting
+        return self._together(first, first.next_row(at) or (), at)
 
     def acknowledged(self, write: RegisterWrite, at: int) -> None:
         """A device has done it."""
@@ -194,8 +211,18 @@ class BusOutputs:
 
     def failed(self, write: RegisterWrite, at: int) -> None:
         """It was refused, or not acknowledged."""
-        for each, _ in self._rows_of(write):
-            each.retry_at = at + RETRY_US
+        failed = [each for each, _ in self._rows_of(write)]
+        for each in failed:
+            each.retry_at, each.alone = at + RETRY_US, each.alone or len(failed) > 1
+
+    def withdraw(self, names: Iterable[str], why: str) -> None:
+        """Activations of these that are not done yet are not done any more."""
+        for name in self._outputs.keys() & set(names):
+            self._outputs[name].withdraw(why)
+
+    def activating(self, at: int) -> frozenset[str]:
+        """Those whose activation has been under way for longer than one write takes."""
+        return frozenset(name for name, each in self._outputs.items() if each.lasts(at))
 
     def known(self, at: int) -> dict[str, bool]:
         """The levels of those of which somebody knows how they stand."""
@@ -229,10 +256,12 @@ class BusOutputs:
         ready = {
             (each.stanza.unit, each.stanza.register_type, each.stanza.address): other
             for each in self._outputs.values()
-            if (other := each.next_row(at)) is not None and len(other) == len(each.stanza.command_on)
+            if (other := each.next_row(at)) is not None
+            and len(other) == len(each.stanza.command_on)
+            and not each.alone
         }
         unit, table, address = first.stanza.unit, first.stanza.register_type, first.stanza.address
-        if len(row) == len(first.stanza.command_on):
+        if len(row) == len(first.stanza.command_on) and not first.alone:
             ends = {(*key[:2], key[2] + len(row)): (key[2], row) for key, row in ready.items()}
             while (before := ends.get((unit, table, address))) and len(row) < LONGEST_WRITE:
                 address, row = before[0], before[1] + row

@@ -71,10 +71,11 @@ class RelayServer:
             if which is not self._listener:
                 self._drop(which)
             return
+        if len(self._readers) == MOST_READERS:  # not the oldest: that is the program which holds the part
+            reader.close()
+            return
         reader.setblocking(False)
         self._readers.append(reader)
-        if len(self._readers) > MOST_READERS:
-            self._drop(self._readers[0])
 
     def send(self, record: bytes) -> None:
         """One record to all of them."""
@@ -95,5 +96,6 @@ class RelayServer:
         self._path.unlink(missing_ok=True)
 
     def _drop(self, reader: socket.socket) -> None:
-        self._readers.remove(reader)
-        reader.close()
+        if reader in self._readers:
+            self._readers.remove(reader)
+            reader.close()

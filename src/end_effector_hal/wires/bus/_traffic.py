@@ -34,6 +34,9 @@ class BusTraffic:
         self._until = 0
         self._free_at = 0
         self._rest = b""
+        self._read_next = (
+            False  # after a write that failed: one dead device must not end the reading of the others
+        )
         self.unacknowledged = 0
         """Writes that were refused or not answered."""
 
@@ -45,7 +48,7 @@ class BusTraffic:
             self._end_write(at, done=False)
         free_at = self._master.free_at
         free = free_at is not None and at >= max(free_at, self._free_at)
-        if free and (write := self._outputs.next_write(at)) is not None:
+        if free and not self._read_next and (write := self._outputs.next_write(at)) is not None:
             self._write, self._rest, request = write, b"", write_request(write)
             self._until = at + self._master.answered_within_us(request)
             return request, None
@@ -53,6 +56,7 @@ class BusTraffic:
             return b"", None
         before = self._master.answers
         polled = self._master.poll(at)
+        self._read_next = self._read_next and not polled.data
         return polled.data, self._cycle(at, polled.frames, before)
 
     def feed(self, data: bytes, at: int) -> Cycle | None:
@@ -76,7 +80,7 @@ class BusTraffic:
             return self._until
         due = self._master.due
         free_at = self._master.free_at
-        if free_at is not None and (wanted := self._outputs.due) is not None:
+        if free_at is not None and not self._read_next and (wanted := self._outputs.due) is not None:
             due = min(due, max(wanted, free_at))
         return max(due, self._free_at)
 
@@ -89,6 +93,7 @@ class BusTraffic:
             self._outputs.acknowledged(write, at)
         else:
             self.unacknowledged += 1
+            self._read_next = True
             self._outputs.failed(write, at)
 
     def _cycle(self, at: int, frames: tuple[Frame, ...], before: tuple[bytes, ...]) -> Cycle | None:

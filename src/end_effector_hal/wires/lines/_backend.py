@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 from end_effector_hal.errors import LineNotFoundError
@@ -62,6 +62,14 @@ class RemoteLines(Protocol):
 
     def unsure(self) -> frozenset[str]:
         """Lines of which nobody knows how they stand: a write is under way, or the device says otherwise."""
+        ...
+
+    def activating(self) -> frozenset[str]:
+        """Lines whose activation has been under way for longer than one write takes."""
+        ...
+
+    def withdraw(self, lines: Iterable[str], why: str) -> None:
+        """Activations of these that are not done yet are not done any more; ``why``: a clause."""
         ...
 
     def troubles(self) -> Mapping[str, str]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Protocol
 
+from end_effector_hal.errors import WireError
 from end_effector_hal.wires.lines._backend import LineBackend, LineHandover, RemoteLines
 
 
@@ -43,8 +44,14 @@ class ComposedLines:
 
     def set(self, levels: Mapping[str, bool]) -> None:
         """Write some of the claimed lines; those of one back-end at once."""
+        failed: Exception | None = None
         for backend, mine in self._shares(levels):
-            backend.set({line: levels[line] for line in mine})
+            try:
+                backend.set({line: levels[line] for line in mine})
+            except (WireError, OSError) as error:  # the others are written all the same
+                failed = failed or error
+        if failed is not None:
+            raise failed
 
     def close(self) -> None:
         """Give the claim back."""
@@ -67,6 +74,16 @@ class ComposedLines:
     def unsure(self) -> frozenset[str]:
         """Lines of which nobody knows how they stand."""
         return frozenset[str]().union(*(each.unsure() for each in self._remote))
+
+    def activating(self) -> frozenset[str]:
+        """Lines whose activation has been under way for longer than one write takes."""
+        return frozenset[str]().union(*(each.activating() for each in self._remote))
+
+    def withdraw(self, lines: Iterable[str], why: str) -> None:
+        """Activations of these that are not done yet are not done any more."""
+        named = frozenset(lines)
+        for each in self._remote:
+            each.withdraw(named, why)
 
     def troubles(self) -> dict[str, str]:
         """What is wrong with lines, a clause each."""

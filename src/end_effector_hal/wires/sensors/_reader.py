@@ -26,6 +26,10 @@ class SensorHealth:
     inputs: InputsHealth | None
 
 
+MOST_OVERTAKEN_US = 20_000
+"""Threads of two sources take turns within this; what waited longer was heard long before (a relay's backlog)."""
+
+
 class SensorReader:
     """Frames of the sensor links, of the inputs of the board, or of both.
 
@@ -34,7 +38,8 @@ class SensorReader:
 
     Args:
         description: the tool.
-        on_frame: each frame, at once; no frame is stamped before the one that was delivered before it.
+        on_frame: each frame, at once, in the order of their stamps: one that another source has overtaken by moments
+            gets the stamp of that; one that is older keeps its own.
         on_change: each change of the state of a source, with its name for a sentence.
         on_bytes: whatever comes over a link, by its name, before it is decoded.
 
@@ -124,7 +129,9 @@ class SensorReader:
         with self._lock:
             if self._closed:
                 return
-            if frame.at < self._last:  # of another source, and overtaken by microseconds
+            late_us = self._last - frame.at
+            if 0 < late_us <= MOST_OVERTAKEN_US:  # of another source
                 frame = replace(frame, at=self._last)
-            self._last = frame.at
+            # one that is older keeps its stamp: what judges frames refuses it, and says so
+            self._last = max(self._last, frame.at)
             self._on_frame(frame)
