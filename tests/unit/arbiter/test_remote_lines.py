@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from end_effector_hal.arbiter import LineArbiter, Policy
+from end_effector_hal.arbiter import Exclusion, LineArbiter, Need, Policy
 from end_effector_hal.arbiter.rules import ArbiterState
 from end_effector_hal.arbiter.rules._session import SessionRecord
 from end_effector_hal.errors import LineRefusedError
@@ -128,3 +128,46 @@ def test_trouble_is_a_latched_fault_that_a_reset_clears_when_it_is_over() -> Non
     assert rules.predicates.faults
     rules.reset(4 * S)
     assert not rules.predicates.faults
+
+
+def test_an_activation_on_its_way_ends_with_its_program() -> None:
+    far = Far(False)
+    rules = arbiter(far)
+    session = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
+    rules.write(session, {FINGERS: True}, None, 100 * MS)
+    assert far.withdrawn == []
+    rules.declare_dead(session, "it was killed", 200 * MS)
+    assert far.withdrawn == ["its program has died"]
+
+
+def test_an_activation_on_its_way_ends_where_an_interlock_objects_by_now() -> None:
+    far = Far(False)
+    policy = Policy(
+        (FINGERS,), needs={FINGERS: [Need("estop_ok", "IL-13", "the e-stop is closed", "the e-stop is open")]}
+    )
+    rules = LineArbiter(ComposedLines(Board(), {FINGERS: far}), policy, 0)
+    session = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
+    rules.predicates.update({"estop_ok": True}, 100 * MS, 100 * MS)
+    rules.write(session, {FINGERS: True}, None, 100 * MS)
+    far.under_way = True
+    rules.predicates.update({"estop_ok": True}, 190 * MS, 190 * MS)
+    rules.advance(200 * MS)
+    assert far.withdrawn == []
+    rules.predicates.update({"estop_ok": False}, 210 * MS, 210 * MS)
+    rules.advance(210 * MS)
+    (why,) = far.withdrawn
+    assert why.startswith("IL-13: ")
+
+
+def test_a_pause_counts_from_when_the_device_has_switched() -> None:
+    far = Far(True)
+    policy = Policy((UNLOCK, FINGERS), exclusions=[Exclusion(UNLOCK, FINGERS, "IL-08", "IL-08", 50 * MS)])
+    rules = LineArbiter(ComposedLines(Board(), {FINGERS: far}), policy, 0)
+    grip = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
+    blow = rules.hello("blow", TOKEN, (UNLOCK,), (), 0)
+    rules.write(grip, {FINGERS: False}, None, 100 * MS)
+    far.known = False  # 300 ms later
+    rules.advance(400 * MS)
+    with pytest.raises(LineRefusedError, match="within 50 ms after"):
+        rules.write(blow, {UNLOCK: True}, None, 401 * MS)
+    rules.write(blow, {UNLOCK: True}, None, 451 * MS)

@@ -66,6 +66,8 @@ class OutputLines:
             raise WireError(f"the lines cannot be written: {error.strerror}.") from error
         self.levels |= changes
         self.changed_at |= dict.fromkeys(changes, at)
+        if self._remote is not None:
+            self._unsure |= self._remote.unsure()
 
     def read(self) -> dict[str, bool]:
         """The levels, read back from the hardware where they stand there."""

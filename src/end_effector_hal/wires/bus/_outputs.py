@@ -199,9 +199,8 @@ class BusOutputs:
         due = [each for each in self._outputs.values() if each.next_row(at) is not None]
         if not due:
             return None
-        first = min(
-            due, key=lambda each: each.retry_at
-        )  # or a device that is dead would keep the others waiting
+        # or a device that is dead would keep the others waiting
+        first = min(due, key=lambda each: each.retry_at)
         return self._together(first, first.next_row(at) or (), at)
 
     def acknowledged(self, write: RegisterWrite, at: int) -> None:

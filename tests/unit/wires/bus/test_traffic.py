@@ -39,6 +39,22 @@ actuators:
 supply: {channel: none}
 """
 
+TWO_UNITS = """
+schema: 2
+name: units
+link: {port: /dev/ttyUSB0, baudrate: 115200, frame: {modbus: {timeout_ms: 200}}, period_ms: 100}
+channels:
+  one: {modbus: {unit: 3, address: 18}, unit: kPa, scale: -0.1}
+  two: {modbus: {unit: 3, address: 19}, unit: kPa, scale: -0.1}
+  three: {modbus: {unit: 3, address: 20}, unit: kPa, scale: -0.1}
+sequence: [a, b, c]
+actuators:
+  a: {kind: vacuum, channel: one, modbus: {unit: 1, address: 0, command_on: [1], command_off: [0]}}
+  b: {kind: vacuum, channel: two, modbus: {unit: 1, address: 10, command_on: [1], command_off: [0]}}
+  c: {kind: vacuum, channel: three, modbus: {unit: 3, address: 0, command_on: [1], command_off: [0]}}
+supply: {channel: none}
+"""
+
 
 def described(text: str) -> Description:
     found = examine_text(text, "cups.yaml")
@@ -63,6 +79,17 @@ class Registers:
     def write(self, address: int, values: tuple[int, ...], at: int) -> bool:
         self.written.append((address, values))
         self.words |= {address + i: value for i, value in enumerate(values)}
+        return True
+
+
+class Single(Registers):
+    """A device that writes one register at a time."""
+
+    def write(self, address: int, values: tuple[int, ...], at: int) -> bool:
+        self.written.append((address, values))
+        if len(values) > 1:
+            return False
+        self.words[address] = values[0]
         return True
 
 
@@ -329,6 +356,81 @@ def test_two_channels_of_one_device_are_written_together_if_they_change_together
     assert bus.outputs.known(bus.at) == {a: True, b: False}
 
 
+def test_what_is_refused_together_is_written_alone() -> None:
+    device = Single()
+    bus = Bus(described(VG10), {65: device})
+    bus.to(1 * S)
+    a, b = "modbus:65/0x0000", "modbus:65/0x0001"
+    bus.outputs.command({a: True, b: True}, bus.at)
+    bus.to(2 * S)
+    assert device.written == [(0, (0x0150, 0x0150)), (0, (0x0150,)), (1, (0x0150,))]
+    assert bus.outputs.known(bus.at) == {a: True, b: True}
+
+
+def test_devices_that_are_dead_keep_no_release_and_no_reading_from_the_others() -> None:
+    """Unit 1 has lost its power: its two outputs are tried for ever, and each try takes the whole time-out."""
+    device = Registers()
+    bus = Bus(described(TWO_UNITS), {3: device})
+    a, b, c = "modbus:1/0x0000", "modbus:1/0x000A", "modbus:3/0x0000"
+    bus.outputs.command({a: False, b: False, c: False}, bus.at)
+    bus.to(1 * S)
+    assert device.written == [(0, (0,))]
+    assert bus.outputs.known(bus.at) == {c: False}
+    frames = len(bus.frames)
+    bus.to(5 * S)
+    assert len(bus.frames) > frames + 5
+    assert set(bus.outputs.troubles(bus.at)) == {a, b}
+
+
+def test_a_late_answer_to_one_command_is_none_to_the_next() -> None:
+    """That to a write of several registers does not say which values were written."""
+    device, a = Registers(), "modbus:65/0x0000"
+    rows = (
+        VG10.replace("[0x0150]", "[1, 1]").replace("[0x0000]", "[0, 0]").replace("address: 1,", "address: 8,")
+    )
+    bus = Bus(described(rows), {65: device})
+    bus.to(1 * S)
+    late: list[bytes] = []
+
+    def wire(request: bytes, answer: bytes) -> bytes:
+        if not writes(request):
+            return answer
+        late.append(answer)
+        return b""
+
+    bus.wire = wire
+    bus.outputs.command({a: True}, bus.at)
+    while not late:
+        bus.to(bus.at + 1 * MS)
+    bus.to(bus.at + 31 * MS)  # its time-out is over
+    bus.outputs.command({a: False}, bus.at)
+    sent, until = len(late), bus.at + 50 * MS
+    while bus.at < until and len(late) == sent:
+        bus.to(bus.at + 1 * MS)
+    bus.traffic.feed(late[0], bus.at)
+    assert a not in bus.outputs.known(bus.at)
+    bus.wire = lambda request, answer: answer
+    bus.to(bus.at + 1 * S)
+    assert device.words[0] == 0
+    assert bus.outputs.known(bus.at)[a] is False
+
+
+def test_an_activation_that_is_withdrawn_moves_nothing_any_more(bus: Bus, gripper: Gripper2F85) -> None:
+    bus.to(1 * S)
+    bus.command(True)
+    bus.to(bus.at + 200 * MS)
+    assert bus.outputs.activating(bus.at) == {FINGERS}
+    told = list(gripper.written)
+    bus.outputs.withdraw([FINGERS], "IL-13: the e-stop is open")
+    bus.to(bus.at + 20 * S)
+    assert gripper.written == told
+    assert bus.outputs.troubles(bus.at) == {FINGERS: "was not activated: IL-13: the e-stop is open"}
+    bus.command(False)
+    bus.outputs.withdraw([FINGERS], "nothing is activated")
+    bus.to(bus.at + 1 * S)
+    assert gripper.written[-1] == (0x0900, 0, 0xFFFF)
+
+
 def test_what_is_handed_on_gives_the_same_frames_and_noise_gives_none(bus: Bus) -> None:
     bus.to(2 * S)
     relayed = RelayedBus(bus.codec)  # type: ignore[arg-type]
@@ -338,6 +440,7 @@ def test_what_is_handed_on_gives_the_same_frames_and_noise_gives_none(bus: Bus) 
     for noise in (
         b"\x00\xff\n",
         b"{}\n",
+        bus.records[-1],  # again
         b'{"at":1,"answers":["00"]}\n',
         bus.records[0],
         b'{"at":1e9,"answers":[]}\n',
