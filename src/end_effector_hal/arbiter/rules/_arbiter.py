@@ -18,7 +18,7 @@ from end_effector_hal.arbiter.rules._predicates import SensorPredicates
 from end_effector_hal.arbiter.rules._session import ArbiterState, Session, SessionRecord, Write
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.vocabulary import LastWill, hint
-from end_effector_hal.wires.lines import LineBackend
+from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 NEVER_US = 2**63 - 1
@@ -186,7 +186,9 @@ class LineArbiter:
         """The client leaves in order; ``will`` is executed now, the last will that it left before is void."""
         self._set_last_will(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
-        self._forget_activations(session, "its program has left")
+        session.forget_activations(session.lines)
+        if self._lines.remote is not None:
+            self._lines.remote.withdraw(session.lines, "its program has left")
         self._end_session(session, will, at)
 
     def reset(self, at: int, still: Mapping[str, str] | None = None) -> None:
@@ -208,7 +210,9 @@ class LineArbiter:
     def declare_dead(self, session: Session, why: str, at: int) -> None:
         """The client died: none of its waiting activations is applied, its last will is executed."""
         will = session.will
-        self._forget_activations(session, "its program has died")
+        session.forget_activations(session.lines)
+        if self._lines.remote is not None:
+            self._lines.remote.withdraw(session.lines, "its program has died")
         self._dead.append((session.client, session.token))
         self._end_session(session, will, at)
         _log.warning("%s died (%s); its last will: %s", session.client, why, _in_words(will))  # not before it
@@ -222,11 +226,8 @@ class LineArbiter:
 
     def advance(self, at: int) -> None:
         """Execute what is due: waiting writes, last wills, and the ends of activations."""
-        self._lines.hear(at)
-        for line in self._lines.activating():
-            for need in self.policy.needs.get(line, ()):
-                if why := self.predicates.objection(need, at):
-                    self._lines.withdraw((line,), f"{need.interlock}: {why}")
+        if self._lines.remote is not None:
+            self._hear_devices(self._lines.remote, at)
         for session in list(self.sessions):
             try:
                 self._apply_due(session, at)
@@ -273,10 +274,13 @@ class LineArbiter:
             if why := self.predicates.objection(need, at):
                 raise LineRefusedError(f"{need.interlock}: {called} is not activated: {why}.")
 
-    def _forget_activations(self, session: Session, why: str) -> None:
-        """None that waits is applied, neither in the queue nor on its way to a device."""
-        session.forget_activations(session.lines)
-        self._lines.withdraw(session.lines, why)
+    def _hear_devices(self, devices: RemoteLines, at: int) -> None:
+        """What they have done by now; an activation under way ends where an interlock objects to it by now."""
+        self._lines.hear(at)
+        for line in devices.activating():
+            for need in self.policy.needs.get(line, ()):
+                if why := self.predicates.objection(need, at):
+                    devices.withdraw((line,), f"{need.interlock}: {why}")
 
     def _may_be_active(self, line: str) -> bool:
         """Whether it is active now, or will be before everything that waits in any queue is applied."""

@@ -31,8 +31,9 @@ class OutputLines:
         believed: Mapping[str, bool],
     ) -> None:
         self._policy, self._before_change = policy, before_change
-        self._remote = backend if isinstance(backend, RemoteLines) else None
-        guesses = policy.opposites or self._remote
+        self.remote = backend if isinstance(backend, RemoteLines) else None
+        """Those that a device writes late; None: there are none."""
+        guesses = policy.opposites or self.remote
         self.coils = Coils(backend, policy.opposites, before_change) if guesses else None
         """Outputs of two coils, with all others; None: each output is one line, whose level can be read."""
         self._backend = backend
@@ -41,7 +42,7 @@ class OutputLines:
         )
         self.changed_at = dict.fromkeys(policy.lines, at)
         """The time of the last change of each line, µs."""
-        self._unsure = self._remote.unsure() if self._remote else frozenset[str]()
+        self._unsure = self.remote.unsure() if self.remote else frozenset[str]()
 
     def set(self, levels: Mapping[str, bool], at: int) -> None:
         """Write those that have another level; raises WireError."""
@@ -66,8 +67,8 @@ class OutputLines:
             raise WireError(f"the lines cannot be written: {error.strerror}.") from error
         self.levels |= changes
         self.changed_at |= dict.fromkeys(changes, at)
-        if self._remote is not None:
-            self._unsure |= self._remote.unsure()
+        if self.remote is not None:
+            self._unsure |= self.remote.unsure()
 
     def read(self) -> dict[str, bool]:
         """The levels, read back from the hardware where they stand there."""
@@ -79,27 +80,18 @@ class OutputLines:
 
     def hear(self, at: int) -> None:
         """What a device has done by now, changed now: pauses are counted from there."""
-        if self._remote is None:
+        if self.remote is None:
             return
-        before, self._unsure = self._unsure, self._remote.unsure()
+        before, self._unsure = self._unsure, self.remote.unsure()
         self.changed_at |= dict.fromkeys(before - self._unsure, at)
-
-    def activating(self) -> frozenset[str]:
-        """Lines whose activation a device has not done for longer than one write takes."""
-        return self._remote.activating() if self._remote else frozenset()
-
-    def withdraw(self, lines: Iterable[str], why: str) -> None:
-        """Activations of these that no device has done yet are not done any more; ``why``: a clause."""
-        if self._remote is not None:
-            self._remote.withdraw(lines, why)
 
     def may_be_active(self, line: str) -> bool:
         """Whether it is active, or nobody knows how it stands."""
-        return self.levels[line] or (self._remote is not None and line in self._remote.unsure())
+        return self.levels[line] or (self.remote is not None and line in self.remote.unsure())
 
     def troubles(self) -> dict[str, str]:
         """What is wrong with outputs that are not written here, a sentence by the name of a fault."""
-        found = self._remote.troubles() if self._remote else {}
+        found = self.remote.troubles() if self.remote else {}
         return {f"output {line}": f"{self._policy.called(line)} {why}." for line, why in found.items()}
 
     def ready_at(self, write: Write) -> int:
