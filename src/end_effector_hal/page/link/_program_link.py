@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from end_effector_hal.control import Answer
 from end_effector_hal.errors import ReportedError
@@ -100,7 +100,7 @@ class ProgramLink:
                 return
             content = _adapter(kind).validate_python(message["content"]) if kind in STREAMED else None
             self._take(kind, int(message["at"]), content)
-        except (ValidationError, KeyError, TypeError, ValueError) as error:
+        except Exception as error:  # noqa: BLE001 of another release, or of nobody: it ends this connection only
             what = f"A record of the {self._program} program cannot be read: {error}"
             raise ReportedError(what[:300]) from None
 

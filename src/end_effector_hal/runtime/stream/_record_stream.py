@@ -78,11 +78,11 @@ class RecordStream:
             group = str(self._beside.stat().st_gid)
             self._listener = listen(self._path, group, whose="a program")
             self._inode = self._path.stat().st_ino
+            # sockets, for one that is closed is never written to: its number may be somebody else's by then
+            self._wake_read, self._wake = socket.socketpair()
         except (ReportedError, OSError) as error:
             _log.warning("no page can show this program: %s", error)
             return
-        # sockets, for one that is closed is never written to: its number may be somebody else's by then
-        self._wake_read, self._wake = socket.socketpair()
         self._wake.setblocking(False)
         self._command, self._alive, self._nudge = command, alive, nudge
         for name, run in (("stream", self._run), ("stream commands", self._ask)):
