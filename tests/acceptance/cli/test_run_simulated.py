@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -72,10 +73,12 @@ def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_pa
     tool = Started("--script", "lock; grip; drop", "--record", str(tmp_path / "recorded"))
     started.append(tool)
     out, err = tool.process.communicate(timeout=LONG_S)
-    assert (tool.process.returncode, err) == (
+    said, page = err.splitlines()
+    assert (tool.process.returncode, said) == (
         0,
-        "Simulated: virtual lines and a testbench; nothing real moves.\n",
+        "Simulated: virtual lines and a testbench; nothing real moves.",
     )
+    assert re.fullmatch(r"Live in a browser: eehal page /\S+/end_effector\.yaml", page)
     assert [line for line in out.splitlines() if "succeeded" in line] == [
         "LOCK: succeeded",
         "GRIP: succeeded",
