@@ -38,7 +38,8 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 
 test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
-	@$(APART) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) -p no:cacheprovider tests/acceptance/contract tests/acceptance/ros2 $(WALL_OPTIONS)
+	@$(APART) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) -p no:cacheprovider tests/acceptance/contract $(WALL_OPTIONS)
+	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2 $(WALL_OPTIONS)
 
 contract-edits: setup ros2 ## by hand: edits of the transport, each of which the contract must find (10 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited
