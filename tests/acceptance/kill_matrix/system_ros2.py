@@ -32,7 +32,7 @@ class Ros2System(RestartedSystem):
 
     def __init__(self, folder: Path, description: Description | None, programs: dict[str, str]) -> None:
         super().__init__(folder, description, *programs)
-        self._programs = programs
+        self._executables = programs
         self.env = apart(self.folder / "ros")
 
     def connect(self) -> None:
@@ -45,4 +45,4 @@ class Ros2System(RestartedSystem):
 
     def command_of(self, name: str) -> list[str]:
         path = str(self.plant.description_path)
-        return [*PROGRAM, self._programs[name], "--ros-args", "-p", f"description:={path}"]
+        return [*PROGRAM, self._executables[name], "--ros-args", "-p", f"description:={path}"]
