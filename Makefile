@@ -7,9 +7,11 @@ ROS2 := build/ros2
 APART := env -u PYTHONPATH -u LD_LIBRARY_PATH -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
 UV := build/uv/bin/uv
 BIN := $(VENV)/bin
+# Without bytecode, which images of Python often switch off, each of two thousand processes compiles all its modules
+unexport PYTHONDONTWRITEBYTECODE
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist bench bench-ros2 format clean debian ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -25,7 +27,7 @@ demo-ros2: ros2 ## the paper's three scenarios on real ROS 2, with Figs. 7 to 9:
 demo-all: setup ## the same, then a cancel, a release that fails, unlock and lock
 	@$(ROS_ENV) && eehal demo --all -o runs/demo
 
-# Collecting all tests takes ten seconds: the parts that need few files collect no others
+# Collecting all tests takes five seconds: the parts that need few files collect no others
 OF_PROCESSES = tests/acceptance $(shell grep -rlE 'mark\.(wall|ros)\b' tests/unit --include='test_*.py')
 OF_TIMES = $(shell grep -rlE 'mark\.alone\b' tests --include='test_*.py')
 # Real processes mostly wait: four workers on two processors. All run nodes of ROS at first, see tests/conftest.py
@@ -58,7 +60,7 @@ nightly: setup ## at length: the proof on thousands of random networks, 8 and 32
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
 
-test-page: setup ## the live page in a real browser: Debian's Chromium
+test-page: setup ## the live page in a real browser: Debian's Chromium (6 minutes)
 	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
 	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q --durations=0 --durations-min=1 tests/acceptance/page $(WALL_OPTIONS)
 
@@ -68,7 +70,7 @@ test-boot: setup ## by hand, as root: the systemd units on a booted systemd (nee
 arbiter-simulation: $(VENV)/.synced ## the line arbiter with its disk in virtual time: whoever dies when (RUNS=2000)
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs $(or $(RUNS),2000)
 
-interlocks: $(VENV)/.synced ## the interlock table: each interlock at each door, refused in words
+interlocks: $(VENV)/.synced ## the interlock table: each interlock through each interface (action, service, socket), refused in words
 	@$(BIN)/python -m pytest -q -s tests/acceptance/interlocks
 
 test-gpiochip: setup ## on a real GPIO chip and serial driver, in a kernel of its own that is built once (4 minutes)
@@ -97,6 +99,14 @@ image: ## the container image, from Debian's archive, without a registry; ARCH=a
 
 test-image: setup image ## by hand: in that image, as its user: import, check, doctor, health, a grip; ARCH=arm64, ROS=2 too
 	@$(ROS_ENV) && EEHAL_IMAGE=$(IMAGE):$(ARCH) pytest -q --durations=0 --durations-min=1 tests/acceptance/image
+
+docs: $(VENV)/.synced ## the site of the docs in build/docs/html, readable offline; what is wrong with a page ends it
+	@VIRTUAL_ENV= $(UV) sync -q --frozen --inexact --group docs -p /usr/bin/python3
+	@$(BIN)/sphinx-build -q -W --keep-going -j auto -c docs -d build/docs/doctrees . build/docs/html || \
+		{ rm -rf build/docs/doctrees; exit 1; } # or the next run reads no page that has been read
+	@! grep -rE '<(script|img|link|iframe)[^>]* (src|href)="(https?:)?//' build/docs/html --include='*.html' || \
+		{ echo "The site loads something from elsewhere: it must be readable offline." >&2; exit 1; }
+	@echo "build/docs/html/index.html"
 
 check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelling
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .

@@ -41,8 +41,11 @@ cd "$root"
 VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
     "$work/uv/bin/uv" sync -q --frozen --no-dev --extra modbus --no-editable --compile-bytecode --reinstall-package end-effector-hal \
     $group $platform -p /usr/bin/python3
+# The parser's tables, beside the bytecode
+"$prefix/bin/python" -c 'from timed_automata.language import parse_system; from timed_automata.document import Text
+parse_system(Text.plain("system a;", ""))'
 mkdir -p "$prefix/share/doc"
-cp docs/deployment.md docs/wiring.md SAFETY.md "$prefix/share/doc/"
+cp docs/how-to/deployment.md docs/how-to/wiring.md SAFETY.md "$prefix/share/doc/"
 
 if [ "${ROS:-}" = 2 ]; then
     "$prefix/bin/python" ros/wheels/build_messages.py ros/end_effector_msgs

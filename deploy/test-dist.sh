@@ -44,7 +44,7 @@ done
 "$eehal" verify >verify.log || { cat verify.log; fail "$eehal verify failed"; }
 tail -n 1 verify.log
 play base-demo
-grep -q "pip install 'end-effector-hal\[lab\]'" base-demo.log || fail "The demo does not say how figures are installed"
+grep -qF "pip install '.[lab]'" base-demo.log || fail "The demo does not say how figures are installed"
 
 install extras "$sdist[bags,lab,modbus]"
 play extras-demo

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Generator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -12,6 +14,7 @@ from hypothesis import HealthCheck, settings
 from xdist.scheduler import LoadFileScheduling
 
 from end_effector_hal.description import Description, load, profile_path
+from timed_automata.language._parser import _lark
 
 # how long an example takes says something of the machine only
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -39,6 +42,13 @@ _LONGEST = (
 """These groups begin first, so that no worker is left alone with one of them in the end."""
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _texts_are_read_once() -> None:
+    """Tests compile the same UPPAAL files with other constants, or with one edge changed, again and again."""
+    parser = _lark()
+    parser.parse = lru_cache(maxsize=2000)(parser.parse)  # type: ignore[method-assign]
+
+
 @pytest.fixture(scope="session")
 def verdin() -> Description:
     """The shipped tool."""
@@ -62,6 +72,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     )
     chosen = set(real)
     items[:] = [*real, *(item for item in items if item not in chosen)]
+
+
+def pytest_collection_finish() -> None:
+    """What was collected stays: the garbage collector would look at all of it again and again, a sixth of the time."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 def _group(name: str) -> str:

@@ -1,16 +1,19 @@
 #!/bin/sh
 # Installs the services of a folder that deploy/build.sh made, and starts the line arbiter and the nodes with it.
-# Usage: deploy/systemd/install.sh [-t DESCRIPTION] [PREFIX]     as root; default: /opt/eehal-<version>.
+# Usage: deploy/systemd/install.sh [-t DESCRIPTION | -c DESCRIPTION] [PREFIX]     as root; default: /opt/eehal-<version>.
 # The first time with -t: the description of the tool is copied to /etc/eehal. Run it again without -t to update.
+# With -c: another description instead of the installed one. Refused while a line is active, and with any fault in it:
+# then nothing has changed. The one before it stands beside it as end_effector.yaml.before.
 # The nodes are those of the ROS that the folder was built for: eehal-hal (ROS 1), or eehal-hal-ros2 and eehal-logger-ros2.
 # DESTDIR: install below this folder, and start nothing.
 set -eu
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' "$here/../../pyproject.toml" | head -n 1)
-tool=
-while getopts t: option; do
+tool= changed=
+while getopts t:c: option; do
     case $option in
     t) tool=$OPTARG ;;
+    c) tool=$OPTARG changed=yes ;;
     *) exit 2 ;;
     esac
 done
@@ -24,8 +27,12 @@ else
     nodes=eehal-hal others='eehal-hal-ros2 eehal-logger-ros2'
 fi
 [ -x "$prefix/bin/eehal" ] || { echo "There is no $prefix/bin/eehal: run deploy/build.sh first" >&2; exit 2; }
-if [ -n "$tool" ]; then
-    [ ! -e "$installed" ] || { echo "There is a tool already: edit or remove $installed, and leave out -t" >&2; exit 2; }
+if [ -n "$changed" ]; then
+    [ -e "$installed" ] || { echo "There is no tool yet: name it with -t" >&2; exit 2; }
+    EEHAL_RUN_DIR=${EEHAL_RUN_DIR:-/run/eehal} "$prefix/bin/eehal" check "$tool" --instead-of "$installed" >/dev/null || exit
+    cp -p "$installed" "$installed.before"
+elif [ -n "$tool" ]; then
+    [ ! -e "$installed" ] || { echo "There is a tool already: put this one in the place of $installed with -c, or leave out -t" >&2; exit 2; }
     "$prefix/bin/eehal" check "$tool" >/dev/null || exit 2
 elif [ ! -e "$installed" ]; then
     echo "No tool is driven by default: name yours, $0 -t DESCRIPTION; eehal init FOLDER writes one to start from" >&2

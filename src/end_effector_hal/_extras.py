@@ -40,5 +40,5 @@ def missing_extra(what_needs: str, error: ModuleNotFoundError) -> MissingExtraEr
 
 
 def command_for(extra: str) -> str:
-    """The command that installs an extra."""
-    return f"pip install '{DISTRIBUTION}[{extra}]'"
+    """The command that installs an extra, and where."""
+    return f"pip install '.[{extra}]' in a checkout of {DISTRIBUTION}"

@@ -1,1 +1,1 @@
-"""The workshop of the hardware abstraction layer: what is not needed on the robot."""
+"""The development tools of the hardware abstraction layer: what is not installed on the robot."""

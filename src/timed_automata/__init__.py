@@ -10,6 +10,7 @@ from .document import (
     Label,
     Template,
     load_document,
+    load_source,
     read_document,
     write_document,
 )
@@ -51,6 +52,7 @@ __all__ = [
     "export",
     "load_document",
     "load_network",
+    "load_source",
     "make_network",
     "read_document",
     "write_document",

@@ -9,7 +9,7 @@ XML_ELEMENTS = 20_000
 TEXT_CHARACTERS = 65_536
 """Of one declaration or label."""
 NESTING = 500
-"""Brackets within each other, or signs before one operand."""
+"""Brackets within each other, signs before one operand, or operators beside each other."""
 DIGITS = 10
 """Of a number; UPPAAL computes with 32 bits."""
 LONGEST_BITS = 64

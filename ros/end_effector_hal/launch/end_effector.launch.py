@@ -60,6 +60,12 @@ ARGUMENTS = (
         "no hardware: a copy of the tool on virtual lines, the testbench at their other end",
     ),
     ("scenario", "nominal", None, "what goes wrong at the testbench; eehal testbench --list"),
+    (
+        "frame_id",
+        "",
+        None,
+        "frame in the headers of the pressures; empty: TOOL_link, as eehal export urdf calls it",
+    ),
     ("script", "", None, "commands for a Supervisor, such as: lock; grip; wait 2; drop; quit"),
     ("log_directory", "", None, "folder for the recording of a run; empty: no recording"),
     ("segment_mb", "64", None, "files of a recording are cut into segments of so many MB"),
@@ -96,6 +102,8 @@ def _processes(context):
         parameters = {"description": tool}
         if given["processes"] == "managed":
             parameters["prove"] = given["prove"]
+        if given["frame_id"] and program in ("hal", "lifecycle_hal", "pressure"):
+            parameters["frame_id"] = given["frame_id"]
         if given["log_directory"] and program in RECORDERS:
             parameters["directory"] = given["log_directory"]
             parameters |= {name: given[name] for name in ("segment_mb", "keep_mb")}

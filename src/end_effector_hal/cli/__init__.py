@@ -1,7 +1,21 @@
 """The command line ``eehal``: a thin face; each command is a module of its own, loaded when it is used."""
 
+from ._completion import completed, profiles, typed_tool
 from ._figures import figures
+from ._json_output import json_text, print_document
 from ._main import main
 from ._options import PathName, end_in_order
+from ._progress import Progress
 
-__all__ = ["PathName", "end_in_order", "figures", "main"]
+__all__ = [
+    "PathName",
+    "Progress",
+    "completed",
+    "end_in_order",
+    "figures",
+    "json_text",
+    "main",
+    "print_document",
+    "profiles",
+    "typed_tool",
+]

@@ -9,12 +9,18 @@ import click
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import tool_path
 
+from ._completion import completed, profiles
 from ._options import PathName
 
 
 @click.command()
 @click.argument("description", type=PathName(), default=None, required=False)
-@click.option("--profile", default="", help="Name of a shipped tool, instead of a description.")
+@click.option(
+    "--profile",
+    default="",
+    shell_complete=completed(profiles),
+    help="Name of a shipped tool, instead of a description.",
+)
 @click.option("--socket", type=PathName(), help="Unix socket to serve; default: the description's.")
 @click.option(
     "--journal",

@@ -1,4 +1,4 @@
-"""Figures are drawn by the workshop, which a robot does not need: found by an entry point, or asked for in words."""
+"""Figures are drawn by the development tools, found by an entry point, or asked for in words."""
 
 from __future__ import annotations
 
@@ -61,6 +61,16 @@ def figures() -> Figures:
     except ModuleNotFoundError as error:
         raise missing_extra("Figures need", error) or error from None
     return _FIGURES.get(NAME)
+
+
+def is_figure(output: Path) -> bool:
+    """Whether ``-o`` names a figure, ``FILE.png`` or ``FILE.svg``, and no folder."""
+    return output.suffix.lstrip(".").lower() in FORMATS and not output.is_dir()
+
+
+def draw_run(log: StatesLog, info: RunInfo, file: Path) -> Path:
+    """Write the timeline of a run into one file; raises MissingExtraError, UsageError."""
+    return figures().save(figures().timeline(log, None, info), file)
 
 
 def save_all(figure: object, folder: Path, name: str) -> list[Path]:

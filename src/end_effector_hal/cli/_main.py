@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import importlib
-import json
 import sys
+from difflib import get_close_matches
 
 import click
 
@@ -12,30 +12,53 @@ from end_effector_hal._extras import missing_extra
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.plugins import Plugins
 
+from ._json_output import print_line
+
 GROUP = "end_effector_hal.commands"
 """Entry points of further commands; a command of this package wins over another one of its name."""
 _COMMANDS = {
+    "completion": "what makes the shell complete commands and values",
     "check": "say everything that is wrong with a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
-    "export": "a tool for other programs: links and joints as a xacro, its policy of SROS 2",
+    "export": "a tool for other programs: a xacro, a policy of SROS 2, a layout for Foxglove",
     "init": "a folder with a description to start from, and its schema",
     "listen": "what arrives on each channel, live; thresholds from a recording",
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",
-    "page": "the live page of a tool, in a browser",
-    "replay": "decide a recorded run once more, and judge it by its network",
+    "page": "a tool in a browser: live, or as it was recorded",
+    "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
+    "report": "a recorded run as one HTML file",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",
     "verify": "prove what the automata promise, or show a counterexample",
 }
+_AUDIENCES = {
+    "To run a tool and look at it (operators)": ("run", "page", "arbiter", "doctor"),
+    "To describe a tool and connect it (integrators)": (
+        "init", "check", "schema", "listen", "testbench", "board", "export", "completion",
+    ),
+    "To prove, try out and judge it (researchers)": (
+        "demo", "verify", "model", "replay", "plot", "report", "import",
+    ),
+}  # fmt: skip
+"""Who uses a command, in the order in which it is needed; those that are not installed are left out."""
+_OTHERS = "Added by other distributions"
+_OTHER_NAMES = {
+    "figure": "plot", "draw": "plot", "prove": "verify", "new": "init", "validate": "check", "lint": "check",
+    "simulate": "model simulate", "watch": "listen", "serve": "page",
+}  # fmt: skip
+"""What other programs call it."""
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
 """Modules that only commands with lines, ports or locks import."""
-_ROOMS = {"doctor": "doctor._doctor", "export": "export._export", "model": "model._model"}
+_ROOMS = {"page": "recorded", "replay": "recorded", "report": "recorded"} | {
+    name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")
+}
+"""Commands that do not stand alone, and the folder in which they do."""
 
 
 def _checked(command: object) -> click.Command:
     if not isinstance(command, click.Command):
-        raise UsageError("it is no command of click.")
+        raise UsageError("the entry point must name a click.Command.")
     return command
 
 
@@ -50,14 +73,30 @@ class _LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in _COMMANDS:
-            module = importlib.import_module(f"end_effector_hal.cli.{_ROOMS.get(cmd_name, f'_{cmd_name}')}")
+            room = f".{_ROOMS[cmd_name]}" if cmd_name in _ROOMS else ""
+            module = importlib.import_module(f"{__package__}{room}._{cmd_name}")
             command: click.Command = module.command
             return command
         return _ADDED.get(cmd_name) if cmd_name in _ADDED.names else None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, self._help(ctx, name)) for name in self.list_commands(ctx)])
+        names = self.list_commands(ctx)
+        known = [name for group in _AUDIENCES.values() for name in group]
+        sections = {**_AUDIENCES, _OTHERS: tuple(name for name in names if name not in known)}
+        width = max(map(len, names))
+        for title, group in sections.items():
+            if rows := [(name.ljust(width), self._help(ctx, name)) for name in group if name in names]:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        names, name = self.list_commands(ctx), args[0]
+        if name not in names and not name.startswith("-") and not ctx.resilient_parsing:
+            meant = _OTHER_NAMES.get(name) or next(iter(get_close_matches(name, names, n=1)), "")
+            ctx.fail(f"No such command {name!r}.{f' Did you mean {meant!r}?' if meant else ''}")
+        return super().resolve_command(ctx, args)
 
     def _help(self, ctx: click.Context, name: str) -> str:
         if name in _COMMANDS:
@@ -126,5 +165,4 @@ def _report(error: ReportedError) -> None:
         return
     # in one line: what prints JSON lines may end with it
     faults = [fault.as_json() for fault in error.diagnostics]
-    document = {"ok": False, "exit_code": error.exit_code, "faults": faults}
-    click.echo(json.dumps(document, ensure_ascii=False))
+    print_line(ok=False, exit_code=error.exit_code, faults=faults)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import stat
 import sys
 from pathlib import Path
 from types import FrameType
@@ -26,6 +27,17 @@ class PathName(click.Path):
         """The path; ends in a usage error when it is empty."""
         if value == "":
             self.fail("It is empty. Write '.' for the current folder.", param, ctx)
+        try:
+            if stat.S_ISDIR(os.stat(value).st_mode):
+                os.stat(
+                    os.path.join(value, ".")
+                )  # what is in it cannot be reached without the right to search it
+        except (FileNotFoundError, NotADirectoryError):  # each command says what it had expected
+            pass
+        except OSError as error:  # links in a circle, a name that is too long, a folder that is not ours
+            self.fail(
+                f"{click.format_filename(value)[:200]!r} cannot be reached: {error.strerror}.", param, ctx
+            )
         return super().convert(value, param, ctx)
 
 

@@ -9,7 +9,7 @@ from end_effector_hal.description import markdown, schema_text
 
 @click.command(name="schema")
 @click.option(
-    "--markdown", "as_markdown", is_flag=True, help="Tables of all keys instead, as in docs/description.md."
+    "--markdown", "as_markdown", is_flag=True, help="Tables of all keys, as in docs/reference/description.md."
 )
 def command(as_markdown: bool) -> None:
     """Print the JSON Schema (draft 2020-12) of a description.

@@ -2,67 +2,129 @@
 
 from __future__ import annotations
 
-import json
 import sys
-import time
+import textwrap
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
 from end_effector_hal.cli.model import DESCRIPTION, MODEL, Source, open_source
 from end_effector_hal.errors import UsageError
 
-from ._figures import Drawing
+from ._figures import Drawing, draw_run, figures, is_figure
+from ._json_output import print_document
 from ._options import PathName
+from ._progress import Progress
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_hal.verification.proof import Finding, Proof
 
 _FAILED = 4
+_MOST_LISTED, _MOST_NOTES = 6, 3  # in short
+_MOST_STEPS, _COLUMNS, _INDENT = 12, 110, " " * 7
+T = TypeVar("T")
 
 
 @click.command(name="verify")
 @DESCRIPTION
 @MODEL
-@click.option("--json", "as_json", is_flag=True, help="Print {requirements, bounds, ...} as JSON.")
+@click.option("--all", "every", is_flag=True, help="Print every requirement, not only what does not hold.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print {requirements, bounds, ...} as JSON, all of them."
+)
 @click.option(
     "-o",
     "--output",
-    metavar="DIR",
+    metavar="DIR|FILE.(png|svg)",
     type=PathName(),
-    help="Write each counterexample there: text, states.csv, timeline.",
+    help="Write each counterexample there: text, states.csv, timeline; or only its timeline, into this file.",
 )
-def command(description: Path | None, model: Path | None, as_json: bool, output: Path | None) -> None:
+@click.option(
+    "--free-sensors",
+    "free",
+    type=click.Choice(["actuators", "all"]),
+    help="Let these readings change to anything at any time; all: the tool changer's as well.",
+)
+def command(
+    description: Path | None,
+    model: Path | None,
+    every: bool,
+    as_json: bool,
+    output: Path | None,
+    free: str | None,
+) -> None:
     """Prove what the automata must do, with the constants of DESCRIPTION, or show a run that does not.
 
+    It says how many requirements hold, the worst cases, and of each requirement that does not hold the shortest run
+    that shows it, and why; --all lists every requirement.
+
+    Of each output of two coils a network of its own is proven as well: what the automata may assume of it.
     DESCRIPTION defaults to the shipped one; --model checks a UPPAAL file as it stands, with its own queries. The
     exit code is 4 when a requirement does not hold. The verdict about a DESCRIPTION is kept in
     ${XDG_STATE_HOME:-~/.local/state}/end-effector-hal/verdicts, by its content.
+
+    With --free-sensors the automata alone are proven, in a world whose sensors have no memory and no least time between
+    two changes: that the ordinary, smaller world leaves nothing out. Time need not diverge there, since a sensor may
+    flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
+    steps it takes some twenty times as long; all some hundred times, and 1.3 GB.
     """
     from end_effector_hal.recording import content_hash
+    from end_effector_hal.verification.coils import prove_tool
     from end_effector_hal.verification.proof import prove
 
     source = open_source(description, model)
+    if free is not None:
+        source = _set_free(source, free)
     content = content_hash(source.description) if source.description is not None else ""
-    with _Progress() as progress:
-        proof = prove(source.network, progress)
+    if output is not None and is_figure(output):
+        figures()  # without what draws them nothing is proven
+    with Progress("Proving", shown=not as_json) as progress:
+
+        def tell(what: str, states: int) -> None:
+            progress(_doing(what, states))
+
+        if free is not None:
+            proof = prove(source.network, tell, flickers=True)
+        elif source.description is not None:
+            proof = prove_tool(source.description, source.network, tell)
+        else:
+            proof = prove(source.network, tell)
     drawing = Drawing()
     files = _write(source, proof, output, drawing) if output is not None else {}
     if as_json:
-        document = proof.document() | {"computed_bounds": list(_computed(source))}
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        reasons = {each.id: _why(source, each) for each in proof.findings if each.trace is not None}
+        document = proof.document(reasons) | {"computed_bounds": list(_computed(source))}
+        document |= {"free_sensors": free} if free is not None else {}
+        print_document(document)
         for file in (file for each in files.values() for file in each):
             click.echo(str(file), err=True)
     else:
-        _print(source, proof, files)
+        _print(source, proof, files, every=every, free=free is not None)
     if drawing.note:
         click.echo(f"Note: {drawing.note}", err=True)
-    if source.description is not None:
+    if source.description is not None and free is None:
         _keep(source.description, content, proof)
     if not proof.holds:
         sys.exit(_FAILED)
+
+
+def _set_free(source: Source, which: str) -> Source:
+    """The same automata in a world whose sensors are free."""
+    from end_effector_hal.control import LATER_CONSTANTS, model_constants
+    from end_effector_hal.verification.proof import free_constants
+    from timed_automata import make_network
+
+    given = model_constants(source.description) if source.description is not None else {}
+    free = free_constants(source.network, which)
+    return replace(
+        source,
+        name=f"{source.name}, sensors free ({which})",
+        network=make_network(source.network.document, {**given, **free}, optional=LATER_CONSTANTS),
+    )
 
 
 def _keep(description: Description, content: str, proof: Proof) -> None:
@@ -78,91 +140,175 @@ def _keep(description: Description, content: str, proof: Proof) -> None:
         click.echo(f"Note: {error}", err=True)
 
 
-def _print(source: Source, proof: Proof, files: dict[str, list[Path]]) -> None:
+def _print(source: Source, proof: Proof, files: dict[str, list[Path]], *, every: bool, free: bool) -> None:
     click.secho(f"{source.name}: {len(proof.findings)} requirements", bold=True)
-    for finding in proof.findings:
-        _print_line(finding)
+    if every:
+        for finding in proof.findings:
+            _print_line(finding)
+    else:
+        _print_what_is_to_be_said(source, proof)
+    _print_bounds(proof)
+    if computed := _computed(source):
+        click.echo(f"bounds that are not written are what the steps add up to: {', '.join(computed)}")
+    for note in _first(source.network.document.notes, every=every):
+        click.echo(f"note: {note}")
+    if proof.off:
+        click.echo(
+            f"\n{len(proof.off)} edges can never be taken with the values of this description; --json lists them"
+        )
+    _print_runs(source, proof, files, every=every)
+    if not files and any(finding.trace for finding in proof.findings):
+        click.echo("-o DIR writes the runs and draws them.")
+    _print_verdict(proof, every=every, free=free)
+
+
+def _print_what_is_to_be_said(source: Source, proof: Proof) -> None:
+    """Of each requirement that does not hold why; which hold and say nothing here; what was asked for as a number."""
+    from end_effector_hal.verification.proof import UNMET
+
+    failing = [each for each in proof.findings if not each.holds and each.decided]
+    run = next((each for each in failing if each.trace is not None), None)  # ends with why
+    for finding in failing[:_MOST_LISTED]:
+        _print_line(finding, most=_MOST_NOTES)
+        if finding.trace is not None and finding is not run:
+            click.echo(_wrapped(_why(source, finding), _INDENT))
+    empty = [each for each in proof.findings if each.holds and each.remark == UNMET]
+    for more, what in ((failing[_MOST_LISTED:], "fail as well"), (empty, f"hold, but {UNMET}")):
+        if more:
+            click.echo(_wrapped(f"{len(more)} {what}: {_ids(more)}", ""))
+    told = [
+        each for each in proof.findings if not each.decided or (each.holds and each.remark not in ("", UNMET))
+    ]
+    for finding in told[:_MOST_LISTED]:
+        _print_line(finding, most=1)
+    if len(told) > _MOST_LISTED:
+        click.echo(f"and {len(told) - _MOST_LISTED} more that are open, or have an answer")
+
+
+def _print_bounds(proof: Proof) -> None:
     if proof.bounds:
         click.echo("\nworst cases, computed and required:")
     for name, worst in proof.bounds.items():
         click.echo(
             f"  {name.removesuffix('_s').replace('_', '-'):16} {worst!s:>9}  {worst.declared_ms / 1000:g} s"
         )
-    if computed := _computed(source):
-        click.echo(f"bounds that are not written are what the steps add up to: {', '.join(computed)}")
-    if proof.off:
+
+
+def _print_runs(source: Source, proof: Proof, files: dict[str, list[Path]], *, every: bool) -> None:
+    """The runs that refute; in short some steps of the first one."""
+    refuted = [finding for finding in proof.findings if finding.trace is not None]
+    if every:
+        for finding in refuted:
+            _print_run(source, finding, files.get(finding.id, []))
+        return
+    for finding in refuted[:1]:
+        _print_run(source, finding, files.get(finding.id, []), most=_MOST_STEPS // min(2, len(refuted)))
+    folders = dict.fromkeys(file.parent for each in refuted[1:] for file in files.get(each.id, []))
+    if refuted[1:]:
+        click.echo(_wrapped(f"{len(refuted) - 1} more have a run each: {_ids(refuted[1:])}", "  "))
+    if folders:
         click.echo(
-            f"\n{len(proof.off)} edges can never be taken with the values of this description; --json lists them"
+            f"the same files of these are in {', '.join(dict.fromkeys(map(str, (each.parent for each in folders))))}"
         )
-    for finding in proof.findings:
-        if finding.trace is not None:
-            _print_run(finding, files.get(finding.id, []))
+
+
+def _print_verdict(proof: Proof, *, every: bool, free: bool) -> None:
+    count = len(proof.findings)
     failed = sum(not finding.holds and finding.decided for finding in proof.findings)
     left = sum(not finding.decided for finding in proof.findings)
-    verdict = f"{failed} of {len(proof.findings)} fail" if failed else f"all {len(proof.findings)} hold"
+    verdict = f"{failed} of {count} fail" if failed else f"all {count} hold"
     verdict += f", {left} are not decided" if left else ""
-    text = f"\n{verdict}; {proof.states:,} states, {proof.seconds:.2f} s"
-    click.secho(text, fg="red" if failed else "green", bold=True)
-    if failed and not files and any(finding.trace for finding in proof.findings):
-        click.echo("-o DIR writes the runs and draws them.")
+    hint = "" if every else "  (--all lists every requirement" + (" and run)" if failed else ")")
+    color = "red" if failed else "yellow" if left else "green"
+    text = click.style(f"\n{verdict}; {proof.states:,} states, {proof.seconds:.2f} s", fg=color, bold=True)
+    click.echo(text + hint)
+    if free:
+        click.echo(
+            "not asked: that time diverges [time]; a sensor that is free may flicker without end at one instant"
+        )
+
+
+def _first(items: Sequence[T], *, every: bool) -> Sequence[T]:
+    return items if every else items[:_MOST_NOTES]
+
+
+def _ids(findings: Sequence[Finding]) -> str:
+    return ", ".join(finding.id for finding in findings)
+
+
+def _why(source: Source, finding: Finding) -> str:
+    from end_effector_hal.verification.proof import told_run
+
+    return told_run(finding, _actuators(source))[-1]
+
+
+def _actuators(source: Source) -> tuple[str, ...]:
+    return tuple(source.description.sequence) if source.description is not None else ()
+
+
+def _doing(what: str, states: int) -> str:
+    return f"Proving {what}{f', {states:,} states' if states else ''}"
 
 
 def _computed(source: Source) -> tuple[str, ...]:
     return source.description.durations.computed if source.description is not None else ()
 
 
-def _print_line(finding: Finding) -> None:
+def _print_line(finding: Finding, most: int | None = None) -> None:
     mark = click.style("holds", fg="green") if finding.holds else click.style("FAILS", fg="red", bold=True)
     mark = mark if finding.decided else click.style("open ", fg="yellow")
     cost = click.style(f"[{finding.id}; {finding.states:,} states, {finding.seconds:.2f} s]", dim=True)
     click.echo(f"{mark}  {finding.sentence}  {cost}")
-    for remark in finding.remark.split("; ") if finding.remark else ():
+    remarks = finding.remark.split("; ") if finding.remark else []
+    if most is not None and finding.trace is not None and finding.remark == finding.trace.remark:
+        remarks = []  # the sentence that says why begins with it
+    for remark in remarks[:most]:
         click.echo(f"       {remark}")
+    if most is not None and len(remarks) > most:
+        click.echo(f"       and {len(remarks) - most} more")
 
 
-def _print_run(finding: Finding, files: list[Path]) -> None:
-    assert finding.trace is not None
+def _print_run(source: Source, finding: Finding, files: list[Path], most: int | None = None) -> None:
+    """A run with all that is said of it; ``most``: so many of its steps, each on a line of a terminal."""
+    from end_effector_hal.verification.proof import told_run
+
+    cut = (lambda line: line) if most is None else _cut
     click.echo(f"\n[{finding.id}] {finding.sentence}")
     if finding.query:
-        click.echo(finding.query)
-    for line in finding.trace.lines:
-        click.echo(f"  {line}")
+        click.echo(cut(finding.query))
+    *lines, _, why = told_run(finding, _actuators(source))
+    left_out = 0 if most is None else max(0, len(lines) - most)
+    first = most // 3 if most is not None and left_out else len(lines)
+    for line in lines[:first]:
+        click.echo(cut(f"  {line}"))
+    if left_out:
+        click.echo(f"  … {left_out} steps more, which --all shows …")
+    for line in lines[first + left_out :]:
+        click.echo(cut(f"  {line}"))
+    click.echo(_wrapped(why, "  "))
     for file in files:
         click.echo(str(file))
 
 
+def _cut(line: str) -> str:
+    return line if len(line) <= _COLUMNS else f"{line[: _COLUMNS - 1]}…"
+
+
+def _wrapped(text: str, by: str) -> str:
+    return textwrap.fill(text, _COLUMNS, initial_indent=by, subsequent_indent=by, break_on_hyphens=False)
+
+
 def _write(source: Source, proof: Proof, output: Path, draw: Drawing) -> dict[str, list[Path]]:
-    from end_effector_hal.verification.proof import write_counterexample
+    from end_effector_hal.verification.proof import counterexample_run, write_counterexample
 
-    names = tuple(source.description.sequence) if source.description is not None else ()
+    names = _actuators(source)
     info, refuted = source.run_info(), [finding for finding in proof.findings if finding.trace is not None]
+    if is_figure(output):
+        files: dict[str, list[Path]] = {}
+        for each in refuted:
+            if (run := counterexample_run(each, info, names)) is None:
+                raise UsageError("The model has no states to draw.", where=str(output), todo="Name a folder.")
+            file = output if len(refuted) == 1 else output.with_stem(f"{output.stem}-{each.id}")
+            files[each.id] = [draw_run(*run, file)]
+        return files
     return {each.id: write_counterexample(each, output, info, draw, names) for each in refuted}
-
-
-class _Progress:
-    """Says on stderr what is being done, when it takes long."""
-
-    _FIRST_S = 1.0
-
-    def __init__(self) -> None:
-        self._terminal = sys.stderr.isatty()
-        self._every_s = 0.2 if self._terminal else 5.0
-        self._begun = time.monotonic()
-        self._next = self._begun + (self._FIRST_S if self._terminal else self._every_s)
-        self._told = False
-
-    def __call__(self, what: str, states: int) -> None:
-        now = time.monotonic()
-        if now < self._next:
-            return
-        self._next, self._told = now + self._every_s, True
-        count = f", {states:,} states" if states else ""
-        text = f"{what}{count}, {now - self._begun:.0f} s"
-        click.echo(f"\r\x1b[K{text}" if self._terminal else text, err=True, nl=not self._terminal)
-
-    def __enter__(self) -> _Progress:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._told and self._terminal:
-            click.echo("\r\x1b[K", err=True, nl=False)

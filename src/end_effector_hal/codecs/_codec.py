@@ -24,7 +24,7 @@ class Decoder(Protocol):
 
     @property
     def errors(self) -> Mapping[str, int]:
-        """Thrown away: ``noise`` in bytes; ``format``, ``crc``, ``range``, ``duplicate`` in frames."""
+        """What was thrown away, by the names of ``docs/reference/channels.md``; ``noise`` in bytes."""
         ...
 
     @property

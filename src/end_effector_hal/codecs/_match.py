@@ -78,7 +78,7 @@ def match_codec(description: Description) -> CodecMatch:
 
 def _unusable(description: Description, name: str) -> Fault | None:
     """Why the codec of a link cannot be used; None: it can be."""
-    link, known, path = description.links[name], codec_names(), description.link_path(name)
+    link, path = description.links[name], description.link_path(name)
     wanted = link.codec if link.frame is None else ""
     try:
         if wanted:
@@ -90,6 +90,7 @@ def _unusable(description: Description, name: str) -> Fault | None:
         place = description.place(*path, "codec" if wanted else "frame")
         if not wanted or isinstance(error, MissingExtraError):
             return Fault.at(place, "EE-226", what, found="", hint=hint)
+        known = codec_names()
         what = what if wanted in known else "there is no such codec"
         expected = f"one of {', '.join(known)}"
         return Fault.at(place, "EE-226", what, expected=expected, hint=did_you_mean(wanted, known))

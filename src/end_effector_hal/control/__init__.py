@@ -2,10 +2,12 @@
 
 from ._constants import LATER_CONSTANTS, model_constants
 from ._controller import PROGRAMS, Controller
-from ._last_wills import GripLastWill, changer_will, maintenance_will
+from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
+from ._status_lines import StatusLines, refused, transition
+from ._words import word_of
 
 __all__ = [
     "LATER_CONSTANTS",
@@ -15,9 +17,14 @@ __all__ = [
     "ControllerSnapshot",
     "GripLastWill",
     "Status",
+    "StatusLines",
     "StepReport",
     "changer_will",
+    "ending_in_words",
     "maintenance_will",
     "model_constants",
     "network_of",
+    "refused",
+    "transition",
+    "word_of",
 ]

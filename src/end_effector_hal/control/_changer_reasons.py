@@ -38,7 +38,7 @@ def feedback(description: Description, senses: SensorState) -> str:
 
 
 def changer_refusal(description: Description, command: str, status: Status, senses: SensorState) -> str:
-    """Why ``lock``, ``unlock``, ``arm`` or ``reset`` is not taken now."""
+    """Why ``lock``, ``unlock``, ``arm`` or ``reset`` is not accepted now."""
     changer, state = description.tool_changer, status.changer
     if changer is None:
         return "The tool has no tool changer."
@@ -54,7 +54,7 @@ def changer_refusal(description: Description, command: str, status: Status, sens
         return _arm_refusal(description, changer, state, senses)
     if command == "reset":
         return f"Nothing is latched: the tool changer is {state.name}."
-    return f"A lock is not taken now; the tool changer is {state.name}."
+    return f"A lock is not accepted now; the tool changer is {state.name}."
 
 
 def _fault(description: Description, status: Status) -> str:
@@ -67,7 +67,9 @@ def _unlock_refusal(
     if status.changer is not ChangerState.LOCKED:
         return f"An unlock is accepted when the tool changer is LOCKED; it is {status.changer.name}."
     found = unlock_blocking(description, changer, status, senses)
-    untold = "The unlock is not taken now: the gripping program has not said yet that nothing is gripped."
+    untold = (
+        "An unlock is not accepted now: the gripping program has not reported yet that nothing is gripped."
+    )
     return found["IL-01"] or found["IL-02"] or untold
 
 
@@ -110,4 +112,4 @@ def _arm_refusal(
         return f"A sensor ({changer.stand_bit}) shows where the tool is: an unlock needs no arming."
     if state is not ChangerState.LOCKED:
         return f"An unlock is armed when the tool changer is LOCKED; it is {state.name}."
-    return "The unlock is not armed now."
+    return f"An unlock cannot be armed now; the tool changer is {state.name}."

@@ -12,7 +12,7 @@ from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import LEASE_US
 
 Constants = dict[str, "int | bool | list[int]"]
-LATER_CONSTANTS = ("SHOWS_EMPTY",)
+LATER_CONSTANTS = ("SHOWS_EMPTY", "BLOWS", "T_BLOW", "T_GAP", "IL_08_GAP", "UNTIL_GONE")
 """Constants that automata of earlier versions do not have: these behave as they did."""
 
 
@@ -48,6 +48,7 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
         "IL_06": locks.il_06 and description.supply.channel in carried,
         "IL_07": locks.il_07,
         "SHOWS_EMPTY": any(_shows_empty(actuator, carried) for actuator in actuators),
+        **_blow_offs(description),
         **_endings(description),
     }
     if changer is not None:
@@ -60,6 +61,19 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
             "STAND": changer.stand_bit in carried,
         }
     return constants
+
+
+def _blow_offs(description: Description) -> Constants:
+    """How a release blows each part off."""
+    times = description.blow_offs
+    driven = [times.get(name) for name in description.sequence]
+    return {
+        "BLOWS": bool(times),
+        "T_BLOW": [each.blow_ms if each else 0 for each in driven],
+        "T_GAP": [each.rest_ms if each else 0 for each in driven],
+        "IL_08_GAP": [each.gap_ms if each else 0 for each in driven],
+        "UNTIL_GONE": [each.until_gone if each else False for each in driven],
+    }
 
 
 def _endings(description: Description) -> Constants:

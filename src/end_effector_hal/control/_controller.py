@@ -61,7 +61,7 @@ class Controller:
         carrier = carrier_of(description)
         self._senses = SensorSet(description, carrier, judge)
         self._lock_fitted = LOCKED in predicates_fitted(description, carrier)
-        self._hold = HoldMonitor(description, self._senses, carrier)
+        self._hold = HoldMonitor(description, self._senses, carrier, devices=program == "grip")
         processes = getattr(description.automata, program)
         interface = description.automata.interface
         self._execution = Execution(network, processes, interface, observe=observe)
@@ -70,6 +70,11 @@ class Controller:
         self._sensor_fault = False
         self._adopt_by: int | None = None
         self._at = 0
+
+    @property
+    def at(self) -> int:
+        """µs, the latest time that it was told."""
+        return self._at
 
     @property
     def deadline(self) -> int | None:
@@ -145,6 +150,8 @@ class Controller:
         """A command by the name of its channel; whether it is accepted is an edge of the automaton."""
         at = self._until(at)
         statuses = self._due_before(at)
+        if name == "grip" and self._execution.takes(Event(name)) and (why := self._faulty(at)):
+            return Answer(False, why), statuses
         reaction = self._execution.receive(Event(name), at)
         if not reaction.taken:
             why = refusal(self._description, name, self.status(), self._senses.now, at)
@@ -160,13 +167,14 @@ class Controller:
         Nothing is changed by asking.
         """
         if self._execution.takes(Event(name)):
-            return ""
+            return self._faulty(self._at) if name == "grip" else ""
         return refusal(self._description, name, self.status(), self._senses.now, self._at)
 
     @property
     def blocking(self) -> dict[str, str]:
         """What each interlock says against a grip or an unlock now, a sentence; empty: nothing."""
-        return blocking(self._description, self.status(), self._senses.now, self._at)
+        said = blocking(self._description, self.status(), self._senses.now, self._at)
+        return said | {"IL-07": said["IL-07"] or self._faulty(self._at)}
 
     @property
     def senses(self) -> SensorSet:
@@ -256,6 +264,11 @@ class Controller:
         self._execution.resume(snapshot.execution)
         recall(self, snapshot.memory)
         self._statuses.know({})
+
+    def _faulty(self, at: int) -> str:
+        """Why a device refuses a grip, a sentence; empty: none does."""
+        why = self._hold.fault(at)
+        return f"IL-07: {why}" if why else ""
 
     def _write_levels(self) -> None:
         if (levels := self._senses.levels) != self._levels:

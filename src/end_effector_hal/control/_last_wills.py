@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import EndEffectorState, LastWill, LastWillStep, to_us
+from end_effector_hal.vocabulary import EndEffectorState, LastWill, LastWillStep, display_name, to_us
 
+from ._reasons import left_active
 from ._status import Status
 
 
 class GripLastWill:
-    """Deactivations in release order of what is engaged now and is declared to be released; empty: hold.
+    """The end of a blow-off, then deactivations in release order of what is engaged and is declared to be released.
+
+    Empty: hold. What is blown off is not held by its suction, so nothing falls for that end; no last will begins one.
 
     Held, or left active by an unwinding: it stays, unless the description says otherwise (IL-09). Before GRIPPED:
     as it says; while releasing: the release is carried out. The owner sees no sensors, so it gives each step the whole
@@ -20,6 +23,7 @@ class GripLastWill:
 
     def __init__(self, description: Description) -> None:
         actuators, place = description.actuators, description.sequence.index
+        self._blow_offs = {place(name): each.line for name, each in description.blow_offs.items()}
         self._parts = [
             (
                 place(name),
@@ -32,7 +36,7 @@ class GripLastWill:
 
     def of(self, status: Status, *, on: str = "process_death") -> LastWill:
         """The last will for a status, and for an ending: ``process_death`` or ``sigterm``."""
-        steps: list[LastWillStep] = []
+        steps = [LastWillStep(self._blow_offs[index]) for index in status.blowing]
         after_us = 0
         releasing = status.ee == EndEffectorState.RELEASING
         for index, line, release_us, endings in self._parts:
@@ -59,3 +63,21 @@ def changer_will(description: Description, status: Status, *, on: str = "process
 def maintenance_will(lines: Iterable[str]) -> LastWill:
     """Everything that maintenance has activated is deactivated at once, however the program ends; in this order."""
     return tuple(LastWillStep(line) for line in lines)
+
+
+def ending_in_words(description: Description, status: Status, *, on: str) -> str:
+    """What becomes of the outputs of a tool when its process ends like this, sentences; empty: nothing is active."""
+    name_of = {part.line: name for name, part in description.ordered}
+    will = GripLastWill(description).of(status, on=on)
+    released = [name_of[step.line] for step in will if step.line in name_of]
+    stay = tuple(
+        active and name not in released
+        for name, active in zip(description.sequence, status.outputs, strict=True)
+    )
+    said = [left_active(description, stay)] if any(stay) else []
+    if released:
+        order = ", then ".join(display_name(name) for name in released)
+        said.insert(0, f"The line arbiter deactivates {order}, as declared.")
+    if changer_will(description, status, on=on):
+        said.append("The unlock output is deactivated, as declared.")
+    return " ".join(said)

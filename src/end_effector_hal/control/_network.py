@@ -6,7 +6,7 @@ import json
 from functools import lru_cache
 
 from end_effector_hal.description import Description
-from timed_automata import Network, load_document, make_network, read_document
+from timed_automata import Network, load_source, make_network, read_document
 
 from ._constants import LATER_CONSTANTS, model_constants
 
@@ -23,8 +23,8 @@ def network_of(description: Description) -> Network:
         ModelError: the UPPAAL file is not valid; with ``file:line:column``.
         UsageError: a constant does not exist there, or does not fit its declaration.
     """
-    document = load_document(description.automata_path)
-    return _compiled(document.path, document.source, json.dumps(model_constants(description)))
+    path = description.automata_path
+    return _compiled(str(path), load_source(path), json.dumps(model_constants(description)))
 
 
 @lru_cache(maxsize=_KEPT)

@@ -69,7 +69,7 @@ def _present(description: Description, senses: SensorState) -> str:
 
 
 def refusal(description: Description, command: str, status: Status, senses: SensorState, at: int) -> str:
-    """Why a command is not taken now."""
+    """Why a command is not accepted now."""
     state = status.ee
     if command == "grip":
         if state is not EndEffectorState.STAND_BY:
@@ -83,12 +83,12 @@ def refusal(description: Description, command: str, status: Status, senses: Sens
         return f"There is no running grip to cancel; the end-effector is {_name(state)}."
     if command in ("lock", "unlock", "arm", "reset"):
         return changer_refusal(description, command, status, senses)
-    return f"{command!r} is not taken now."
+    return f"{command!r} is not accepted now; the end-effector is {_name(state)}."
 
 
 def _grip_refusal(description: Description, status: Status, senses: SensorState, at: int) -> str:
     found = blocking(description, status, senses, at)
-    return found["IL-07"] or found["IL-05"] or found["IL-06"] or "The grip is not taken now."
+    return found["IL-07"] or found["IL-05"] or found["IL-06"] or "The grip is not accepted now."
 
 
 def blocking(description: Description, status: Status, senses: SensorState, at: int) -> dict[str, str]:
@@ -119,9 +119,9 @@ def _no_air(description: Description, senses: SensorState) -> str:
     if kpa is None:
         return "the supply pressure has no valid reading, or its switch shows no air."
     if kpa < supply.refuse_kpa:
-        return f"the supply pressure is {kpa:.0f} kPa, a grip takes {supply.refuse_kpa:g} kPa."
+        return f"the supply pressure is {kpa:.0f} kPa, a grip requires at least {supply.refuse_kpa:g} kPa."
     again_kpa = supply.refuse_kpa + supply.hysteresis_kpa
-    return f"the supply pressure was too low and is {kpa:.0f} kPa, a grip takes {again_kpa:g} kPa again."
+    return f"the supply pressure was too low and is {kpa:.0f} kPa, a grip requires at least {again_kpa:g} kPa again."
 
 
 def _name(state: EndEffectorState) -> str:

@@ -55,6 +55,8 @@ class Status:
     held: bool = False
     kept: tuple[int, ...] = ()
     """Actuators, by their place in the sequence, that the unwinding which runs leaves active, as declared."""
+    blowing: tuple[int, ...] = ()
+    """Actuators, by their place in the sequence, that are being blown off."""
     secure: bool = False
     maintenance: bool = False
     changer: ChangerState = ChangerState.UNKNOWN

@@ -71,13 +71,18 @@ class StatusBuilder:
         size = range(len(description.sequence))
         self._valves, self._states = [f"valve[{i}]" for i in size], [f"actuator[{i}]" for i in size]
         self._keeps = [f"kept[{i}]" for i in size]
-        self._per_actuator = {*self._valves, *self._states, *self._keeps}
+        # automata of earlier versions blow nothing off
+        blown = map(description.sequence.index, description.blow_offs)
+        self._blows = [(i, name) for i in blown if (name := f"blow[{i}]") in execution.network.offsets]
+        blows = [name for _, name in self._blows]
+        self._per_actuator = {*self._valves, *self._states, *self._keeps, *blows}
         self._lines = [part.line for _, part in description.ordered]
         self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
         self._used = used_channels(description)
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {
-            name: execution.value(name) for name in (*_SCALARS, *self._valves, *self._states, *self._keeps)
+            name: execution.value(name)
+            for name in (*_SCALARS, *self._valves, *self._states, *self._keeps, *blows)
         }
         self.found: Mapping[str, bool] = {}
         self.adopted = False
@@ -88,6 +93,7 @@ class StatusBuilder:
         self._outputs: tuple[bool, ...] = ()
         self._actuators: tuple[int, ...] = ()
         self._kept: tuple[int, ...] = ()
+        self._blowing: tuple[int, ...] = ()
         self._seen: tuple[int, int, bool] | None = None
         self.know({})
 
@@ -99,6 +105,7 @@ class StatusBuilder:
             self._outputs = tuple([bool(known[name]) for name in self._valves])
             self._actuators = tuple([known[name] for name in self._states])
             self._kept = tuple([i for i, name in enumerate(self._keeps) if known[name]])
+            self._blowing = tuple([i for i, name in self._blows if known[name]])
         self._active = (
             self._outputs
             if self.adopted
@@ -165,6 +172,7 @@ class StatusBuilder:
             lift_allowed=proven and hold.allows_lift,
             held=self.held,
             kept=self._kept,
+            blowing=self._blowing,
             secure=proven and hold.secure,
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),

@@ -4,12 +4,13 @@
 """
 
 from ._fault import CODES, Fault, did_you_mean
-from ._paths import profile_path, run_directory, tool_path
+from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
 from .model import (
     PASCAL,
     Channel,
     Description,
+    DeviceAlarm,
     DigitalInput,
     EStop,
     Freshness,
@@ -37,6 +38,7 @@ __all__ = [
     "Channel",
     "CodecChannels",
     "Description",
+    "DeviceAlarm",
     "DigitalInput",
     "EStop",
     "Fault",
@@ -59,6 +61,7 @@ __all__ = [
     "markdown",
     "mask_shift",
     "not_fitted",
+    "profile_names",
     "profile_path",
     "raw_limits",
     "run_directory",

@@ -1,4 +1,4 @@
-"""The reference of all keys: a JSON Schema for editors, and the Markdown of ``docs/description.md``."""
+"""The reference of all keys: a JSON Schema for editors, and the Markdown of ``docs/reference/description.md``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from end_effector_hal.description.model import Description
 from end_effector_hal.errors import DescriptionError, ReportedError
-from end_effector_hal.kinds.stanza import PRINTABLE
+from end_effector_hal.kinds.stanza import PRINTABLE, Part
 
 from ._fault import CODES
 from ._numbers import limits_of
@@ -60,16 +60,16 @@ HEAD = "| key | value | default | meaning |\n|---|---|---|---|"
 
 def markdown() -> str:
     """A table for each stanza, then the codes of faults; between the two marks that stand in the document."""
-    parts = [BEGIN, *(part for path in stanzas() for part in _stanza(path)), *_codes(), END]
+    document, found = schema(), stanzas()
+    parts = [BEGIN, *(part for path in found for part in _stanza(path, found, document)), *_codes(), END]
     return "\n\n".join(parts) + "\n"
 
 
-def _stanza(path: str) -> Iterator[str]:
-    model, document = stanzas()[path], schema()
-    kinds = actuator_stanzas()
+def _stanza(path: str, found: dict[str, type[Part]], document: dict[str, Any]) -> Iterator[str]:
+    model, kinds = found[path], actuator_stanzas()
     of_kind, first = model in kinds.values(), next(iter(kinds))
     shared = not of_kind and is_common(path)
-    if path != next(each for each, other in stanzas().items() if other is model):
+    if path != next(each for each, other in found.items() if other is model):
         return  # told where it stands first: what every kind has with the first kind
     defined = document if not path else document["$defs"][model.__name__]
     if model is kinds[first]:
@@ -103,7 +103,8 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
     """What may stand there, in a few words."""
     if "anyOf" in each:
         inner = next(option for option in each["anyOf"] if option.get("type") != "null")
-        return f"{_value(key, path, inner)}, or null"
+        or_null = {"type": "null"} in each["anyOf"]
+        return f"{_value(key, path, inner)}, or {'null' if or_null else 'keys, see below'}"
     if "const" in each or "enum" in each:
         return " or ".join(f"`{choice}`" for choice in each.get("enum", [each.get("const")]))
     match each.get("type"):

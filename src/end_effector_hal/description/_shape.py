@@ -117,6 +117,20 @@ class Facts:
             value = value[key]
         return value
 
+    def says(self, *path: str | int) -> bool:
+        """Whether a key stands there with something else than its default, which a recorded description has, too."""
+        if path in self.broken:
+            return self.written(*path)
+        return self.written(*path) and self.get(*path) != self.default(path)
+
+    def broken_within(self, *path: str | int) -> bool:
+        """Whether something in a stanza already has a fault, from which others may only follow."""
+        return any(each[: len(path)] == path for each in self.broken)
+
+    def unbroken(self, *path: str | int) -> Any:
+        """A list; None where it is not written, or one of its elements is broken."""
+        return None if self.broken_within(*path) else self.get(*path)
+
     def default(self, path: Keys) -> Any:
         """What a key says that is not written."""
         stanza = stanza_at(path[:-1], self._kind(path))

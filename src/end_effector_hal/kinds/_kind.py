@@ -30,7 +30,8 @@ class DeviceKind(Generic[Stanza]):
     1. **Stanza.** ``stanza`` inherits `Actuator`; its ``kind`` is ``Literal[name]``, its numbers have their unit in
        their key (``lost_kpa``, ``timeout_s``). ``orders`` and ``joint_rules`` say which numbers exclude each other.
     2. **Outputs.** ``line`` is active while the actuator shall grip (a mono-stable valve). ``opposing`` names the key
-       of a stanza ``{line, gap_s}``: an output that is never active together with it (IL-08).
+       of a stanza ``{line, gap_s}``: an output that is never active together with it (IL-08). With ``duration_s``
+       and ``until_gone`` a release drives it: that blows the part off.
     3. **Channels.** ``channels`` are the keys that name channels. At least one of them confirms.
     4. **Evidence.** ``detector`` judges readings: CONFIRMED (it grips), GONE (it is released), PARTIAL (neither is
        proven), UNKNOWN (there is no fresh, valid reading of what decides it). Nothing is confirmed without a reading.

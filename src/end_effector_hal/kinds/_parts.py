@@ -43,12 +43,13 @@ class Detector(Protocol):
 
 
 class AlarmKind(Enum):
-    """What is found while a part is held."""
+    """What an operator must know: what is found while a part is held, and what a device says is wrong with it."""
 
     WEAK = "weak grip"
     LEAK = "leak"
     STALE = "no valid reading"
     SUPPLY = "supply pressure"
+    DEVICE = "device"
 
 
 class HoldFinding(NamedTuple):

@@ -25,12 +25,13 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
         description: the tool.
         prove_now: prove it where no verdict is kept, which takes seconds.
     """
-    from end_effector_hal.verification.proof import keep_verdict, kept_verdict, proof_verdict, prove
+    from end_effector_hal.verification.coils import prove_tool
+    from end_effector_hal.verification.proof import keep_verdict, kept_verdict, proof_verdict
 
     verdict = kept_verdict(description)
     if verdict is None and prove_now:
         content = content_hash(description)
-        verdict = proof_verdict(content, prove(network_of(description)))
+        verdict = proof_verdict(content, prove_tool(description, network_of(description)))
         if content_hash(description) != content:
             what = "The description or its automata have changed while they were proven."
             raise UsageError(what, where=str(description.source), todo="Configure again.")

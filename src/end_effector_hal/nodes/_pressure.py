@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from end_effector_hal.codecs import carrier_of
@@ -15,9 +16,10 @@ from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth, LinkState
 from end_effector_hal.wires.sensors import SensorReader
 
-from .interface import SENSOR_FRAME, STATE_HZ, pressure_topics
+from .interface import FRAME_ID, SENSOR_FRAME, STATE_HZ, pressure_topics
 from .report import ERROR, OK, WARN, Health, publish_health
 from .transport import (
+    AMBIENT_PA,
     MessageHeader,
     NodeTransport,
     PressureMessage,
@@ -29,7 +31,8 @@ class PressureNode:
     """Publishes what the link brings, in the thread of the link: the frame first, for the reaction depends on it.
 
     Before it, and only when a frame proves something else than before, the line arbiter gets what it proves: this
-    node reads the sensors on which the interlocks IL-01, IL-02, IL-05 and IL-13 depend.
+    node reads the sensors on which the interlocks IL-01, IL-02, IL-05, IL-07 and IL-13 depend, but for the input lines
+    that the arbiter reads itself.
 
     A pressure that is invalid, doubted or stale is NaN, never the last value; NaN is published once.
     """
@@ -37,6 +40,7 @@ class PressureNode:
     def __init__(self, node: NodeTransport) -> None:
         description, self._log = node.description(), node.log
         self._frame = node.publisher(SENSOR_FRAME)
+        self._frame_id = node.parameter(FRAME_ID) or f"{description.name}_link"
         self._pressures: dict[str, Callable[[Any], None]] = {
             channel: node.publisher(topic) for channel, topic in pressure_topics(description)
         }
@@ -51,7 +55,7 @@ class PressureNode:
         node.on_close(self._predicates.close)
         self._predicates.start()
         self._reader = SensorReader(description, on_frame=self._on_frame, on_change=self._on_change)
-        publish_health(node, self._reader.where, self._health)
+        publish_health(node, description.name, self._health, hardware=self._reader.where)
         node.on_close(self._reader.close)
         node.every(STATE_HZ, self._tick)
         # all who look at the same frames begin with the same one: so that it is judged once
@@ -85,7 +89,7 @@ class PressureNode:
 
     def _publish_pressure(self, channel: str, value: Value, at_us: int) -> None:
         (self._unknown.add if value is None else self._unknown.discard)(channel)
-        self._pressures[channel](PressureMessage(absolute_pa(value), MessageHeader(at_us, channel)))
+        self._pressures[channel](PressureMessage(absolute_pa(value), MessageHeader(at_us, self._frame_id)))
 
     def _on_change(self, source: str, health: LinkHealth | InputsHealth) -> None:
         if health.error:
@@ -108,7 +112,8 @@ class PressureNode:
             told.append(_of_link(link, at, () if told else notices, up=up, name=name))
         if inputs:
             told.append(_of_inputs(inputs, () if links else notices, up=up or bool(links)))
-        return told[0] if len(told) == 1 else _together(told)
+        found = told[0] if len(told) == 1 else _together(told)
+        return replace(found, values={**found.values, "ambient added (Pa)": AMBIENT_PA})
 
 
 def _of_link(health: LinkHealth, at: int, notices: Sequence[str], *, up: bool, name: str) -> Health:

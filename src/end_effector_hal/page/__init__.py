@@ -1,9 +1,10 @@
-"""The live page: a process that follows the programs of a tool by their streams, and shows them in a browser.
+"""The page of a tool: what its programs say of themselves, or what they have recorded, in a browser.
 
-Rooms: ``view``, what is shown, computed from records; ``link``, the programs' sockets; ``web``, the server and who may
-use it; ``static``, what the browser runs.
+Rooms: ``view``, what is shown, computed from records; ``link``, the sockets of the programs and of a testbench;
+``recorded``, the same view of a recording; ``web``, the server and who may use it, which alone needs the extra
+``page``; ``static``, what the browser runs.
 """
 
-from .web import PageAddress, serve_page
+from ._html import report_html
 
-__all__ = ["PageAddress", "serve_page"]
+__all__ = ["report_html"]

@@ -1,8 +1,10 @@
 """Records of a run: written as it happens, read back, and told in words."""
 
 from ._limits import RecordingLimits
-from ._recording import Recording, content_hash, product_version, run_info
+from ._recording import Recording, content_hash, hash_of, product_version, run_info
 from ._run import RunInfo, read_run
+from ._run_table import write_run_table
+from ._watched import Watched
 from .story import (
     AttemptOutcome,
     Grip,
@@ -13,23 +15,30 @@ from .story import (
     read_story,
 )
 from .tables import (
+    BEGUN,
     AlarmRow,
     AlarmsWriter,
+    ChangerRow,
+    ChangerWriter,
     PressuresLog,
     PressuresWriter,
     StatesLog,
     StatesRow,
     StatesWriter,
     read_alarms,
+    read_changer,
     read_pressures,
     read_states,
 )
 from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 
 __all__ = [
+    "BEGUN",
     "AlarmRow",
     "AlarmsWriter",
     "AttemptOutcome",
+    "ChangerRow",
+    "ChangerWriter",
     "Gap",
     "Grip",
     "GripDecision",
@@ -48,13 +57,17 @@ __all__ = [
     "Story",
     "TraceFile",
     "TraceWriter",
+    "Watched",
     "content_hash",
+    "hash_of",
     "product_version",
     "read_alarms",
+    "read_changer",
     "read_pressures",
     "read_run",
     "read_states",
     "read_story",
     "read_trace",
     "run_info",
+    "write_run_table",
 ]

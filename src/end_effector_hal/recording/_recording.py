@@ -22,8 +22,10 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording._run import RunInfo, read_run
-from end_effector_hal.recording.tables import AlarmsWriter, PressuresWriter, StatesWriter
-from end_effector_hal.signals import Kind, Value
+from end_effector_hal.recording.tables import AlarmsWriter, ChangerWriter, PressuresWriter, StatesWriter
+from end_effector_hal.sensing import Readings
+from end_effector_hal.signals import Frame, Kind, Value
+from end_effector_hal.vocabulary import ChangerState
 from end_effector_hal.wires import now_us
 
 
@@ -90,7 +92,7 @@ MOST_GAPS = 100
 
 
 class Recording(Closing):
-    """Writes ``run.json``, ``states.csv``, ``alarms.csv`` and ``pressures.csv`` into a folder; thread-safe.
+    """Writes ``run.json`` and the tables of a run into a folder; thread-safe.
 
     Times are µs on the monotonic clock. The first state is the start; what is older is written as of the start. A
     recording that is in the folder already is continued, on its own time.
@@ -102,7 +104,7 @@ class Recording(Closing):
         folder: made if it is missing.
         tool: its description; or what is known of a tool without one: pressures are not recorded then.
         scenario: of the testbench; empty: that of a run.json that is in the folder already.
-        ros: whether ROS carries the states.
+        ros: the generation of ROS that carries the states; 0: none does.
         limits: of the folder.
         started: when it begins, time of day; None: now.
         now: the time on the monotonic clock, µs.
@@ -117,7 +119,7 @@ class Recording(Closing):
         tool: Description | RunInfo,
         *,
         scenario: str = "",
-        ros: bool = False,
+        ros: int = 0,
         limits: RecordingLimits | None = None,
         started: datetime | None = None,
         now: Callable[[], int] = now_us,
@@ -135,6 +137,7 @@ class Recording(Closing):
         self._losses = Losses(self.folder)
         self._latest: tuple[int, int, Sequence[int]] | None = None
         self._standing: Sequence[str] = ()
+        self._changed = ChangerState.UNKNOWN
         before = read_run(self.folder)
         known = tool if isinstance(tool, RunInfo) else run_info(tool)
         with ExitStack() as undo:
@@ -143,7 +146,8 @@ class Recording(Closing):
             self._info = replace(
                 known,
                 scenario=scenario or before.scenario,
-                ros=ros,
+                ros=bool(ros),
+                ros_generation=ros or None,
                 started=(begun or started).isoformat(),
                 gaps=before.gaps if begun else (),
             )
@@ -152,10 +156,15 @@ class Recording(Closing):
             except OSError as error:
                 raise UsageError(f"Cannot be written: {error.strerror}.", where=str(folder)) from None
             channels = () if isinstance(tool, RunInfo) else pressure_channels(tool)
+            self._readings = None if isinstance(tool, RunInfo) else Readings(tool, carrier_of(tool))
             self._alarms = AlarmsWriter(self.folder / "alarms.csv", limits)
             undo.callback(self._alarms.close)
             pressures = self.folder / "pressures.csv"
             self._pressures = PressuresWriter(pressures, channels, limits) if channels else None
+            if self._pressures is not None:
+                undo.callback(self._pressures.close)
+            changer = isinstance(tool, RunInfo) or tool.tool_changer is not None
+            self._changer = ChangerWriter(self.folder / "tool_changer.csv", limits) if changer else None
             undo.pop_all()
 
     def state(self, at: int, end_effector: int, command: int, actuators: Sequence[int]) -> bool:
@@ -173,6 +182,18 @@ class Recording(Closing):
             self._settle(at)
         return written
 
+    def tool_changer(self, at: int, state: int) -> None:
+        """Where the tool changer is from ``at`` on, if there is one.
+
+        Raises:
+            ReportedError: rows cannot be written now.
+        """
+        with self._lock:
+            if self._changer is not None and self._start is not None:
+                self._changed = ChangerState(state) if state in set(ChangerState) else ChangerState.UNKNOWN
+                self._write_changer(at)
+                self._settle(at)
+
     def alarms(self, at: int, alarms: Sequence[str]) -> None:
         """The alarms that stand from ``at`` on; raises ReportedError when rows cannot be written now."""
         with self._lock:
@@ -182,16 +203,22 @@ class Recording(Closing):
                 self._settle(at)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
-        """What the channels carry at ``at``: gauge Pa, None for invalid; bits are not recorded.
+        """What a frame carries that came at ``at``: gauge Pa, None for invalid; bits are not recorded.
+
+        A channel that is not in it keeps its value until that is stale: it comes over another link.
 
         Raises:
             ReportedError: rows cannot be written now.
         """
-        pressures = self._pressures
+        pressures, readings = self._pressures, self._readings
         with self._lock:
-            if pressures is None or self._start is None:
+            if pressures is None or readings is None or self._start is None:
                 return
-            kpa = {name: None if value is None else value / 1000 for name, value in values.items()}
+            readings.take(Frame(at, None, None, values))
+            for name in (name for name, value in values.items() if value is None):
+                readings.forget(name)
+            now = {name: readings.get(name, at) for name in pressures.channels}
+            kpa = {name: None if value is None else value / 1000 for name, value in now.items()}
             time_s = self.seconds(at)
             self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
             self._settle(at)
@@ -204,7 +231,7 @@ class Recording(Closing):
 
     def close(self) -> None:
         """Close the files; may be called again. What cannot be written any more is told in the log."""
-        for each in (self._states, self._alarms, self._pressures):
+        for each in (self._states, self._alarms, self._pressures, self._changer):
             try:
                 if each is not None:
                     each.close()
@@ -231,6 +258,13 @@ class Recording(Closing):
             "alarms.csv", time_s, lambda: self._alarms.write(time_s, standing) or True, again=again
         )
 
+    def _write_changer(self, at: int, *, again: bool = False) -> None:
+        writer, state, time_s = self._changer, self._changed, self.seconds(at)
+        if writer is not None:
+            self._losses.write(
+                "tool_changer.csv", time_s, lambda: writer.write(time_s, state) or True, again=again
+            )
+
     def _settle(self, at: int) -> None:
         """Try again what is missing; raises ReportedError while something is."""
         losses = self._losses
@@ -238,6 +272,8 @@ class Recording(Closing):
             self._write_state(at, again=True)  # a state that lasts comes but once
         if "alarms.csv" in losses.failing:
             self._write_alarms(at, again=True)
+        if "tool_changer.csv" in losses.failing:
+            self._write_changer(at, again=True)
         if not losses.failing and losses.over(self.seconds(at)):
             losses.info_due = True
         if losses.info_due:
@@ -255,14 +291,15 @@ class Recording(Closing):
         replace(self._info, start_us=self._start, gaps=gaps).write(self.folder)
 
 
-def run_info(description: Description, *, scenario: str = "", ros: bool = False) -> RunInfo:
-    """What a recording says of the tool that made it."""
+def run_info(description: Description, *, scenario: str = "", ros: int = 0) -> RunInfo:
+    """What a recording says of the tool that made it; ``ros``: the generation that carries its states, 0: none."""
     return RunInfo(
         scenario=scenario,
         description=description.name,
         hash=content_hash(description),
         version=product_version(),
-        ros=ros,
+        ros=bool(ros),
+        ros_generation=ros or None,
         actuators={name: actuator.kind for name, actuator in description.ordered},
         limits={name: _limits(description, actuator) for name, actuator in description.ordered},
         simulated=description.lines.backend == "virtual",
@@ -271,15 +308,21 @@ def run_info(description: Description, *, scenario: str = "", ros: bool = False)
 
 def content_hash(description: Description) -> str:
     """Twelve hex digits of the tool and its automata: the same wherever its wires lead to."""
-    content = description.model_dump(
-        mode="json",
-        by_alias=True,
-        exclude={"lines": True, "link": {"port"}, "named_links": {"__all__": {"port"}}},
-    )
-    if inputs := content.get("inputs"):
-        content["inputs"] = {key: value for key, value in inputs.items() if key != "iio"}
-    content["automata"]["file"] = hashlib.sha256(description.automata_path.read_bytes()).hexdigest()
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
+    content = description.model_dump(mode="json", by_alias=True)
+    return hash_of(content, description.automata_path.read_bytes())
+
+
+def hash_of(content: Mapping[str, Any], model: bytes) -> str:
+    """The same of a description as JSON, every default written out, and of its UPPAAL file."""
+    kept: dict[str, Any] = json.loads(json.dumps(content))
+    kept.pop("lines", None)
+    for link in (kept.get("link"), *(kept.get("links") or {}).values()):
+        if link is not None:
+            link.pop("port", None)
+    if inputs := kept.get("inputs"):
+        inputs.pop("iio", None)
+    kept["automata"]["file"] = hashlib.sha256(model).hexdigest()
+    return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()[:12]
 
 
 def pressure_channels(description: Description) -> tuple[str, ...]:

@@ -10,15 +10,21 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from end_effector_hal.recording._watched import Watched, read_watched
+
 FILE_NAME = "run.json"
 KINDS = {
-    **dict.fromkeys(("scenario", "description", "hash", "version", "started"), str),
+    **dict.fromkeys(("scenario", "description", "hash", "version", "started", "violated", "because"), str),
     **dict.fromkeys(("ros", "simulated"), bool),
     **dict.fromkeys(("actuators", "limits"), dict),
     "start_us": int,
+    "violated_s": float,
+    "ros_generation": int,
     "gaps": list,
+    "watched": list,
 }
-_WITHIN = {"actuators": str, "limits": dict, "gaps": str}
+_WITHIN = {"actuators": str, "limits": dict, "gaps": str, "watched": Watched}
+_OF_COUNTEREXAMPLES = ("violated", "violated_s", "because", "watched")
 
 
 @dataclass(frozen=True)
@@ -31,14 +37,18 @@ class RunInfo:
         hash: of the description and its automata.
         version: of this product.
         ros: whether ROS carried the states.
+        ros_generation: which generation of it, 1 or 2; None: not known, or without.
         started: ISO 8601 time.
         actuators: name -> kind (``vacuum``, ``cylinder``).
-        limits: actuator -> its channel, kind and thresholds (``confirmed_kpa``: vacuum below ambient,
-        cylinder gauge)
-            and its ``attempts``; what is missing is not drawn.
+        limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (of a vacuum
+            kPa below ambient, else gauge kPa); what is missing is not drawn.
         simulated: whether a testbench answered; None: when a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
         gaps: in words: rows that could not be written, and when.
+        violated: of a counterexample the requirement that does not hold; empty: it is none.
+        violated_s: when that is shown, s.
+        because: why it is violated, a sentence.
+        watched: what it speaks of.
         note: what could not be read, a sentence; it is not written.
     """
 
@@ -51,16 +61,24 @@ class RunInfo:
     actuators: Mapping[str, str] = field(default_factory=dict)
     limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     simulated: bool | None = None
+    ros_generation: int | None = None
     start_us: int | None = None
     gaps: tuple[str, ...] = ()
+    violated: str = ""
+    violated_s: float = 0.0
+    because: str = ""
+    watched: tuple[Watched, ...] = ()
     note: str = field(default="", compare=False)
 
     def write(self, folder: str | Path) -> Path:
         """Write ``run.json`` into a folder, whole or not at all; raises OSError."""
         path = Path(folder) / FILE_NAME
-        content = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "note"}
+        left_out = ("note",) if self.violated else ("note", *_OF_COUNTEREXAMPLES)
+        content = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out}
         content["actuators"] = dict(self.actuators)
         content["limits"] = {name: dict(limit) for name, limit in self.limits.items()}
+        if self.violated:
+            content["watched"] = [each.document() for each in self.watched]
         beside = path.with_name(f".{FILE_NAME}.{os.getpid()}")
         try:
             with beside.open("w", encoding="utf-8") as file:
@@ -108,6 +126,7 @@ def _usable(key: str, value: object) -> Any:
     if isinstance(value, dict):
         return {name: item for name, item in value.items() if isinstance(item, _WITHIN[key])}
     if isinstance(value, list):
+        value = list(map(read_watched, value)) if key == "watched" else value
         return tuple(item for item in value if isinstance(item, _WITHIN[key]))
     return value
 

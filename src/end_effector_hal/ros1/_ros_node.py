@@ -58,6 +58,8 @@ class RosNode:
         UsageError: no tool is named, where the node needs one; or an argument is none of a node.
     """
 
+    generation = 1
+
     def __init__(self, name: str, argv: Sequence[str]) -> None:
         self._end = ProcessEnd(LONGEST_END_S)
         self._watch = MasterWatch(lambda why: self.fail(RosError(why)))
@@ -152,7 +154,7 @@ class RosNode:
 
     def offers(self, action: Action) -> bool:
         """Whether the table offers an action in ROS 1."""
-        return 1 in action.generations
+        return self.generation in action.generations
 
     def action_server(
         self,

@@ -36,7 +36,8 @@ class Process:
             if "argument" in str(error).lower():
                 why = str(error).partition(", at ")[0]
                 raise UsageError(why, todo="Such as: --ros-args -p profile:=verdin_gripper") from None
-            raise RosError(f"ROS 2 cannot be started: {error}.") from None
+            todo = "`eehal doctor --only ros` checks the installation."
+            raise RosError(f"ROS 2 cannot be started: {error}.", todo=todo) from None
         self._end = ProcessEnd(LONGEST_END_S)
         self.end, self.wait = self._end.begun.set, self._end.wait
         for number in (signal.SIGINT, signal.SIGTERM):

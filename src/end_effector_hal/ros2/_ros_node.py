@@ -67,6 +67,8 @@ class RclpyNode:
         group: that it runs in.
     """
 
+    generation = 2
+
     def __init__(self, name: str, group: NodeGroup) -> None:
         self._group, self._node = group, group.node(name)
         self.name = self._node.get_name()
@@ -204,7 +206,7 @@ class RclpyNode:
 
     def offers(self, action: Action) -> bool:
         """Whether the type of an action is there; one that may be missing is told in the log."""
-        if 2 not in action.generations:
+        if self.generation not in action.generations:
             return False
         if not action.optional or has_action_class(action.type):
             return True

@@ -7,7 +7,7 @@ with a thread each; ``boundary``, what goes in and out of them, recorded; ``outp
 
 from ._automata import load_automata
 from ._error_text import error_text, sendable
-from ._script import ScriptCommand, read_command, read_script
+from ._script import WORDS, ScriptCommand, read_command, read_script
 from .arbiter import (
     PredicatePublisher,
     arbiter_policy,
@@ -19,14 +19,25 @@ from .arbiter import (
 )
 from .outputs import LineWriter
 from .programs import ChangerProgram, GripProgram, Program, open_program
-from .tool import EndEffector, GoalRunner, Refused, Result, RunningGoal, changer_is_sensed, reset
+from .tool import (
+    EndEffector,
+    GoalRunner,
+    PlainOutputs,
+    Refused,
+    Result,
+    RunningGoal,
+    changer_is_sensed,
+    reset,
+)
 
 __all__ = [
+    "WORDS",
     "ChangerProgram",
     "EndEffector",
     "GoalRunner",
     "GripProgram",
     "LineWriter",
+    "PlainOutputs",
     "PredicatePublisher",
     "Program",
     "Refused",

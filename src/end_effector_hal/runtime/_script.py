@@ -24,14 +24,29 @@ ARM = "arm"
 """Arms an unlock (IL-02); Table II has no command for it."""
 RESET = "reset"
 """Clears latched faults; Table II has no command for it."""
+SHOWN = ("status", "help")
+"""Asked of the session, not of the tool."""
+WAIT = "wait"
+SET = "set"
+"""Switches a plain output: ``set lamp on``."""
+LEVELS = {"on": True, "off": False}
+SCENARIO = "scenario"
+"""What goes wrong on a simulated tool from now on: ``scenario leak:cylinder``."""
+WORDS = (*VERBS, ARM, RESET, *SHOWN, SET, WAIT, SCENARIO)
 LONGEST_WAIT_S = 86_400.0
 
 
 @dataclass(frozen=True)
 class ScriptCommand:
-    """One command; where ``command`` is None a reset, or else a wait.
+    """One command; where ``command`` is None a reset, an arming, an output, something to show, a
+    scenario, or else a wait.
 
-    ``background``: the next one follows without waiting for the outcome, as after ``&`` in a shell.
+    Attributes:
+        background: the next one follows without waiting for the outcome, as after ``&`` in a shell.
+        show: one of `SHOWN`.
+        output: the plain output to switch; empty: none.
+        active: what it becomes.
+        scenario: for the testbench of a simulated tool; empty: none.
     """
 
     command: Command | None = None
@@ -39,6 +54,10 @@ class ScriptCommand:
     background: bool = False
     reset: bool = False
     arm: bool = False
+    show: str = ""
+    output: str = ""
+    active: bool = False
+    scenario: str = ""
 
 
 def read_script(text: str) -> tuple[ScriptCommand, ...]:
@@ -57,22 +76,48 @@ def read_command(text: str) -> ScriptCommand:
     words = text.lower().removesuffix("&").split()
     background = text.rstrip().endswith("&")
     verb, *rest = words or [""]
-    if verb == "wait":
+    if verb == WAIT:
         if background:
             raise UsageError(f"{text!r}: a wait cannot go on in the background.")
         return ScriptCommand(wait_s=_seconds(text, rest))
-    if verb not in (*VERBS, ARM, RESET):
-        close = get_close_matches(verb, [*VERBS, ARM, RESET, "wait"], n=1)
-        known = f"There are: {', '.join(VERBS)}, {ARM}, {RESET}, wait <seconds>."
+    if verb == SET:
+        return _output(text, rest)
+    if verb == SCENARIO:
+        return _scenario(text)
+    if verb not in WORDS:
+        close = get_close_matches(verb, WORDS, n=1)
+        plain = ", ".join(WORDS[: WORDS.index(SET)])
+        known = f"There are: {plain}, set <output> on|off, wait <seconds>, scenario <text>."
         todo = f"Did you mean {close[0]!r}?" if close else known
         raise UsageError(f"{verb or text!r} is no command.", todo=todo)
     if rest:
-        raise UsageError(f"{text!r}: nothing may follow {verb!r}.", todo="Separate commands by ';'.")
+        between = (
+            "Separate commands by ';', also behind an '&'." if "&" in text else "Separate commands by ';'."
+        )
+        raise UsageError(f"{text!r}: nothing may follow {verb!r}.", todo=between)
     if verb == ARM:
         return ScriptCommand(arm=True)
     if verb == RESET:
         return ScriptCommand(reset=True)
+    if verb in SHOWN:
+        return ScriptCommand(show=verb)
     return ScriptCommand(VERBS[verb], background=background)
+
+
+def _output(text: str, rest: list[str]) -> ScriptCommand:
+    if len(rest) != 2 or rest[1] not in LEVELS:
+        raise UsageError(f"{text!r}: expected is 'set <output> on' or 'set <output> off'.")
+    return ScriptCommand(output=rest[0], active=LEVELS[rest[1]])
+
+
+def _scenario(text: str) -> ScriptCommand:
+    scenario = text.strip()[len(SCENARIO) :].strip()
+    if not scenario:
+        raise UsageError(
+            f"{text!r}: expected is 'scenario <text>', for example 'scenario nominal'.",
+            todo="`eehal testbench --list` lists them.",
+        )
+    return ScriptCommand(scenario=scenario)
 
 
 def _seconds(text: str, rest: list[str]) -> float:

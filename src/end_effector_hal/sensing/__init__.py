@@ -5,7 +5,18 @@ In ``detectors`` stands what belongs to no kind of device; how an actuator is ju
 
 from ._frame_judge import FrameJudge
 from ._hold_monitor import HoldMonitor
-from ._predicates import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, Predicates, predicates_fitted
+from ._predicates import (
+    E_STOP_CLOSED,
+    LOCKED,
+    NO_FAULT,
+    NO_LATCHED_FAULT,
+    NOTHING_GRIPPED,
+    PARKED,
+    Predicates,
+    predicates_fitted,
+    proven_by_arbiter,
+)
+from ._readings import Readings
 from ._sensor_set import SensorSet
 from ._sensor_state import SensorState
 from ._stand import ToolPlace, tool_place
@@ -14,13 +25,17 @@ __all__ = [
     "E_STOP_CLOSED",
     "LOCKED",
     "NOTHING_GRIPPED",
+    "NO_FAULT",
+    "NO_LATCHED_FAULT",
     "PARKED",
     "FrameJudge",
     "HoldMonitor",
     "Predicates",
+    "Readings",
     "SensorSet",
     "SensorState",
     "ToolPlace",
     "predicates_fitted",
+    "proven_by_arbiter",
     "tool_place",
 ]

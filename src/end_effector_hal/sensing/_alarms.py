@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from end_effector_hal.kinds import AlarmKind
+from end_effector_hal.vocabulary import OVER
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,10 @@ class AlarmLog:
         self._alarms = {(alarm.kind, who): alarm for who, alarm in alarms}
         self._changed()
 
+    def of_kind(self, kind: AlarmKind) -> dict[str, Alarm]:
+        """Those of a kind, by what each is about."""
+        return {who: alarm for (each, who), alarm in self._alarms.items() if each is kind}
+
     def active(self, kind: AlarmKind) -> bool:
         """Whether there is one of a kind that is not over."""
         return any(alarm.kind is kind and not alarm.over for alarm in self._alarms.values())
@@ -57,18 +63,26 @@ class AlarmLog:
         known = self._alarms.get((kind, who))
         if known is None or known.over:
             return False
-        self._alarms[kind, who] = replace(known, text=f"Over: {text}", over=True)
+        self._alarms[kind, who] = replace(known, text=f"{OVER}{text}", over=True)
         self._changed()
         return True
 
+    def forget(self, kind: AlarmKind, who: str) -> None:
+        """It is so no longer, and nobody need acknowledge it."""
+        if self._alarms.pop((kind, who), None):
+            self._changed()
+
     def acknowledge(self) -> None:
         """Forget what is over."""
-        self._alarms = {key: alarm for key, alarm in self._alarms.items() if not alarm.over}
-        self._changed()
+        self._remove(key for key, alarm in self._alarms.items() if alarm.over)
 
     def clear(self) -> None:
-        """Forget everything: what it was about has ended."""
-        self._alarms.clear()
+        """Forget what was about a held part: nothing is held any more. What a device says of itself stays."""
+        self._remove(key for key in self._alarms if key[0] is not AlarmKind.DEVICE)
+
+    def _remove(self, keys: Iterable[tuple[AlarmKind, str]]) -> None:
+        for key in list(keys):
+            del self._alarms[key]
         self._changed()
 
     def _changed(self) -> None:

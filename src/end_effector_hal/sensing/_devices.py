@@ -1,4 +1,4 @@
-"""The devices that send the frames: whether one began anew."""
+"""The devices that send the frames: whether one restarted."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class SendingDevice:
 
     @property
     def reboots(self) -> int:
-        """How often it began anew."""
+        """How often it restarted."""
         return self._sequence.reboots
 
     def rebooted(self, frame: Frame) -> frozenset[str]:
-        """Its channels where a frame shows that it began anew; else none."""
+        """Its channels where a frame shows that it restarted; else none."""
         if frame.seq is None or frame.device_ms is None:
             return frozenset()
         before = self._sequence.reboots
@@ -46,11 +46,11 @@ class SendingDevice:
         return self._channels
 
     def notices(self, at: int) -> tuple[str, ...]:
-        """That it has begun anew lately, in words."""
+        """That it has restarted lately, in words."""
         if self._rebooted_at is None or at - self._rebooted_at >= SAID_US:
             return ()
         times = f" ({self.reboots} times since the start)" if self.reboots > 1 else ""
-        return (f"The {self._name} began anew{times}: all was read anew.",)
+        return (f"The {self._name} restarted{times}; earlier readings were discarded.",)
 
     def deadline(self, at: int) -> int | None:
         """µs at which a notice ends by itself."""
@@ -73,11 +73,11 @@ class SendingDevices:
 
     @property
     def reboots(self) -> int:
-        """How often one of them began anew."""
+        """How often one of them restarted."""
         return sum(device.reboots for device in self._devices.values())
 
     def rebooted(self, frame: Frame) -> frozenset[str]:
-        """The channels of the one that began anew; else none."""
+        """The channels of the one that restarted; else none."""
         link = self._links.get(next(iter(frame.values), ""))
         return self._devices[link].rebooted(frame) if link else frozenset()
 

@@ -13,6 +13,7 @@ from end_effector_hal.signals import PART
 from end_effector_hal.vocabulary import Evidence, display_name
 
 from ._alarms import AlarmLog
+from ._device_faults import refuses
 from ._sensor_set import SensorSet
 
 _SECURE = attrgetter("secure")
@@ -22,19 +23,24 @@ KEPT = "outputs stay as they are, only a Drop releases"
 class HoldMonitor:
     """Alarms about what is held; they stay until a Drop, or until they are over and acknowledged.
 
-    Every actuator is watched for its readings; its kind says what else there is to watch.
+    Every actuator is watched for its readings; its kind says what else there is to watch. What a device says is wrong
+    with it is an alarm whether anything is held or not, and no Drop ends it.
 
     Args:
         description: the tool.
         senses: its detectors, which have taken each sample before it is shown here.
         carrier: of its channels.
+        devices: whether the alarms of devices are kept here.
     """
 
     MEMORY: ClassVar = {"_log": PART, "_watches": PART, "_since": int | None}
     RECORDED_AS: ClassVar = {"_watches": "_vacuums"}
 
-    def __init__(self, description: Description, senses: SensorSet, carrier: Carrier) -> None:
+    def __init__(
+        self, description: Description, senses: SensorSet, carrier: Carrier, *, devices: bool = True
+    ) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold
+        self._devices = senses.now.faults.channels if devices else ()
         self._names = description.sequence
         self._log = AlarmLog()
         watches = (
@@ -91,8 +97,23 @@ class HoldMonitor:
                     name = self._names[index]
                     self._log_findings(name, watch.findings(display_name(name), self._since, at), at)
             self._supply(at)
+        if self._devices:
+            self._device_faults(at)
         newly_secure = now.confirmed and self._watched_secure is not was_secure
         return newly_secure or self.alarms != told
+
+    def fault(self, at: int) -> str:
+        """Why no grip begins: what a device says is wrong, or has said since the last reset; empty: nothing is."""
+        faults, readings = self._senses.now.faults, self._senses.now.readings
+        logged = self._log.of_kind(AlarmKind.DEVICE) if self._devices else {}
+        for name, alarm in logged.items():
+            known = faults.named(name)
+            if known and refuses(known.alarm):
+                return f"{alarm.text}{' Reset it first.' if alarm.over else ''}"
+        for channel in faults.unknown(readings, at) if self._devices else ():
+            if channel in faults.refusing():
+                return f"{channel} has no valid reading: its fault status is unknown; check the link."
+        return ""
 
     def acknowledge(self) -> None:
         """An operator has seen it: what is over is forgotten, what is not stays."""
@@ -111,10 +132,28 @@ class HoldMonitor:
             else:
                 self._log.raise_(finding.kind, name, finding.text, at)
 
+    def _device_faults(self, at: int) -> None:
+        """What stands begins; of what has a fresh reading without it, it is over."""
+        faults, readings = self._senses.now.faults, self._senses.now.readings
+        standing = {each.name: each for each in faults.standing(readings, at)}
+        for name, each in standing.items():
+            self._log.raise_(AlarmKind.DEVICE, name, each.text, at)
+        unknown = faults.unknown(readings, at)
+        for name in self._log.of_kind(AlarmKind.DEVICE).keys() - standing.keys():
+            known = faults.named(name)
+            if known is None or known.channel in unknown:
+                continue
+            if known.alarm.latches:
+                self._log.end(AlarmKind.DEVICE, name, known.text)
+            else:
+                self._log.forget(AlarmKind.DEVICE, name)
+
     def _readable(self, index: int, name: str, at: int) -> None:
         who = display_name(name)
         if self._senses.now.evidence[index] is Evidence.UNKNOWN:
-            self._log.raise_(AlarmKind.STALE, name, f"No reading: {who} is held and not known; {KEPT}.", at)
+            self._log.raise_(
+                AlarmKind.STALE, name, f"No valid reading of {who} while it holds a part; {KEPT}.", at
+            )
         else:
             self._log.end(AlarmKind.STALE, name, f"{who} had no valid reading for a while; it is read again.")
 

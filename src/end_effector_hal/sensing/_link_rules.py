@@ -1,4 +1,4 @@
-"""What a frame is worth: impossible values, frozen sensors, a device that began anew."""
+"""What a frame is worth: impossible values, frozen sensors, a device that restarted."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Judged:
     Attributes:
         frame: what is impossible or frozen is invalid in it.
         doubted: channels whose reading proves nothing from now on; they are invalid in it.
-        rebooted: channels of a device that began anew: what was read before is nothing any more.
+        rebooted: channels of a device that restarted: what was read before is nothing any more.
     """
 
     frame: Frame
@@ -62,7 +62,7 @@ class LinkRules:
 
     @property
     def reboots(self) -> int:
-        """How often a device began anew."""
+        """How often a device restarted."""
         return self._devices.reboots
 
     def judge(self, frame: Frame) -> Judged:

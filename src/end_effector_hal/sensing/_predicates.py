@@ -8,6 +8,7 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ToolEvidence
 
+from ._device_faults import DeviceFaults
 from ._frame_judge import FrameJudge
 from ._sensor_set import SensorSet
 
@@ -19,6 +20,10 @@ PARKED = "parked"
 """The tool is in its stand, or there is none (IL-02)."""
 E_STOP_CLOSED = "e_stop_closed"
 """The e-stop input is read and closed (IL-13)."""
+
+
+NO_FAULT, NO_LATCHED_FAULT = "no_fault:", "no_latching_fault:"
+"""In front of the name of a channel: a fresh reading shows no fault of its device that refuses a grip (IL-07)."""
 
 
 def predicates_fitted(description: Description, carrier: Carrier) -> frozenset[str]:
@@ -34,7 +39,25 @@ def predicates_fitted(description: Description, carrier: Carrier) -> frozenset[s
         fitted.add(PARKED)
     if e_stop and e_stop.channel in carried:
         fitted.add(E_STOP_CLOSED)
+    faults = DeviceFaults(description)
+    fitted |= {NO_FAULT + channel for channel in faults.refusing(latching=False)}
+    fitted |= {NO_LATCHED_FAULT + channel for channel in faults.refusing(latching=True)}
     return frozenset(fitted)
+
+
+def proven_by_arbiter(description: Description, carrier: Carrier) -> frozenset[str]:
+    """Those of the fitted ones for which the line arbiter needs nobody: it reads all of their channels itself."""
+    changer, e_stop, own = description.tool_changer, description.e_stop, description.arbiter_inputs
+    needs: dict[str, tuple[str, ...]] = {E_STOP_CLOSED: (e_stop.channel,)} if e_stop else {}
+    if changer:
+        needs[LOCKED] = changer.locked_bit, changer.unlocked_bit
+        needs[PARKED] = changer.stand_bit, changer.present_bit
+    fitted = predicates_fitted(description, carrier)
+    return frozenset(
+        name
+        for name, channels in needs.items()
+        if name in fitted and own.issuperset(channel for channel in channels if channel in carrier.channels)
+    )
 
 
 class Predicates:
@@ -54,14 +77,17 @@ class Predicates:
         self._e_stop = description.e_stop.channel if description.e_stop else None
 
     def frame(self, frame: Frame, now: int | None = None) -> dict[str, bool]:
-        """What holds after a frame, by name; only what is fitted, and nothing if its stamp does not count.
+        """What holds after a frame, by name; only what is fitted.
+
+        If its stamp does not count, it proves nothing; what it objects to is said all the same.
 
         Args:
             frame: of the link.
             now: µs; default: when the frame came, in virtual time.
         """
-        if not self._senses.accepts(frame, frame.at if now is None else now):
-            return {}
+        now = frame.at if now is None else now
+        if not self._senses.accepts(frame, now):
+            return self._objections(frame) if frame.at <= now else {}
         self._senses.frame(frame)
         return self._said(frame.at)
 
@@ -69,6 +95,15 @@ class Predicates:
         """What holds at ``at`` µs, if nothing came since the last frame."""
         self._senses.advance(at)
         return self._said(at)
+
+    def _objections(self, frame: Frame) -> dict[str, bool]:
+        """What was wrong when a frame was sent that came too late: it may be over now, and is latched."""
+        objections = {E_STOP_CLOSED} if self._e_stop and frame.values.get(self._e_stop) is False else set()
+        for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)):
+            objections |= {
+                word + channel for channel in self._senses.now.faults.shown(frame.values, latching=latching)
+            }
+        return dict.fromkeys(sorted(objections & self._fitted), False)
 
     def _said(self, at: int) -> dict[str, bool]:
         now = self._senses.now
@@ -78,4 +113,7 @@ class Predicates:
             PARKED: now.in_stand,
             E_STOP_CLOSED: bool(now.readings.get(self._e_stop, at)),
         }
+        for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)) if now.faults.channels else ():
+            well = now.faults.well(now.readings, at, latching=latching)
+            all_said |= {word + channel: holds for channel, holds in well.items()}
         return {name: holds for name, holds in all_said.items() if name in self._fitted}

@@ -91,6 +91,12 @@ class Readings:
         """How long a reading of a channel counts."""
         return self._stale_us.get(channel, self.stale_us)
 
+    def stale_after(self, frame: Frame) -> int:
+        """How long what a frame carries counts; of several sources together, by the quickest."""
+        if len(self._sources) == 1:
+            return self.stale_us
+        return min([self.stale_after_us(channel) for channel in frame.values], default=self.stale_us)
+
     def stale(self, at: int) -> tuple[str, ...]:
         """Channels that are carried and that have no valid reading now."""
         read_at, spans = self._at, self._stale_us

@@ -99,7 +99,7 @@ class SensorSet:
 
     def accepts(self, frame: Frame, now: int) -> bool:
         """Whether a frame that is here at ``now`` counts, by its stamp; one that does not is told, no more."""
-        passes = self._stamps.passes(frame.at, now)
+        passes = self._stamps.passes(frame.at, now, self.now.readings.stale_after(frame))
         self.revision += not passes
         return passes
 
@@ -159,7 +159,8 @@ class SensorSet:
         if missing := [name for name in lacking if name not in told]:
             said.append(f"No valid reading of {', '.join(missing)}.")
         if not held and (anew := [name for name in unknown if not self._channels[name] & set(lacking)]):
-            said.append(f"Read again, and not judged yet: {', '.join(map(display_name, anew))}.")
+            names = ", ".join(map(display_name, anew))
+            said.append(f"{names}: readings are back; evidence not re-established yet.")
         return tuple(said)
 
     def noticed(self, at: int, *, held: bool) -> bool:

@@ -12,6 +12,7 @@ from end_effector_hal.kinds.conditions import ConditionDetector
 from end_effector_hal.signals import PART, Frame, clone
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
 
+from ._device_faults import DeviceFaults
 from ._link_rules import LinkRules
 from ._readings import Readings
 from .detectors import ReleaseDetector, SupplyDetector, ToolDetector
@@ -24,6 +25,7 @@ class SensorState:
 
     Attributes:
         readings: of each channel.
+        faults: which of them are alarms of a device.
         supply: whether a grip may start (IL-06).
         evidence: of each actuator, in sequence order.
         tool: what the bits of the tool changer prove.
@@ -50,6 +52,7 @@ class SensorState:
         self.readings = Readings(description, carrier)
         self._rules = LinkRules(description, carrier, self.readings.stale_us)
         self._parts = description.ordered
+        self.faults = DeviceFaults(description)
         self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
         self._guarded = tuple(
             (index, display_name(name))
@@ -69,7 +72,7 @@ class SensorState:
         self.nothing_gripped, self.in_stand = False, False
 
     def after(self, frame: Frame) -> tuple[Self, ...]:
-        """The states that a frame leads to: one, and before it another where the device began anew."""
+        """The states that a frame leads to: one, and before it another where the device restarted."""
         state = clone(self)
         return tuple([state if last else clone(state) for last in state.take(frame)])
 
@@ -108,7 +111,7 @@ class SensorState:
         return due if ends is None else ends if due is None else min(due, ends)
 
     def doubts(self, at: int) -> tuple[str, ...]:
-        """What is impossible or frozen at ``at`` µs, a detector that fails, a device that began anew, in words."""
+        """What is impossible or frozen at ``at`` µs, a detector that fails, a device that restarted, in words."""
         said = self._rules.notices(at)
         return (*said, *self._faults()) if self._guarded else said
 
@@ -159,6 +162,9 @@ class SensorState:
             level = detector.sample(self.readings, at)
             # what follows a confirmation needs the lock (IL-05): after silence it is proven a little later
             evidence.append(before if level is Evidence.CONFIRMED and too_early else level)
+        if self.faults.channels and (unproven := self.faults.unproven(self.readings, at)):
+            for index, (name, _) in enumerate(self._parts):
+                evidence[index] = Evidence.UNKNOWN if name in unproven else evidence[index]
         self.evidence, self.tool = tuple(evidence), tool
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
         self.in_stand = self._is_in_stand(at)

@@ -17,6 +17,8 @@ class Kind(Enum):
     """Gauge pressure, integer Pa; a vacuum is negative."""
     BIT = "bit"
     """A boolean: a position bit, or "present" where the channel has the name of a pressure."""
+    CODE = "code"
+    """A whole number with which a device says what is wrong with it; 0: nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +29,7 @@ class Frame:
         at: µs of its last byte, on the monotonic clock of the reader; 0 in a frame that is to be encoded.
         seq: sequence number, or None where the codec carries none.
         device_ms: the device's own clock in ms, or None.
-        values: channel to gauge pressure in Pa, bit, or None: carried, but invalid.
+        values: channel to gauge pressure in Pa, bit, code, or None: carried, but invalid.
     """
 
     at: int

@@ -38,14 +38,15 @@ class StampGate:
         self._until: int | None = None
         self._text, self._said_us = "", 0
 
-    def passes(self, stamp: object, now: int) -> bool:
+    def passes(self, stamp: object, now: int, old_us: int | None = None) -> bool:
         """Whether a stamp counts.
 
         Args:
             stamp: µs on the monotonic clock, as it came: whatever it is.
             now: µs on the same clock.
+            old_us: what is so old is refused; default: of the gate.
         """
-        why = self._why_not(stamp, now)
+        why = self._why_not(stamp, now, self._old_us if old_us is None else old_us)
         if not why and type(stamp) is int:
             self._last = stamp
             return True
@@ -75,13 +76,13 @@ class StampGate:
         """µs at which the notice ends by itself."""
         return self._until if self._until is not None and self._until > at else None
 
-    def _why_not(self, stamp: object, now: int) -> str:
+    def _why_not(self, stamp: object, now: int, old_us: int | None) -> str:
         if type(stamp) is not int or not 0 <= stamp <= HIGHEST:
             return "stamped with what is no time"
         if stamp > now:
             return f"stamped {to_s(stamp - now):.3g} s ahead of now"
         if self._in_order and self._last is not None and stamp < self._last:
             return f"stamped {to_s(self._last - stamp):.3g} s before the one that came last"
-        if self._old_us is not None and now - stamp >= self._old_us:
+        if old_us is not None and now - stamp >= old_us:
             return f"{to_s(now - stamp):.3g} s old"
         return ""

@@ -1,6 +1,6 @@
 """The words that every room shares: Table II, evidence, causes, last wills, units; no logic."""
 
-from ._last_will import LEASE_US, LastWill, LastWillStep, read_last_will
+from ._last_will import LEASE_US, SETTLE_US, LastWill, LastWillStep, read_last_will
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._tables import (
     ACTIVE,
@@ -12,7 +12,7 @@ from ._tables import (
     TableState,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, escaped, hint, is_name, printable
+from ._text import LONGEST_SENTENCE, OVER, escaped, hint, is_name, printable
 from ._time import to_s, to_us
 
 __all__ = [
@@ -20,7 +20,9 @@ __all__ = [
     "INACTIVE",
     "LEASE_US",
     "LONGEST_SENTENCE",
+    "OVER",
     "PENDING",
+    "SETTLE_US",
     "ActuatorState",
     "Cause",
     "ChangerFault",

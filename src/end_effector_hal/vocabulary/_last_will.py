@@ -11,6 +11,8 @@ from end_effector_hal.errors import UsageError
 MOST_STEPS, LONGEST_US = 64, 600_000_000
 LEASE_US = 1_000_000
 """A client that does not renew its lease for so long is declared dead."""
+SETTLE_US = 50_000
+"""A line stays as it is for at least so long (IL-10)."""
 
 
 class LastWillStep(NamedTuple):

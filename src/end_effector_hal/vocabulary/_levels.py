@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+from ._tables import TableState
+
 
 class Evidence(IntEnum):
     """What the sensors say of one actuator; ``evidence[i]`` of the model."""
@@ -26,8 +28,8 @@ class ToolEvidence(IntEnum):
     """Both bits or neither, for too long (IL-04)."""
 
 
-class ChangerState(IntEnum):
-    """Where the tool changer is; ``changer`` of the model."""
+class ChangerState(TableState):
+    """Where the tool changer is; ``changer`` of the model. Its words are those of figures too."""
 
     UNKNOWN = 0
     LOCKED = 1

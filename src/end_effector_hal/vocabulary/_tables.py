@@ -11,7 +11,7 @@ _LABELS = {"STAND_BY": "STAND-BY"}
 
 
 class TableState(IntEnum):
-    """A column of Table II: an integer, its name (``STAND_BY``) and the paper's spelling (``STAND-BY``)."""
+    """A state of the tables: an integer, its name (``STAND_BY``) and the paper's spelling (``STAND-BY``)."""
 
     @property
     def label(self) -> str:

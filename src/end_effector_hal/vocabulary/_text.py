@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+OVER = "Over: "
+"""With this begins an alarm that is so no longer, and is shown until it is acknowledged."""
 LONGEST_NAME, LONGEST_SENTENCE = 64, 500
 
 

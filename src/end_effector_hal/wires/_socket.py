@@ -6,6 +6,7 @@ import errno
 import os
 import socket
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError, WireError
@@ -48,6 +49,8 @@ def listen(path: Path, group: str | None = None, *, whose: str = "the line arbit
         raise
     except OSError as error:
         listener.close()
+        with suppress(OSError):
+            fresh.unlink(missing_ok=True)
         raise no_socket(path, error, whose) from error
     return listener
 

@@ -36,6 +36,11 @@ class BagMessage:
     definition: str
     syntax: str
 
+    @property
+    def generation(self) -> int:
+        """Of ROS, 1 or 2: who wrote it."""
+        return 1 if self.syntax == ROS1 else 2
+
     def read(self) -> Any:
         """An object with its fields; raises ValueError with a reason."""
         return _reader(self.type, self.definition, self.syntax)(self.data)

@@ -10,7 +10,7 @@ from end_effector_hal.nodes.transport import FrameMessage, StateMessage
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 Value = TypeVar("Value")
-OPTIONAL = ("since_us", "count", "tool", "alarms")
+OPTIONAL = ("since_us", "count", "tool", "tool_changer", "alarms")
 """Fields of a state that are used, and that an older version may lack."""
 
 
@@ -26,6 +26,7 @@ def state_of(content: Any) -> StateMessage:
         "since_us": _one(content, "since_us", int, 0),
         "count": _one(content, "count", int, 0),
         "tool": _one(content, "tool", str, ""),
+        "tool_changer": _one(content, "tool_changer", int, 0),
         "alarms": _list(content, "alarms", str, []),
     }
     if len(used["actuator_names"]) != len(used["actuators"]):

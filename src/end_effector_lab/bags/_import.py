@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,6 +18,7 @@ from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import Recording, RecordingLimits, RunInfo
 from end_effector_hal.vocabulary import printable
 
+from ._bag import open_bag
 from ._bag_message import Bag, BagMessage, plain_type
 from ._fields import command_of, frame_of, lacking, state_of
 from ._line_of_time import LineOfTime
@@ -111,6 +112,16 @@ def _space(bag: Bag, topics: Mapping[str, str], namespace: str | None) -> str:
     return wanted
 
 
+def record_bag(path: Path, folder: Path, description: Description | None) -> ImportedBag:
+    """Open a bag, and write a recording into a new folder; what the page of a bag asks for.
+
+    Raises:
+        UsageError: it is no bag, or has no tool.
+    """
+    with closing(open_bag(path)) as bag:
+        return import_bag(bag, folder, description=description)
+
+
 class _Import:
     def __init__(
         self, bag: Bag, folder: Path, description: Description | None, space: str, stack: ExitStack
@@ -120,6 +131,7 @@ class _Import:
         self._time = LineOfTime()
         self._newest = self._log_offset = 0
         self._first_log: int | None = None
+        self._generation = 0
         self._tool = ""
         self._actuators: list[str] = []
         self._first: StateMessage | None = None
@@ -146,7 +158,7 @@ class _Import:
         }
         for message in self._bag.messages(frozenset(handlers)):
             if self._first_log is None:
-                self._first_log = message.log_us
+                self._first_log, self._generation = message.log_us, message.generation
             try:
                 handlers[message.topic](message)
             except UsageError:
@@ -278,7 +290,8 @@ class _Import:
         )
         self._recording = self._stack.enter_context(
             Recording(
-                self._folder, tool, ros=True, limits=WHOLE, started=_time_of_day(self._first_log or 0),
+                self._folder, tool, ros=self._generation, limits=WHOLE,
+                started=_time_of_day(self._first_log or 0),
                 now=lambda: begun if self._recording is None else self._newest,
             )
         )  # fmt: skip

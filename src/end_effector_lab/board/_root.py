@@ -72,7 +72,7 @@ def write_root(parts: Path, place: Path, job: str, files: Mapping[str, str], *, 
 
 
 def _write_metadata(site: Path) -> None:
-    """The entry points by which `eehal` finds the commands of the workshop."""
+    """The entry points by which `eehal` finds the commands of the development tools."""
     own = distribution(DISTRIBUTION)
     place = site / f"{DISTRIBUTION.replace('-', '_')}-{own.version}.dist-info"
     place.mkdir()

@@ -1,1 +1,1 @@
-"""The commands that the workshop adds to ``eehal``."""
+"""The commands that the development tools add to ``eehal``."""

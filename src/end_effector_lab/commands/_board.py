@@ -44,7 +44,7 @@ def command(
     ${XDG_CACHE_HOME:-~/.cache}/end-effector-hal/board; nothing is installed and no root is needed. Its clock counts
     what it executes: a busy machine makes it slower, and changes nothing in its recordings.
 
-    DESCRIPTION: default is the shipped tool. Exit code 1: a scenario did not tell its story; 3: something is missing.
+    DESCRIPTION: default is the shipped tool. Exit code 1: a scenario did not run as expected; 3: something is missing.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -63,7 +63,7 @@ def command(
     reports = []
     for scenario in picked:
         folder = output / f"board-{scenario.name}"
-        with BoardProgress(progress, scenario.name, folder / "events") as shown:
+        with BoardProgress(console(stderr=True, quiet=as_json), scenario.name, folder / "events") as shown:
             report = play_on_board(
                 scenario,
                 loaded,

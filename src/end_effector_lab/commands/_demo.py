@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -11,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli import PathName, end_in_order
+from end_effector_hal.cli import PathName, completed, end_in_order, print_document
+from end_effector_hal.description import did_you_mean
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ only_option = partial(
     "--only",
     multiple=True,
     metavar="NAME",
+    shell_complete=completed(lambda _: NAMES),
     help=f"Only this scenario; may be given again. Of {', '.join(NAMES)} (with a tool changer).",
 )
 no_figures_option = click.option("--no-figures", is_flag=True, help="Record only; `eehal plot` draws.")
@@ -41,7 +42,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print the re
 @click.option(
     "--ros",
     type=click.Choice(["1", "2"]),
-    help="Which generation of ROS; default: the one of this environment.",
+    help="Which version of ROS; default: the one of this environment.",
 )
 @click.option("--five", is_flag=True, help="ROS 2: a process for each node, as the paper draws them.")
 @click.option(
@@ -80,7 +81,7 @@ def command(
     For each of them a virtual chip, the line arbiter and the testbench are started, and with ROS the nodes, the
     DataLogger and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
     the tool itself) is at their other end already. DESCRIPTION: default is the shipped tool. Exit code 1: a
-    scenario did not tell its story, or a time-out or reset was not within 100 ms after its nominal time.
+    scenario did not run as expected, or a time-out or reset was not within 100 ms after its nominal time.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -108,7 +109,7 @@ def command(
             picked,
             output,
             drive=drive,
-            progress=progress,
+            progress=console(stderr=True, quiet=as_json),
             own_wires=own_wires,
             figures=figures_wanted(no_figures, progress),
         )
@@ -117,11 +118,11 @@ def command(
 
 
 def tell(reports: Sequence[Report], *, as_json: bool) -> None:
-    """Print the reports; the command ends with 1 when one of the scenarios did not tell its story."""
+    """Print the reports; the command ends with 1 when one of the scenarios did not run as expected."""
     from end_effector_lab.demo import print_table
 
     if as_json:
-        click.echo(json.dumps([report.as_json() for report in reports], indent=2, ensure_ascii=False))
+        print_document({"reports": [report.as_json() for report in reports]})
     else:
         print_table(console(), reports)
     if not all(report.ok for report in reports):
@@ -152,15 +153,15 @@ def chosen(description: Description, names: Sequence[str], *, everything: bool) 
     if unknown := [name for name in names if name not in by_name]:
         if why := [f"{name} cannot be played: {left_out[name]}" for name in unknown if name in left_out]:
             raise UsageError(why[0], where=description.where("link", "codec"))
-        raise UsageError(
-            f"there is no scenario {', '.join(unknown)}.", todo=f"There are: {', '.join(by_name)}."
-        )
+        guesses = " ".join(filter(None, (did_you_mean(name, by_name) for name in unknown)))
+        todo = f"{guesses[:1].upper()}{guesses[1:]} There are: {', '.join(by_name)}.".lstrip()
+        raise UsageError(f"there is no scenario {', '.join(unknown)}.", todo=todo)
     return [by_name[name] for name in names] if names else list(known)
 
 
-def console(*, stderr: bool = False) -> Console:
+def console(*, stderr: bool = False, quiet: bool = False) -> Console:
     """Wide where it is no terminal: a file has no width of its own."""
     from rich.console import Console
 
-    console = Console(stderr=stderr)
-    return console if console.is_terminal else Console(stderr=stderr, width=WIDTH)
+    console = Console(stderr=stderr, quiet=quiet)
+    return console if console.is_terminal else Console(stderr=stderr, quiet=quiet, width=WIDTH)

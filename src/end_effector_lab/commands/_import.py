@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import closing
 from pathlib import Path
 
 import click
 
-from end_effector_hal.cli import PathName
+from end_effector_hal.cli import PathName, Progress, completed, print_document, profiles
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import tool_path
 
@@ -19,8 +18,14 @@ from end_effector_hal.description import tool_path
 @click.option(
     "--description", metavar="FILE", type=PathName(), help="Of the tool: its pressures and thresholds."
 )
-@click.option("--profile", metavar="NAME", default="", help="A shipped tool, instead of a description.")
-@click.option("--namespace", metavar="NS", help="Of the tool, where the bag has several.")
+@click.option(
+    "--profile",
+    metavar="NAME",
+    default="",
+    shell_complete=completed(profiles),
+    help="A shipped tool, instead of a description.",
+)
+@click.option("--namespace", metavar="NS", help="ROS namespace of the tool, where the bag has several.")
 @click.option("--json", "as_json", is_flag=True, help="Print what was imported as JSON.")
 def command(
     bag: Path,
@@ -32,7 +37,7 @@ def command(
 ) -> None:
     """Make a recording of the states and sensor frames in BAG, as DataLogger would have written it.
 
-    BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. What cannot be read is told,
+    BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. What cannot be read is listed,
     and the rest is imported.
 
     Exit code 0: all of it was imported; 1: a part; 2: nothing.
@@ -44,10 +49,10 @@ def command(
         tool = load_tool(tool_path(description or "", profile, how="--description FILE or --profile NAME"))
     if output is None:
         output = Path("runs", bag.resolve().stem)
-    with closing(open_bag(bag)) as opened:
+    with Progress(f"Importing {bag}", shown=not as_json), closing(open_bag(bag)) as opened:
         imported = import_bag(opened, output, description=tool, namespace=namespace)
     if as_json:
-        click.echo(json.dumps(imported.as_json(), indent=2, ensure_ascii=False))
+        print_document(imported.as_json())
     else:
         click.echo(
             f"{imported.folder}: {imported.tool}, {imported.seconds:.3f} s, {imported.states} states, "

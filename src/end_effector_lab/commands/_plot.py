@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 
 import click
 
-from end_effector_hal.cli import PathName, figures
+from end_effector_hal.cli import PathName, Progress, figures, print_document
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import read_story
 from end_effector_lab.figures import STYLES, RecordedRun, save
@@ -18,8 +17,11 @@ from end_effector_lab.figures import STYLES, RecordedRun, save
 @click.argument("recording", metavar="STATES.csv", type=PathName())
 @click.option("--style", type=click.Choice([*STYLES, "both"]), default="timeline", show_default=True)
 @click.option("-o", "--output", metavar="FILE.(png|svg)|DIR", type=PathName())
+@click.option(
+    "--csv", is_flag=True, help="Also run.csv, all in one table, and plot_run.m for MATLAB or Octave."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the story and the files as JSON.")
-def command(recording: Path, style: str, output: Path | None, as_json: bool) -> None:
+def command(recording: Path, style: str, output: Path | None, csv: bool, as_json: bool) -> None:
     """Draw a recording: STATES.csv, or the folder of a run.
 
     Pressures and the source of the run are taken from pressures.csv and run.json beside it. Without -o the
@@ -33,12 +35,16 @@ def command(recording: Path, style: str, output: Path | None, as_json: bool) -> 
         )
         raise UsageError("There is no recording here.", where=str(recording), todo=todo)
     styles = STYLES if style == "both" else (style,)
-    run = RecordedRun.read(states)
-    targets = {name: _targets(states, name, styles, output) for name in styles}
     files: list[Path] = []
-    for name, paths in targets.items():
-        figure = run.figure(name)
-        files += [save(figure, path) for path in paths]
+    with Progress(f"Reading {states}", shown=not as_json) as progress:
+        run = RecordedRun.read(states)
+        targets = {name: _targets(states, name, styles, output) for name in styles}
+        for name, paths in targets.items():
+            progress(f"Drawing the {name}")
+            figure = run.figure(name)
+            files += [save(figure, path) for path in paths]
+        if csv:
+            files += run.write_table(files[0].parent)
     _report(run, files, as_json)
 
 
@@ -74,7 +80,7 @@ def _report(run: RecordedRun, files: list[Path], as_json: bool) -> None:
             "files": [str(file) for file in files],
             "notes": list(run.notes),
         }
-        click.echo(json.dumps(answer, indent=2, ensure_ascii=False))
+        print_document(answer)
         return
     click.echo(story.verdict)
     for moment in run.missed:

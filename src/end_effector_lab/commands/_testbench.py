@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import click
 
-from end_effector_hal.cli import PathName
+from end_effector_hal.cli import PathName, completed, typed_tool
 
 
 def _list_faults(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
@@ -20,9 +21,21 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
     context.exit()
 
 
+def _faults(context: click.Context) -> Iterable[str]:
+    from end_effector_lab.testbench import possible_faults
+
+    return possible_faults(typed_tool(context))
+
+
 @click.command("testbench", short_help="the simulated hardware at the other end of the wires")
 @click.argument("description", required=False, type=PathName())
-@click.option("--scenario", default="nominal", metavar="S", help="What goes wrong; several with commas.")
+@click.option(
+    "--scenario",
+    default="nominal",
+    metavar="S",
+    shell_complete=completed(_faults, separator=","),
+    help="What goes wrong; several with commas.",
+)
 @click.option(
     "--list",
     is_flag=True,
@@ -31,7 +44,7 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
     callback=_list_faults,
     help="List the scenarios.",
 )
-@click.option("--seed", default=0, metavar="N", help="Of noise and dead times.")
+@click.option("--seed", default=0, metavar="N", help="Seed of the random noise and dead times.")
 @click.option(
     "--lines",
     metavar="WHERE",
@@ -51,7 +64,7 @@ def _list_faults(context: click.Context, _parameter: click.Parameter, value: boo
     type=PathName(file_okay=False),
     help="Only write the same tool on virtual lines and a pty into FOLDER, and print the path of this copy.",
 )
-@click.option("--power-cycle", is_flag=True, help="Make the virtual chip anew: all lines inputs.")
+@click.option("--power-cycle", is_flag=True, help="Reset the virtual chip: all lines become inputs.")
 @click.option("--events", metavar="FILE", type=PathName(), help="Write edges and frames, JSON lines.")
 @click.option("--record", metavar="FILE", type=PathName(), help="Write the true sensor values, CSV.")
 @click.option("--verbose", is_flag=True, help="Print each edge.")
@@ -72,7 +85,8 @@ def command(
     """Play the end-effector at the other end of the wires.
 
     Sees the lines of DESCRIPTION (default: the shipped tool) and answers with sensor frames, until SIGTERM or
-    Ctrl-C. While it runs, a line "scenario S" on standard input chooses another scenario, "quit" ends it.
+    Ctrl-C. While it runs, a line "scenario S" on standard input chooses another scenario, "quit" ends it; so does the
+    page of the tool (`eehal page`), if --lines and --port are those of DESCRIPTION.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -99,4 +113,6 @@ def command(
         as_json=as_json,
         events=events,
         record=record,
+        # with other ends than those of the description it stands before another tool than a page of this one
+        for_pages=lines is None and port is None,
     )

@@ -20,8 +20,8 @@ class Drive(Protocol):
     It starts processes through ``world.children``, which ends those that are left.
     """
 
-    ros: bool
-    """Whether nodes carry the states, for ``run.json``."""
+    ros: int
+    """The generation of ROS whose nodes carry the states, for ``run.json``; 0: none."""
 
     def check(self) -> None:
         """Raise RosError when what it needs is not here; it says how to get it."""
@@ -46,7 +46,7 @@ class Drive(Protocol):
 class WithoutRos:
     """The tool in one process: `eehal run`. ``tool.log`` tells its states, and what it answered."""
 
-    ros = False
+    ros = 0
 
     def check(self) -> None:
         """Nothing more is needed."""

@@ -17,21 +17,20 @@ from end_effector_hal.recording import RunInfo, StatesLog, StatesRow, read_state
 from end_effector_hal.vocabulary import EndEffectorState, display_name
 
 
-def last_row(path: Path) -> tuple[StatesLog, StatesRow] | None:
-    """The recording and its newest whole row; None: nothing is there yet."""
+def _log_of(path: Path) -> StatesLog | None:
+    """The recording so far; None: nothing is there yet."""
     if not path.exists() or os.path.getsize(path) == 0:
         return None
     try:
-        log = read_states(path)
+        return read_states(path)
     except UsageError:
         return None  # its header is being written
-    return (log, log.rows[-1]) if log.rows else None
 
 
 def last_state(path: Path) -> EndEffectorState | None:
     """The newest state of the end-effector; None: nothing is there yet."""
-    found = last_row(path)
-    return found[1].end_effector if found else None
+    log = _log_of(path)
+    return log.rows[-1].end_effector if log and log.rows else None
 
 
 PERIOD_S = 0.2
@@ -85,6 +84,7 @@ class Progress(StatusLine):
         self._doing = "starting"
         super().__init__(console, title, self._doing)
         self._states, self._info = states, info
+        self._shown = 0
         self._end = threading.Event()
         self._thread = threading.Thread(target=self._follow, name="progress", daemon=True)
 
@@ -100,17 +100,22 @@ class Progress(StatusLine):
 
     def _follow(self) -> None:
         while not self._end.wait(PERIOD_S):
-            doing = self.describe()
-            if not self.show(f"{doing}  {time.monotonic() - self.begun:.0f} s") and doing != self._doing:
-                self.console.print(f"{self.title}: {doing}", highlight=False)
-            self._doing = doing
+            for doing in self.news():
+                if self._line is None and doing != self._doing:
+                    self.console.print(f"{self.title}: {doing}", highlight=False)
+                self._doing = doing
+            self.show(f"{self._doing}  {time.monotonic() - self.begun:.0f} s")
 
-    def describe(self) -> str:
+    def news(self) -> list[str]:
+        """Each state since the last call, also one that lasted for an instant, as a GRIP_ERROR that is unwound."""
+        log = _log_of(self._states)
+        if log is None:
+            return []
+        rows, self._shown = log.rows[self._shown :], len(log.rows)
+        return [self._describe(log, row) for row in rows]
+
+    def _describe(self, log: StatesLog, row: StatesRow) -> str:
         """For example ``GRIPPING, Cylinder PENDING EXTEND``."""
-        found = last_row(self._states)
-        if found is None:
-            return "starting"
-        log, row = found
         words = [row.end_effector.label]
         words += [
             f"{display_name(name)} {recorded_kind(name, self._info.actuators).states(value).label}"

@@ -37,7 +37,7 @@ WITHOUT = "Without ROS: `eehal demo --no-ros`."
 class Ros1:
     """All nodes of the launch file, HALMain's actions; DataLogger records."""
 
-    ros = True
+    ros = 1
 
     def check(self) -> None:
         """Raise RosError when ROS or its messages are not here; it says how to get them."""

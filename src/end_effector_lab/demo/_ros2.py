@@ -21,7 +21,7 @@ from ._drive import give_recorded
 from ._world import World
 
 END_S = 20.0
-PROGRAM = (sys.executable, "-m", "end_effector_hal.ros2")
+PROGRAM = (sys.executable, "-P", "-m", "end_effector_hal.ros2")
 ONE, FIVE = ("hal",), ("pressure", "position", "grip", "tool_change", "hal_main")
 MOST_DOMAIN = 101
 """The ports of a larger number of a domain are those that Linux gives to others."""
@@ -35,7 +35,7 @@ class Ros2:
         five: a process for each node, as the paper draws them.
     """
 
-    ros = True
+    ros = 2
 
     def __init__(self, *, five: bool = False) -> None:
         self._programs = FIVE if five else ONE

@@ -1,4 +1,4 @@
-"""What the demo plays: what goes wrong at the testbench, what is commanded, and the story to be told.
+"""What the demo plays: what goes wrong at the testbench, what is commanded, and what is expected.
 
 The scenarios of the paper (Figs. 7 to 9) and those of ``make demo-all`` are made for any description.
 """

@@ -40,7 +40,7 @@ def print_table(console: Console, reports: Sequence[Report]) -> None:
 
 
 def _name(report: Report) -> Text:
-    """Of the scenario, with its figure in the paper and whether the story is told."""
+    """Of the scenario, with its figure in the paper and whether it ran as expected."""
     text = Text(report.scenario.name)
     if report.scenario.figure:
         text.append(f"\n{report.scenario.figure}", style="dim")

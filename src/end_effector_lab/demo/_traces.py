@@ -31,7 +31,7 @@ def _refused(path: Path) -> Iterator[str]:
             yield f"{command} was refused: {answer['reason']}"
 
 
-EXPECTED = "the same decisions, and a run of the network"
+EXPECTED = "identical decisions, every step allowed by the automata"
 
 
 def replayed(folder: Path) -> Finding:

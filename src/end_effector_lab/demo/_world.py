@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from tempfile import mkdtemp
@@ -11,7 +12,7 @@ from typing import Self
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import ArbiterError, LinkError
 from end_effector_lab.processes import EEHAL, Children
-from end_effector_lab.testbench import write_description
+from end_effector_lab.testbench import parse_scenario, possible_faults, write_description
 
 DESCRIPTION = "end_effector.yaml"
 LINES = "lines.log"
@@ -28,6 +29,9 @@ class World:
         own_wires: leave lines and link as they are; who stands at their other end plays the scenario.
         events: the testbench writes edges and frames into this file of the folder; empty: it does not.
         outlives_us: the line arbiter goes on when this process is killed.
+
+    Raises:
+        UsageError: the tool cannot have this scenario.
 
     Attributes:
         folder: of the run.
@@ -48,6 +52,7 @@ class World:
         events: str = "",
         outlives_us: bool = True,
     ) -> None:
+        parse_scenario(bench, description)
         self.folder, self._bench, self._own_wires, self._events = folder, bench, own_wires, events
         self._outlives_us = outlives_us
         # a socket's path may be 108 bytes long only: not in the run folder
@@ -75,8 +80,14 @@ class World:
     def __exit__(self, *_: object) -> None:
         self._end()
 
+    @staticmethod
+    def scenarios(description: Description) -> Iterator[str]:
+        """What can go wrong with the tool, without numbers."""
+        return possible_faults(description)
+
     def choose(self, bench: str) -> None:
-        """Have another scenario at the testbench from now on."""
+        """Have another scenario at the testbench from now on; raises UsageError, and nothing has changed."""
+        parse_scenario(bench, self.description)
         said = self.testbench.text().count("scenario: ")
         self.testbench.tell(f"scenario {bench}")
         self.testbench.wait_until(

@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import (
     AlarmRow,
+    ChangerRow,
     Moment,
     PressuresLog,
     RunInfo,
     StatesLog,
     read_alarms,
+    read_changer,
     read_pressures,
     read_run,
     read_states,
+    write_run_table,
 )
 from end_effector_hal.verification.replay import missed_moments
 from timed_automata import Template
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STYLES = ("timeline", "paper")
+SCRIPT = "plot_run.m"
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,7 @@ class RecordedRun:
     info: RunInfo
     alarms: Sequence[AlarmRow]
     pressures: PressuresLog | None
+    changer: Sequence[ChangerRow]
     missed: Sequence[Moment]
     notes: tuple[str, ...]
 
@@ -50,15 +55,30 @@ class RecordedRun:
         log, info = read_states(states), read_run(states.parent)
         alarms = read_alarms(states.with_name("alarms.csv"))
         pressures, note = _pressures(states.with_name("pressures.csv"))
+        changer = read_changer(states.with_name("tool_changer.csv"))
         missed, more = missed_moments(states.parent)
         notes = tuple(note for note in (log.note, info.note, *info.gaps, note, *more) if note)
-        return cls(log, info, alarms, pressures, missed, notes)
+        return cls(log, info, alarms, pressures, changer, missed, notes)
+
+    def write_table(self, folder: Path) -> list[Path]:
+        """Write ``run.csv``, everything in one table, and ``plot_run.m``, which draws it in MATLAB or Octave.
+
+        Raises:
+            UsageError: they cannot be written, or the recording holds no row.
+        """
+        table = write_run_table(folder / "run.csv", self.log, self.pressures, self.changer, self.alarms)
+        script = folder / SCRIPT
+        try:
+            script.write_bytes(Path(__file__).with_name(SCRIPT).read_bytes())
+        except OSError as error:
+            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(script)) from None
+        return [table, script]
 
     def figure(self, style: str) -> Figure:
         """In one of `STYLES`; raises UsageError for a recording without a row."""
         if style == "paper":
             return paper(self.log, self.info)
-        return timeline(self.log, self.pressures, self.info, self.alarms, self.missed)
+        return timeline(self.log, self.pressures, self.info, self.alarms, self.missed, self.changer)
 
 
 def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
@@ -78,17 +98,18 @@ def timeline(
     info: RunInfo | None = None,
     alarms: Sequence[AlarmRow] = (),
     moments: Sequence[Moment] = (),
+    changer: Sequence[ChangerRow] = (),
 ) -> Figure:
-    """States as lanes with their names inside, events on top, pressures with their accepted range below.
+    """States as lanes with their names inside, events on top, pressures with their thresholds below.
 
-    ``moments``: to be marked besides those of the story.
+    ``moments``: to be marked besides those of the story; ``changer``: the lane of the tool changer.
 
     Raises UsageError for a recording without a row.
     """
     _need_rows(log)
     from ._timeline import draw
 
-    return draw(log, pressures, info or RunInfo(), alarms, moments)
+    return draw(log, pressures, info or RunInfo(), alarms, moments, changer)
 
 
 def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -13,7 +14,7 @@ from end_effector_hal.recording import Moment
 
 from ._labels import Box, Sheet, height_of, width_of
 from ._page import Page, write_name
-from ._style import MARKERS
+from ._style import MARKERS, plain
 
 TEXT = 9.5
 ROW_IN = height_of(TEXT) + 0.06
@@ -58,12 +59,55 @@ def place_events(moments: Sequence[Moment], x_of: Callable[[float], float], righ
         x_of: seconds to inches from the left end of the lanes.
         right_in: words end before this.
     """
-    events: list[Event] = []
-    for number, wording in product(range(len(_FIRST), 0, -1), (_full, _short)):
-        events = _place_all(moments, _FIRST[:number], wording, x_of, right_in)
-        if all(event.text for event in events if event.moment.kind in _FIRST[:number]):
-            break
-    return sorted(events, key=lambda event: event.moment.time_s)
+    moments = _together(moments, x_of)
+    best: tuple[list[int], list[Event]] | None = None
+    for number in range(len(_FIRST), 0, -1):
+        silent: set[int] = set()
+        for _ in range(_TRIALS):
+            spoken = [m for m in moments if m.kind in _FIRST[:number] and id(m) not in silent]
+            for wording in (_full, _short):
+                events = _place_all(moments, spoken, wording, x_of, right_in)
+                if best is None or _worth(events) > best[0]:
+                    best = _worth(events), events
+                wanting = {id(m) for m in spoken} - {id(event.moment) for event in events if event.text}
+                if not wanting and len(spoken) == len(moments):
+                    return sorted(events, key=lambda event: event.moment.time_s)
+            silent |= {id(m) for m in spoken if id(m) in wanting and m.kind == _FIRST[number - 1]}
+    return sorted(best[1] if best else [], key=lambda event: event.moment.time_s)
+
+
+_TRIALS = 3
+"""So often those of the least important kind that have no room lose their words, and the others are placed again."""
+
+
+def _worth(events: Sequence[Event]) -> list[int]:
+    """How many of each kind have words, the most important kind first."""
+    told = Counter(event.moment.kind for event in events if event.text)
+    return [told[kind] for kind in _FIRST]
+
+
+def _together(moments: Sequence[Moment], x_of: Callable[[float], float]) -> list[Moment]:
+    """Commands that fall on one mark are told as one; of alarms the first, and how many more."""
+    found: list[list[Moment]] = []
+    for moment in moments:
+        last = found[-1] if found else []
+        near = bool(last) and x_of(moment.time_s) - x_of(last[0].time_s) < MARK_IN
+        if near and last[0].kind == moment.kind and moment.kind in ("command", "alarm"):
+            last.append(moment)
+        else:
+            found.append([moment])
+    return [replace(group[0], text=_words(group)) for group in found]
+
+
+def _words(group: Sequence[Moment]) -> str:
+    first = group[0]
+    if first.kind != "alarm":
+        return ", ".join(moment.text for moment in group)
+    return plain(first.text, _LONGEST) + (f" +{len(group) - 1}" if len(group) > 1 else "")
+
+
+_LONGEST = 48
+"""Letters; somebody else's alarm may be a long sentence."""
 
 
 def _full(moment: Moment) -> str:
@@ -71,23 +115,21 @@ def _full(moment: Moment) -> str:
 
 
 def _short(moment: Moment) -> str:
-    """``time-out 2/3`` -> ``2/3``, ``time-out 3/3 – abort`` -> ``abort``."""
-    return (
-        moment.text.rpartition("time-out ")[2] if moment.kind == "timeout" else moment.text.split(" – ")[-1]
-    )
+    """``Cylinder time-out 2/3`` -> ``Cylinder 2/3``, ``Cylinder time-out 3/3 – abort`` -> ``abort``."""
+    return moment.text.replace("time-out ", "") if moment.kind == "timeout" else moment.text.split(" – ")[-1]
 
 
 def _place_all(
     moments: Sequence[Moment],
-    kinds: Sequence[str],
+    worded: Sequence[Moment],
     wording: Callable[[Moment], str],
     x_of: Callable[[float], float],
     right_in: float,
 ) -> list[Event]:
-    """Marks for all, words for those of some kinds."""
-    sheet = Sheet()
-    events = [_mark(moment, x_of(moment.time_s), sheet) for moment in moments if moment.kind not in kinds]
-    spoken = [(m, x_of(m.time_s), wording(m)) for m in moments if m.kind in kinds]
+    """Marks for all, words for some."""
+    sheet, told = Sheet(), {id(moment) for moment in worded}
+    events = [_mark(moment, x_of(moment.time_s), sheet) for moment in moments if id(moment) not in told]
+    spoken = [(m, x_of(m.time_s), wording(m)) for m in worded]
     inside = [place for place in spoken if place[1] + _width(place[0], place[2]) <= right_in]
     beyond = [place for place in spoken if place[1] + _width(place[0], place[2]) > right_in]
     # from the last to the first: the line of an earlier mark then passes left of all words below it; words that
@@ -150,6 +192,7 @@ def draw_events(axes: Axes, page: Page, events: Sequence[Event]) -> None:
             markersize=size,
             markeredgewidth=0,
             clip_on=False,
+            zorder=4 if event.text else 3,  # a mark whose words stand beside it is not hidden
         )
         beside = -MARK_IN / 2 - 0.03 if event.left else MARK_IN / 2 + 0.03
         if event.text:

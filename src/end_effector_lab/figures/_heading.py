@@ -13,20 +13,26 @@ from ._labels import height_of, packed, width_of, wrapped
 from ._page import EDGE_IN, WIDTH_IN
 from ._style import FILLS, MUTED, plain
 
-TITLE, SUBTITLE, LEGEND = 13.5, 9.5, 9.5
+TITLE, BECAUSE, SUBTITLE, LEGEND = 13.5, 10.5, 9.5, 9.5
+_LONGEST = 700
 _SWATCH_IN = 0.14
 
 
 @dataclass(frozen=True)
 class Heading:
-    """Lines of the title and of the subtitle; inches from the upper edge."""
+    """Lines of the title, of why it is so, and of the subtitle; inches from the upper edge."""
 
     title: list[str]
+    because: list[str]
     subtitle: list[str]
 
     @property
-    def subtitle_at(self) -> float:
+    def because_at(self) -> float:
         return EDGE_IN + height_of(TITLE) * len(self.title) + 0.06
+
+    @property
+    def subtitle_at(self) -> float:
+        return self.because_at + (height_of(BECAUSE) * len(self.because) + 0.06 if self.because else 0.0)
 
     @property
     def legend_at(self) -> float:
@@ -40,7 +46,8 @@ class Heading:
 def heading_of(story: Story, info: RunInfo, width: float) -> Heading:
     """The heading of a recording; no line wider than ``width`` inches."""
     title = wrapped(story.verdict, TITLE, "bold", width)
-    return Heading(title, packed(sources(info), "  ·  ", SUBTITLE, "normal", width))
+    because = wrapped(plain(info.because, _LONGEST), BECAUSE, "normal", width) if info.because else []
+    return Heading(title, because, packed(sources(info), "  ·  ", SUBTITLE, "normal", width))
 
 
 def sources(info: RunInfo) -> list[str]:
@@ -54,7 +61,7 @@ def sources(info: RunInfo) -> list[str]:
         if info.description or info.hash
         else "",
         f"end-effector-hal {plain(info.version, 20)}" if info.version else "",
-        "ROS" if info.ros else "without ROS",
+        f"ROS {info.ros_generation or ''}" if info.ros else "without ROS",
         plain(info.started[:16].replace("T", " ")),
         "simulated" if simulated else "not simulated",
     ]
@@ -72,6 +79,14 @@ def draw_heading(figure: Figure, heading: Heading, left: float) -> None:
         va="top",
         fontsize=TITLE,
         fontweight="bold",
+        linespacing=1.25,
+    )
+    figure.text(
+        x,
+        1 - heading.because_at / height,
+        "\n".join(heading.because),
+        va="top",
+        fontsize=BECAUSE,
         linespacing=1.25,
     )
     figure.text(

@@ -10,15 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from end_effector_hal.kinds import recorded_kind
-from end_effector_hal.recording import RunInfo, StatesLog
-from end_effector_hal.vocabulary import TableState, display_name
+from end_effector_hal.recording import ChangerRow, PressuresLog, RunInfo, StatesLog
+from end_effector_hal.vocabulary import INACTIVE, TableState, display_name
 
 from ._labels import Box, Point, Sheet, first_fitting, height_of, width_of
 from ._page import Page, write_name
+from ._releasing import gone_s
 from ._save import DPI
-from ._style import INK, fill_of, ink_of, kind_of, wordings
+from ._style import INK, MUTED, Shown, fill_of, ink_of, kind_of, wordings
 
 BAR_IN = 0.44
+CAPTION_IN = 0.3
 TEXT, SMALL = 9.0, 7.5
 ROW_IN = height_of(TEXT) + 0.03
 GAP_IN = 0.09
@@ -31,11 +33,22 @@ ERROR_IN = 0.05
 
 @dataclass(frozen=True)
 class Segment:
-    """A state and when it held."""
+    """A state and when it held; ``releasing``: it was deactivated, and its sensor does not show that yet."""
 
     start_s: float
     end_s: float
-    state: TableState
+    state: Shown
+    releasing: bool = False
+
+    @property
+    def kind(self) -> str:
+        """A key of the colours; empty: nothing to be seen."""
+        return "releasing" if self.releasing else kind_of(self.state)
+
+    @property
+    def level(self) -> int:
+        """The integer of Table II; 0 for what has none."""
+        return int(self.state) if isinstance(self.state, TableState) else 0
 
 
 @dataclass(frozen=True)
@@ -68,18 +81,24 @@ class Lane:
     segments: list[Segment]
     inside: list[Inside] = field(default_factory=list)
     beside: list[Beside] = field(default_factory=list)
+    caption: str = ""
+
+    @property
+    def bar_at(self) -> float:
+        """Where the bar begins, inches from the upper edge of the lane."""
+        return CAPTION_IN if self.caption else 0.0
 
     @property
     def height_in(self) -> float:
-        """Bar, words below and gap."""
+        """Caption, bar, words below and gap."""
         lowest = max((words.box.y1 for words in self.beside), default=0.0)
-        return BAR_IN + max(lowest, 0.0) + GAP_IN
+        return self.bar_at + BAR_IN + max(lowest, 0.0) + GAP_IN
 
 
 def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:
     """End-effector, command and actuators, each merged into segments of one state."""
     times = log.times_s
-    columns: list[tuple[str, str, list[TableState]]] = [
+    columns: list[tuple[str, str, list[Shown]]] = [
         ("end_effector", "End-effector", [row.end_effector for row in log.rows]),
         ("command", "Command", [row.command for row in log.rows]),
     ]
@@ -89,7 +108,41 @@ def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:
     return [Lane(name, title, segments_of(times, states, end_s)) for name, title, states in columns]
 
 
-def segments_of(times_s: Sequence[float], states: Sequence[TableState], end_s: float) -> list[Segment]:
+def all_lanes_of(
+    log: StatesLog,
+    info: RunInfo,
+    end_s: float,
+    pressures: PressuresLog | None,
+    changer: Sequence[ChangerRow],
+) -> list[Lane]:
+    """Those lanes with the releases of the actuators in them, and the tool changer's."""
+    lanes = lanes_of(log, info, end_s)
+    for lane in lanes[2:]:
+        lane.segments = _with_releases(lane, log, info, pressures)
+    if changer:
+        rows = ([row.time_s for row in changer], [row.state for row in changer])
+        lanes.append(Lane("tool_changer", "Tool changer", segments_of(*rows, end_s)))
+    return lanes
+
+
+def _with_releases(
+    lane: Lane, log: StatesLog, info: RunInfo, pressures: PressuresLog | None
+) -> list[Segment]:
+    """The segments, those after a deactivation parted where the feedback is gone."""
+    found: list[Segment] = []
+    for segment in lane.segments:
+        begun, ended = segment.start_s, segment.end_s
+        if found and segment.state == INACTIVE:
+            until = min(gone_s(lane.name, begun, log, info, pressures), ended)
+            if until > begun:
+                found.append(Segment(begun, until, segment.state, releasing=True))
+                begun = until
+        if begun < ended or segment.start_s == ended:
+            found.append(Segment(begun, ended, segment.state))
+    return found
+
+
+def segments_of(times_s: Sequence[float], states: Sequence[Shown], end_s: float) -> list[Segment]:
     """Runs of one state; a state that was left in the instant of its entry has no length and stays."""
     found: list[Segment] = []
     for index, (start_s, state) in enumerate(zip(times_s, states, strict=True)):
@@ -106,9 +159,9 @@ def least_width(lane: Lane, segment: Segment, width_in: float) -> float:
 
     Errors are the widest, unless there are so many that they would hide everything else.
     """
-    if kind_of(segment.state) != "error":
+    if segment.kind != "error":
         return THIN_IN
-    errors = sum(kind_of(other.state) == "error" for other in lane.segments)
+    errors = sum(other.kind == "error" for other in lane.segments)
     return min(ERROR_IN, max(width_in / (8 * errors), 0.01))
 
 
@@ -124,6 +177,8 @@ def write_lane(lane: Lane, x_of: Callable[[float], float], width_in: float, avoi
     outside = []
     for segment in lane.segments:
         left, right = x_of(segment.start_s), x_of(segment.end_s)
+        if segment.releasing:
+            continue  # Table II has no word for it: the colour says it
         for size in (TEXT, SMALL):
             text = first_fitting(wordings(segment.state), size, right - left - 0.08)
             if text is not None:
@@ -146,12 +201,12 @@ group is tried in every row before the next."""
 
 def _rank(segment: Segment) -> tuple[int, float, float]:
     """Errors first and NONE last: where there is no room for all words, the last ones have no place."""
-    first = {"error": 0, "": 2}.get(kind_of(segment.state), 1)
+    first = {"error": 0, "": 2}.get(segment.kind, 1)
     return first, segment.start_s - segment.end_s, segment.start_s
 
 
 def _worth(words: Sequence[Beside]) -> tuple[int, int]:
-    kinds = [kind_of(beside.segment.state) for beside in words]
+    kinds = [beside.segment.kind for beside in words]
     return kinds.count("error"), len(kinds) - kinds.count("")
 
 
@@ -195,7 +250,7 @@ def _below(
     foot = ((x_of(segment.start_s) + x_of(segment.end_s)) / 2, 0.0)
     page = Box(-0.35, 0.0, width_in + 0.3, LEADER_IN + (LONGEST_ROWS + 0.5) * ROW_IN)
     # NONE is not worth a second row
-    rows = range(LONGEST_ROWS if kind_of(segment.state) else 1)
+    rows = range(LONGEST_ROWS if segment.kind else 1)
     for row, shift in (place for group in shifts for place in product(rows, group)):
         top = LEADER_IN + row * ROW_IN
         left = foot[0] + shift * width - width / 2
@@ -212,13 +267,20 @@ _BORDER_IN = 0.06
 
 def draw_lane(axes: Axes, page: Page, lane: Lane, top: float) -> None:
     """Bars and words of a lane whose upper edge is at ``top``, inches downwards."""
+    if lane.caption:
+        place = (page.start_s, top + CAPTION_IN / 2)
+        behind = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+        axes.text(
+            *place, lane.caption, va="center_baseline", color=MUTED, fontsize=TEXT, bbox=behind, zorder=4
+        )
+    top += lane.bar_at
     write_name(axes, page, lane.title, top + BAR_IN / 2)
     before = 0.0
-    seen: set[tuple[int, int]] = set()
+    seen: set[tuple[Shown, bool, int]] = set()
     for segment in lane.segments:
         width = page.x(segment.end_s) - page.x(segment.start_s)
         least = least_width(lane, segment, page.width)
-        spot = (int(segment.state), round(page.x(segment.start_s) * DPI))
+        spot = (segment.state, segment.releasing, round(page.x(segment.start_s) * DPI))
         # in a long recording thousands of short states fall on one column of pixels
         if width >= least or spot not in seen:
             _draw_bar(axes, page, lane, segment, top, least)
@@ -234,15 +296,15 @@ def draw_lane(axes: Axes, page: Page, lane: Lane, top: float) -> None:
 
 def _draw_bar(axes: Axes, page: Page, lane: Lane, segment: Segment, top: float, least: float) -> None:
     left, right = page.x(segment.start_s), page.x(segment.end_s)
-    error = kind_of(segment.state) == "error"
+    error = segment.kind == "error"
     zorder = 2.0
     if right - left < least:
         middle, half = (left + right) / 2, least / 2
         left, right = middle - half, middle + half
         zorder = 2.3 if error else 2.2
     bar = Rectangle((page.seconds(left), top), page.seconds(right) - page.seconds(left), BAR_IN)
-    bar.set(facecolor=fill_of(segment.state), linewidth=0, clip_on=False, zorder=zorder)
-    bar.set_label(f"{lane.name}: {segment.state.label}")
+    bar.set(facecolor=fill_of(segment.kind), linewidth=0, clip_on=False, zorder=zorder)
+    bar.set_label(f"{lane.name}: {segment.state.label}{' (releasing)' if segment.releasing else ''}")
     axes.add_patch(bar)
 
 
@@ -253,18 +315,18 @@ def _write_inside(axes: Axes, page: Page, inside: Inside, y: float) -> None:
         inside.text,
         ha="center",
         va="center_baseline",
-        color=ink_of(inside.segment.state),
+        color=ink_of(inside.segment.kind),
         fontsize=inside.size,
         zorder=4,
         label="inside",
         # a line of an event passes behind the words
-        bbox={"facecolor": fill_of(inside.segment.state), "edgecolor": "none", "pad": 1.0},
+        bbox={"facecolor": fill_of(inside.segment.kind), "edgecolor": "none", "pad": 1.0},
     )
 
 
 def _write_beside(axes: Axes, page: Page, beside: Beside, foot: float) -> None:
-    state, box = beside.segment.state, beside.box
-    colour = fill_of(state) if kind_of(state) == "error" else INK
+    kind, box = beside.segment.kind, beside.box
+    colour = fill_of(kind) if kind == "error" else INK
     xs = [page.seconds(beside.start[0]), page.seconds(beside.end[0])]
     ys = [foot + beside.start[1], foot + beside.end[1]]
     axes.plot(xs, ys, color=colour, linewidth=0.9, zorder=4, clip_on=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
@@ -13,6 +14,7 @@ from ._style import plain
 
 WIDTH_IN, EDGE_IN = 12.27, 0.2
 NAME = 10.5
+_TITLE_IN = 1.7
 
 
 @dataclass(frozen=True)
@@ -38,15 +40,24 @@ def span_of(log: StatesLog) -> tuple[float, float]:
     return 0.0 if first <= 0.25 * last else first, last
 
 
-def page_of(log: StatesLog, pressures: PressuresLog | None, words_in: float) -> Page:
-    """The page for a recording; ``words_in``: inches of the words right of the pressures."""
+def page_of(
+    log: StatesLog, pressures: PressuresLog | None, words_in: float, more_names: Sequence[str] = ()
+) -> Page:
+    """The page for a recording.
+
+    Args:
+        log: its states.
+        pressures: drawn below them.
+        words_in: inches of the words right of the plots.
+        more_names: of further lanes.
+    """
     start, last = span_of(log)
-    end = last + max(0.04 * (last - start), 0.1)
+    # a counterexample may last some milliseconds
+    end = last + max(0.04 * (last - start), min(0.1, 0.3 * (last - start) or 0.1))
     if pressures is not None and pressures.samples:
         end = max(end, min(pressures.times_s[-1], end + 0.5 * (end - start)))
-    names = [
-        lane for name in (*log.actuators, "end_effector") for lane in _lane_title(name.replace("_", " "))
-    ]
+    titles = [*(name.replace("_", " ") for name in (*log.actuators, "end_effector")), *more_names]
+    names = [line for title in titles for line in _lane_title(title)]
     left = max(width_of(name, NAME) for name in names) + 0.35
     right = max(words_in + 0.25, 0.4)
     return Page(start, end, max(left, 1.2), WIDTH_IN - max(left, 1.2) - right)
@@ -54,7 +65,9 @@ def page_of(log: StatesLog, pressures: PressuresLog | None, words_in: float) -> 
 
 def _lane_title(title: str) -> list[str]:
     """In two lines at most: a third would stand on the lane below."""
-    first, *others = wrapped(title, NAME, "normal", 1.7)
+    if width_of(title, NAME) > _TITLE_IN:  # ``evidence[bottom_vacuum]`` has no other place to be parted
+        title = title.replace("[", " [").replace("(", " (")
+    first, *others = wrapped(title, NAME, "normal", _TITLE_IN)
     rest = plain(" ".join(others), 24)
     return [plain(first, 24), rest] if rest else [plain(first, 24)]
 

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from end_effector_hal.kinds import recorded_kind
-from end_effector_hal.recording import PressuresLog, RunInfo
+from end_effector_hal.recording import BEGUN, AlarmRow, PressuresLog, RunInfo
 from end_effector_hal.vocabulary import display_name
 
-from ._labels import height_of, spread, width_of
-from ._style import BAND, BAND_INK, CURVES, SUPPLY
+from ._beside import BESIDE_SIZE, write_beside
+from ._labels import height_of, width_of
+from ._style import BAND, BAND_INK, CURVES, SUPPLY, THRESHOLDS
 
-HEIGHT_IN = 1.1
-TEXT = 9.0
+LEAST_HEIGHT_IN = 1.1
 _GAP_S = 1.5
 """Steady pressures are written twice a second, so a longer gap means that nothing was received."""
 
@@ -36,19 +38,49 @@ class PanelCurve:
         return next(value for value in reversed(self.kpa) if not math.isnan(value))
 
 
+@dataclass(frozen=True)
+class Forecast:
+    """What an alarm said of a leak: from where, gauge kPa, and when it would reach the threshold of loss."""
+
+    colour: str
+    start_s: float
+    start_kpa: float
+    lost_s: float
+    lost_kpa: float
+
+
+_LEAK = re.compile(r"Leak: (.+) falls by .* from ([\d.]+) kPa .*\(under ([\d.]+) kPa\) in (\d+) s\.")
+
+
+_SIGNS = {"secure": "≤≥", "lost": "><"}
+"""Of a vacuum, and of a pressure above ambient."""
+
+
 @dataclass
 class Panel:
-    """Curves that share an axis; ``bands`` are what confirms: (kPa, whose)."""
+    """Curves that share an axis.
+
+    ``bands`` are what confirms, ``lines`` the other thresholds: gauge kPa, and whose.
+    """
 
     title: str
     below: bool
     curves: list[PanelCurve] = field(default_factory=list)
     bands: dict[float, list[str]] = field(default_factory=dict)
+    lines: dict[tuple[str, float], list[str]] = field(default_factory=dict)
+    forecasts: list[Forecast] = field(default_factory=list)
+
+    @property
+    def height_in(self) -> float:
+        """As high as the words at its right need."""
+        lines = sum(text.count("\n") + 1 for _, text, _ in self.labels())
+        return max(LEAST_HEIGHT_IN, lines * height_of(BESIDE_SIZE))
 
     def range_kpa(self) -> tuple[float, float]:
         """What the axis shows: everything measured, zero, and some of the accepted range."""
         values = [value for curve in self.curves for value in curve.kpa if not math.isnan(value)]
         values += [limit - 15 if self.below else limit * 1.12 for limit in self.bands]
+        values += [limit - 5 if self.below else limit for _, limit in self.lines]
         low, high = min(0.0, *values), max(0.0, *values)
         room = max(0.07 * (high - low), 1.0)
         return low - room, high + room
@@ -58,16 +90,33 @@ class Panel:
         low, high = self.range_kpa()
         found = [(curve.last, curve.title, curve.colour) for curve in self.curves]
         for limit, whose in self.bands.items():
-            name = "confirmed" if len(self.bands) == 1 else " and ".join(whose)
             sign, edge = ("≤", low) if self.below else ("≥", high)
-            text = f"{name}\n{sign} {limit:g} kPa".replace("-", "−")
+            text = f"{_named(whose, self.bands)}confirmed {sign} {limit:g}".replace("-", "−")
             found.append(((limit + edge) / 2, text, BAND_INK))
+        for (word, limit), whose in self.lines.items():
+            sign = _SIGNS[word][0 if self.below else 1]
+            alike = [each for each in self.lines if each[0] == word]
+            text = f"{_named(whose, alike)}{word} {sign} {limit:g}".replace("-", "−")
+            found.append((limit, text, THRESHOLDS[word][0]))
         return found
 
 
-def panels_of(pressures: PressuresLog | None, info: RunInfo, actuators: tuple[str, ...]) -> list[Panel]:
+_MOST_NAMED = 3
+
+
+def _named(whose: list[str], alike: Collection[object]) -> str:
+    """Whose threshold it is, where others have another; of many actuators it is left to the number."""
+    return f"{' and '.join(whose)}\n" if len(alike) > 1 and len(whose) < _MOST_NAMED else ""
+
+
+def panels_of(
+    pressures: PressuresLog | None,
+    info: RunInfo,
+    actuators: tuple[str, ...],
+    alarms: Sequence[AlarmRow] = (),
+) -> list[Panel]:
     """Vacuums in one panel, pressures above ambient in another; a channel without any value is left out."""
-    below, above = Panel("vacuum\n[kPa]", below=True), Panel("pressure\n[kPa]", below=False)
+    below, above = Panel("vacuum\n[gauge kPa]", below=True), Panel("pressure\n[gauge kPa]", below=False)
     colours = {name: CURVES[index % len(CURVES)] for index, name in enumerate(actuators)}
     for channel in pressures.channels if pressures else ():
         assert pressures is not None
@@ -79,10 +128,38 @@ def panels_of(pressures: PressuresLog | None, info: RunInfo, actuators: tuple[st
         panel = below if _is_below_ambient(owner, values, info) else above
         title, colour = (display_name(owner), colours[owner]) if owner else (display_name(channel), SUPPLY)
         panel.curves.append(PanelCurve(title, colour, *_broken(pressures.times_s, curve)))
-        limit = info.limits.get(owner or "", {}).get("confirmed_kpa")
-        if owner and isinstance(limit, int | float) and math.isfinite(limit) and 0 < limit < 1e4:
-            panel.bands.setdefault(-limit if panel.below else limit, []).append(display_name(owner))
+        if owner:
+            sign = -1 if panel.below else 1
+            if limit := _limit(info, owner, "confirmed"):
+                panel.bands.setdefault(sign * limit, []).append(title)
+            for word in THRESHOLDS:
+                if limit := _limit(info, owner, word):
+                    panel.lines.setdefault((word, sign * limit), []).append(title)
+            panel.forecasts += _forecasts(title, colour, sign, alarms)
     return [panel for panel in (below, above) if panel.curves]
+
+
+def _limit(info: RunInfo, actuator: str, word: str) -> float | None:
+    """A threshold of an actuator, positive kPa, as far as the run says it."""
+    limit = info.limits.get(actuator, {}).get(f"{word}_kpa")
+    usable = isinstance(limit, int | float) and math.isfinite(limit) and 0 < limit < 1e4
+    return float(limit) if usable and limit is not None else None
+
+
+def _forecasts(title: str, colour: str, sign: int, alarms: Sequence[AlarmRow]) -> list[Forecast]:
+    """Of the leaks of one actuator."""
+    found = ((row, _LEAK.fullmatch(row.text)) for row in alarms if row.event == BEGUN)
+    return [
+        Forecast(
+            colour,
+            row.time_s,
+            sign * float(told[2]),
+            row.time_s + float(told[4]),
+            sign * float(told[3]),
+        )
+        for row, told in found
+        if told is not None and told[1] == title
+    ]
 
 
 def _owner(channel: str, info: RunInfo, actuators: tuple[str, ...]) -> str | None:
@@ -114,7 +191,7 @@ def _broken(times_s: tuple[float, ...], values: tuple[float | None, ...]) -> tup
 def labels_width(panels: list[Panel]) -> float:
     """Inches that the words at the right need."""
     texts = [line for panel in panels for _, text, _ in panel.labels() for line in text.split("\n")]
-    return max((width_of(text, TEXT) for text in texts), default=0.0)
+    return max((width_of(text, BESIDE_SIZE) for text in texts), default=0.0)
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
@@ -127,22 +204,12 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     axes.axhline(0.0, color="#e3e6eb", linewidth=0.8, zorder=0)
     for limit in panel.bands:
         axes.axhspan(*((low, limit) if panel.below else (limit, high)), color=BAND, linewidth=0, zorder=0)
+    for word, limit in panel.lines:
+        colour, dashes = THRESHOLDS[word]
+        axes.axhline(limit, color=colour, linestyle=dashes, linewidth=0.9, zorder=1, label=word)
+    for each in panel.forecasts:
+        xs, ys = [each.start_s, each.lost_s], [each.start_kpa, each.lost_kpa]
+        axes.plot(xs, ys, color=each.colour, linestyle=(0, (1, 1.5)), linewidth=1.3, label="forecast")
     for curve in panel.curves:
         axes.plot(curve.times_s, curve.kpa, color=curve.colour, linewidth=1.3, label=curve.title)
-    labels = panel.labels()
-    per_inch = (high - low) / HEIGHT_IN
-    heights = [height_of(TEXT) * (text.count("\n") + 1) * per_inch for _, text, _ in labels]
-    places = spread([at for at, _, _ in labels], heights, low, high)
-    for place, (_, text, colour) in zip(places, labels, strict=True):
-        axes.annotate(
-            text,
-            (1.0, place),
-            xycoords=("axes fraction", "data"),
-            xytext=(6, 0),
-            textcoords="offset points",
-            color=colour,
-            fontsize=TEXT,
-            va="center",
-            linespacing=1.15,
-            annotation_clip=False,
-        )
+    write_beside(axes, panel.labels(), panel.height_in)

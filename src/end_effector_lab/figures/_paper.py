@@ -18,7 +18,7 @@ from ._labels import Box, Point, Sheet, height_of, width_of
 from ._lanes import Lane, Segment, lanes_of
 from ._page import WIDTH_IN, span_of
 from ._save import DPI
-from ._style import INK, drawing, kind_of
+from ._style import INK, drawing
 
 UNIT_IN = 0.2
 TEXT = 8.5
@@ -55,7 +55,7 @@ class Curve:
 
     def level(self, segment: Segment) -> float:
         """In units from the foot of the figure."""
-        return self.offset + int(segment.state)
+        return self.offset + segment.level
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,11 @@ class Name:
 def curves_of(lanes: list[Lane]) -> tuple[list[Curve], float]:
     """Commands on top, then the end-effector, then the actuators in sequence order; and their units."""
     end_effector, command, *actuators = lanes
-    titles = ["Supervisor command", "End-effector", *(lane.title for lane in actuators)]
+    titles = ["HAL command", "End-effector", *(lane.title for lane in actuators)]
     curves: list[Curve] = []
     foot = _FOOT
     for index, lane in reversed(list(enumerate([command, end_effector, *actuators]))):
-        values = [int(segment.state) for segment in lane.segments]
+        values = [segment.level for segment in lane.segments]
         curves.append(Curve(lane, titles[index], COLOURS[index % len(COLOURS)], foot - min(values)))
         foot += max(max(values) - min(values), 1) + _BETWEEN
     return curves[::-1], foot
@@ -107,9 +107,9 @@ def place_names(curves: list[Curve], start_s: float, per_second: float, frame: B
     for curve in curves:
         tried: set[tuple[int, int]] = set()
         # an error first: where there is no room for all names, its name stays
-        for segment in sorted(curve.lane.segments, key=lambda s: (kind_of(s.state) != "error", s.start_s)):
+        for segment in sorted(curve.lane.segments, key=lambda s: (s.kind != "error", s.start_s)):
             x = (segment.start_s - start_s) * per_second
-            spot = (int(segment.state), int(x / _AGAIN_IN))
+            spot = (segment.level, int(x / _AGAIN_IN))
             name = None if spot in tried else _place(curve, segment, x, sheet, frame)
             tried.add(spot)
             if name is not None:
@@ -207,6 +207,9 @@ def _write_name(axes: Axes, name: Name, start_s: float, per_second: float) -> No
         ha="center",
         va="center_baseline",
         label="name",
+        # a line of the grid ends at the words; curves stand above
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.4},
+        zorder=1.5,
     )
     if name.leader is not None:
         xs, ys = zip(*name.leader, strict=True)
@@ -217,7 +220,7 @@ def _write_name(axes: Axes, name: Name, start_s: float, per_second: float) -> No
 def _label_axes(axes: Axes, curves: Sequence[Curve]) -> None:
     """The integers of Table II stand at the left of each curve, in its colour."""
     ticks = sorted(
-        {(curve.level(s), str(int(s.state)), curve.colour) for curve in curves for s in curve.lane.segments}
+        {(curve.level(s), str(s.level), curve.colour) for curve in curves for s in curve.lane.segments}
     )
     texts = [text.replace("-", "−") for _, text, _ in ticks]
     axes.set_yticks([level for level, _, _ in ticks], texts, fontsize=7.5)

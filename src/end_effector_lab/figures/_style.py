@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import matplotlib
 from matplotlib import style
 
-from end_effector_hal.vocabulary import ACTIVE, INACTIVE, PENDING, Command, EndEffectorState, TableState
+from end_effector_hal.vocabulary import (
+    ACTIVE,
+    INACTIVE,
+    PENDING,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    TableState,
+)
 
 INK, MUTED, RULE = "#1d2733", "#5b6775", "#b9c0ca"
 
@@ -23,7 +32,12 @@ FILLS = {
 """Kinds of state, in the order of the legend; told apart under colour blindness too."""
 
 NOTHING = "#f1f3f6"
+WRONG = FILLS["error"]
+WATCHED = "#e4e3f2"
+"""A value of what a requirement speaks of: no state of Table II."""
 BAND, BAND_INK = "#e6f3ed", "#1f7a55"
+THRESHOLDS = {"secure": (BAND_INK, (0, (1, 2))), "lost": ("#b8232f", (0, (5, 2, 1, 2)))}
+"""What is drawn as a line: its colour and its dashes."""
 CURVES = ("#0072b2", "#d55e00", "#cc79a7", "#009e73", "#b08800", "#56b4e9")
 """Okabe and Ito's, its yellow darkened for lines on white."""
 
@@ -59,28 +73,51 @@ _OF_END_EFFECTOR = {
     EndEffectorState.RELEASE_ERROR: "error",
     EndEffectorState.STAND_BY: "inactive",
 }
+_OF_CHANGER = {
+    ChangerState.LOCKED: "inactive",
+    ChangerState.UNLOCKED: "confirmed",
+    ChangerState.UNLOCKING: "waiting for sensor",
+    ChangerState.LOCKING: "waiting for sensor",
+    ChangerState.FAULT: "error",
+}
 _OF_ACTUATOR = {INACTIVE: "inactive", PENDING: "waiting for sensor", ACTIVE: "confirmed"}
 
 
-def kind_of(state: TableState) -> str:
-    """The kind of a state, a key of `FILLS`; empty for the command NONE."""
+@dataclass(frozen=True)
+class ShownValue:
+    """A value of what a requirement speaks of, in words; ``wrong``: it is the one that must not be."""
+
+    label: str
+    wrong: bool = False
+
+
+Shown = TableState | ShownValue
+"""What a segment of a lane is."""
+
+
+def kind_of(state: Shown) -> str:
+    """The kind of a state, a key of `FILLS`; empty for the command NONE, and for what is not known."""
+    if isinstance(state, ShownValue):
+        return "error" if state.wrong else "watched"
     if isinstance(state, EndEffectorState):
         return _OF_END_EFFECTOR[state]
     if isinstance(state, Command):
         return "" if state is Command.NONE else "command"
+    if isinstance(state, ChangerState):
+        return _OF_CHANGER.get(state, "")
     return _OF_ACTUATOR[int(state)]
 
 
-def fill_of(state: TableState) -> str:
-    return FILLS.get(kind_of(state), NOTHING)
+def fill_of(kind: str) -> str:
+    return WATCHED if kind == "watched" else FILLS.get(kind, NOTHING)
 
 
-def ink_of(state: TableState) -> str:
+def ink_of(kind: str) -> str:
     """The colour of words on it."""
-    return "white" if kind_of(state) in ("error", "command") else INK
+    return "white" if kind in ("error", "command") else INK
 
 
-def wordings(state: TableState) -> tuple[str, ...]:
+def wordings(state: Shown) -> tuple[str, ...]:
     """What may be written for a state, the longest first."""
     return (state.label, *_SHORT.get(state.label, ()))
 

@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from end_effector_hal.recording import AlarmRow, Moment, PressuresLog, RunInfo, StatesLog, read_story
+from end_effector_hal.recording import (
+    AlarmRow,
+    ChangerRow,
+    Moment,
+    PressuresLog,
+    RunInfo,
+    StatesLog,
+    read_story,
+)
 
 from ._events import FOOT_IN, ROW_IN, Event, draw_events, line_of, lined, place_events
 from ._heading import draw_heading, heading_of
-from ._lanes import GAP_IN, Lane, draw_lane, lanes_of, write_lane
+from ._lanes import GAP_IN, Lane, all_lanes_of, draw_lane, write_lane
 from ._page import EDGE_IN, WIDTH_IN, Page, page_of
-from ._panels import HEIGHT_IN, Panel, draw_panel, labels_width, panels_of
+from ._panels import draw_panel, labels_width, panels_of
 from ._save import DPI
-from ._style import RULE, drawing
+from ._style import RULE, WRONG, drawing
+from ._watched import CLOCK_IN, clock_labels_width, draw_clock, watched_clocks, watched_lanes
 
 _PANEL_GAP_IN, _AXIS_IN = 0.16, 0.62
+_DEADLINE: dict[str, Any] = {
+    "color": WRONG,
+    "linewidth": 1.4,
+    "linestyle": (0, (1, 1.2)),
+    "label": "deadline",
+}
 
 
 @dataclass(frozen=True)
@@ -46,33 +63,47 @@ def draw(
     info: RunInfo,
     alarms: Sequence[AlarmRow] = (),
     moments: Sequence[Moment] = (),
+    changer: Sequence[ChangerRow] = (),
 ) -> Figure:
     """Measure everything, then draw it; see `end_effector_lab.figures.timeline`."""
     with drawing():
         story = read_story(log, info, alarms)
-        panels = panels_of(pressures, info, log.actuators)
-        page = page_of(log, pressures if panels else None, labels_width(panels))
+        panels = panels_of(pressures, info, log.actuators, alarms)
+        clocks = watched_clocks(info)
+        words_in = max(labels_width(panels), clock_labels_width(clocks))
+        page = page_of(log, pressures if panels else None, words_in, [each.name for each in info.watched])
         shown = [moment for moment in moments if page.start_s <= moment.time_s <= page.end_s]
         told = sorted((*story.moments, *shown), key=lambda moment: moment.time_s)
         events = place_events(told, page.x, page.width + EDGE_IN)
         crossed = [page.x(event.moment.time_s) for event in events]
-        lanes = lanes_of(log, info, page.end_s)
+        lanes = all_lanes_of(log, info, page.end_s, pressures, changer)
+        lanes += watched_lanes(info, page.end_s)
         for lane in lanes:
             write_lane(lane, page.x, page.width, crossed)
         heading = heading_of(story, info, WIDTH_IN - page.left - EDGE_IN)
         lanes_at = heading.height_in + (1 + max((event.row for event in events), default=0)) * ROW_IN
         lanes_end = lanes_at + FOOT_IN + sum(lane.height_in for lane in lanes)
-        panels_end = lanes_end + len(panels) * (HEIGHT_IN + _PANEL_GAP_IN)
+        heights = [*(panel.height_in for panel in panels), *(CLOCK_IN for _ in clocks)]
+        panels_end = lanes_end + sum(height + _PANEL_GAP_IN for height in heights)
         height = panels_end + _AXIS_IN
         sheet = _Sheet(Figure(figsize=(WIDTH_IN, height), facecolor="white", dpi=DPI), page, height)
         draw_heading(sheet.figure, heading, page.left)
-        _draw_lanes(sheet, lanes, events, (heading.height_in, lanes_at, lanes_end))
-        _draw_panels(sheet, panels, events, lanes_end)
+        deadlines = [each.deadline_s for each in clocks if each.deadline_s is not None]
+        _draw_lanes(sheet, lanes, events, (heading.height_in, lanes_at, lanes_end), deadlines)
+        plots = [
+            *(partial(draw_panel, panel=each) for each in panels),
+            *(partial(draw_clock, clock=each) for each in clocks),
+        ]
+        _draw_plots(sheet, list(zip(heights, plots, strict=True)), events, lanes_end, deadlines)
         return sheet.figure
 
 
 def _draw_lanes(
-    sheet: _Sheet, lanes: Sequence[Lane], events: Sequence[Event], places: tuple[float, float, float]
+    sheet: _Sheet,
+    lanes: Sequence[Lane],
+    events: Sequence[Event],
+    places: tuple[float, float, float],
+    deadlines: Sequence[float],
 ) -> None:
     """Events and lanes share one axes: inches downwards, zero at the foot of the lowest row of events."""
     top, foot, end = places
@@ -89,24 +120,34 @@ def _draw_lanes(
     for event in lined(events):
         start = -(event.row + 0.1) * ROW_IN if event.row else FOOT_IN * 0.4
         axes.plot([event.moment.time_s] * 2, [start, below], zorder=3, **line_of(event))
+    for at in deadlines:
+        axes.plot([at] * 2, [FOOT_IN * 0.4, below], zorder=3, **_DEADLINE)
 
 
-def _draw_panels(sheet: _Sheet, panels: Sequence[Panel], events: Sequence[Event], top: float) -> None:
-    """Pressures, and the axis of time below the last of them, or below the lanes where there are none."""
-    if not panels:
+def _draw_plots(
+    sheet: _Sheet,
+    plots: Sequence[tuple[float, Callable[[Axes], None]]],
+    events: Sequence[Event],
+    top: float,
+    deadlines: Sequence[float],
+) -> None:
+    """Plots of a height each, and the axis of time below the last of them, or below the lanes where there are none."""
+    if not plots:
         axes = sheet.axes(top, top + 0.02)
         axes.set_yticks([])
         axes.spines[["left", "top", "right"]].set_visible(False)
         axes.tick_params(labelsize=9.5)
         _label_time(axes)
-    for panel in panels:
+    for number, (height, plot) in enumerate(plots, start=1):
         top += _PANEL_GAP_IN
-        axes = sheet.axes(top, top + HEIGHT_IN)
-        top += HEIGHT_IN
-        draw_panel(axes, panel)
+        axes = sheet.axes(top, top + height)
+        top += height
+        plot(axes)
         for event in lined(events):
             axes.axvline(event.moment.time_s, zorder=1, **line_of(event))
-        last = panel is panels[-1]
+        for at in deadlines:
+            axes.axvline(at, zorder=1, **_DEADLINE)
+        last = number == len(plots)
         axes.tick_params(labelsize=9.5, labelbottom=last, bottom=last)
         axes.spines["bottom"].set_visible(last)
         axes.yaxis.set_label_coords(-0.62 / sheet.page.width, 0.5)

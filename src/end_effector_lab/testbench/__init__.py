@@ -2,8 +2,10 @@
 
 from ._bench import Bench, Noise
 from ._board_sensors import BoardSensors
+from ._fault_server import FaultServer
 from ._places import open_inputs, open_ports, open_sensors
 from ._ports import Port, PtyPort, SerialPort
+from ._possible import offered_faults, possible_faults
 from ._records import Events, Record, edges_of
 from ._run import run_testbench
 from ._scenario import FAULTS, Effect, Fault, Scenario, parse_scenario
@@ -18,6 +20,7 @@ __all__ = [
     "Effect",
     "Events",
     "Fault",
+    "FaultServer",
     "Noise",
     "Port",
     "PtyPort",
@@ -30,10 +33,12 @@ __all__ = [
     "Watcher",
     "carried",
     "edges_of",
+    "offered_faults",
     "open_inputs",
     "open_ports",
     "open_sensors",
     "parse_scenario",
+    "possible_faults",
     "run_testbench",
     "write_description",
     "write_virtual_copy",

@@ -67,6 +67,7 @@ class Station:
         self._works = active
         device.leak(self.effect.leak_l_min, self.effect.leak_grows_l_min_s)
         device.meet(not self.effect.no_part)
+        device.stick(self.effect.sticks)
         device.settle(active)
         self._expect_loss(device.now)
 
@@ -88,6 +89,7 @@ class Station:
             self._works = effect.dead_activations < 1
         self.device.leak(effect.leak_l_min, effect.leak_grows_l_min_s)
         self.device.meet(not effect.no_part)
+        self.device.stick(effect.sticks)
         self._drive(at)
 
     def lose(self) -> None:
@@ -164,6 +166,9 @@ class Bench:
         opposites = self._description.opposites
         self._second = {each.line: self._by_line[line] for line, each in opposites.items()}
         self._two_coils = frozenset(opposites)
+        self._blow_offs = {
+            line: devices[name] for name, line in description.blow_off_lines.items() if name in devices
+        }
 
     @property
     def lines(self) -> dict[str, str]:
@@ -184,12 +189,15 @@ class Bench:
             UsageError: nothing of the description hangs on that line.
         """
         station = self._by_line.get(name) or self._second.get(name)
-        if station is None:
+        if station is None and name not in self._blow_offs:
             raise UsageError(
                 f"nothing hangs on a line named {name!r}.",
-                todo=did_you_mean(name, [*self._by_line, *self._second]),
+                todo=did_you_mean(name, [*self._by_line, *self._second, *self._blow_offs]),
             )
         self._advance(at)
+        if station is None:
+            self._blow_offs[name].blow(level, at)
+            return
         if name in self._second:  # the spool stays where a coil has moved it
             if level:
                 station.line(False, at)
@@ -276,6 +284,10 @@ class Bench:
                     values[channel] = value
                 else:
                     values[channel] = self._shown(name, channel, value, at)
+        for name, declared in description.channels.items():
+            if declared.alarm and (name in scenario.alarms or name not in values):
+                code = scenario.alarms.get(name, 0)
+                values[name] = code if declared.kind is Kind.CODE else bool(code)
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
         self._swap(values)
         return values

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Callable, Iterator
 
+from end_effector_hal.cli import json_text
 from end_effector_hal.errors import UsageError
 
 
@@ -22,13 +22,13 @@ class Voice:
 
     def say(self, text: str, **fields: object) -> None:
         """``text`` for people, ``fields`` for programs."""
-        line = json.dumps(fields, separators=(",", ":")) if self._as_json else text
+        line = json_text(fields) if self._as_json else text
         self._write(line, 1)
 
     def refuse(self, text: str) -> None:
         """To standard error (with JSON: ``{"refused": …}`` to standard output)."""
         if self._as_json:
-            self._write(json.dumps({"refused": text}), 1)
+            self._write(json_text({"refused": text}), 1)
         else:
             self._write(f"refused: {text}", 2)
 

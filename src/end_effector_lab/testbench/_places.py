@@ -38,19 +38,23 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
     Raises:
         UsageError: it cannot be used with this description.
     """
-    lines, others = _lines(description), description.blow_off_lines.values()
+    lines = _lines(description)
     pulled = pulls_of(input_lines(description))
     if text is None:
         if description.lines.backend != "virtual" or not description.lines.path:
             # Taking a HAL's own output lines as inputs would drop what they hold.
             raise UsageError(
-                "the description has no virtual lines; say where to see the lines.", todo=_CHOICES
+                "the description has no virtual lines; say where to see the lines.",
+                todo=f"{_CHOICES} Or make a copy on virtual lines: eehal testbench --prepare FOLDER DESCRIPTION.",
             )
         text = f"virtual:{description.lines.path}"
     kind, _, rest = text.partition(":")
     if kind == "virtual" and rest:
-        lines = [*lines, *description.register_outputs]  # what they are commanded is shown on the chip
-        return VirtualInputs(rest, lines, power_cycle=power_cycle, others=others, pulled=pulled)
+        # what they are commanded is shown on the chip; so is a blow-off that nothing drives, and what moves nothing
+        others = [*description.register_outputs, *description.blow_off_lines.values()]
+        plain = [each.line for each in description.outputs.values()]
+        lines = [*dict.fromkeys([*lines, *others, *plain])]
+        return VirtualInputs(rest, lines, power_cycle=power_cycle, pulled=pulled)
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
     if kind == "gpiod":
@@ -111,7 +115,10 @@ def open_ports(text: str | None, description: Description, lines: str | None) ->
     links = description.links
     if not links and board_inputs(description):
         if text is not None:
-            raise UsageError(f"{description.name} has no sensor link: --port {text} means nothing.")
+            raise UsageError(
+                f"{description.name} has no sensor link: there is nothing for --port {text}.",
+                todo="Leave out --port.",
+            )
         return {}
     texts = _port_texts(text, [*links])
     return {name: _port(texts.get(name), description, name, lines) for name in links}
@@ -147,7 +154,7 @@ def _lines(description: Description) -> list[str]:
     second = [each.line for each in description.opposites.values()]
     on_bus = description.register_outputs
     lines = (actuator.line for _, actuator in description.ordered if actuator.line not in on_bus)
-    return [*changer, *lines, *second]
+    return [*changer, *lines, *second, *(each.line for each in description.blow_offs.values())]
 
 
 def _renamed(text: str, lines: list[str]) -> dict[str, str]:

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
@@ -19,6 +19,7 @@ from end_effector_hal.signals import Value
 
 from ._board_sensors import BoardSensors
 from ._commands import Commands, Voice, lines_of
+from ._fault_server import FaultServer
 from ._ports import Port
 from ._records import Events, Record
 from ._testbench import Testbench, Watcher
@@ -39,11 +40,12 @@ def run_testbench(
     as_json: bool,
     events: Path | None,
     record: Path | None,
+    for_pages: bool = False,
 ) -> None:
     """Run a `Testbench` until SIGTERM, SIGINT, SIGHUP or the command ``quit``; in the main thread.
 
     Says ``ready: …`` when lines are seen and frames sent, and each edge if ``verbose``; reads commands from standard
-    input (`Commands`), and writes the files of `Events` and `Record`.
+    input (`Commands`), and writes the files of `Events` and `Record`; ``for_pages``: has a `FaultServer`.
 
     Raises:
         UsageError: something that was given cannot be used.
@@ -55,9 +57,12 @@ def run_testbench(
         recorded = stack.enter_context(closing(Record(record))) if record else None
         mail = Mail(voice if verbose else None, written, recorded)
         stack.enter_context(_signals(mail.end))
-        with Testbench(
-            description, inputs, ports, sensors, scenario=scenario, seed=seed, watcher=mail
-        ) as bench:
+
+        def chosen(text: str) -> None:
+            mail.post(partial(voice.say, f"scenario: {text}", scenario=text))
+
+        testbench = Testbench(description, inputs, ports, sensors, scenario=scenario, seed=seed, watcher=mail)
+        with testbench as bench, FaultServer(description, bench, chosen) if for_pages else nullcontext():
             said = [f"ready: {description.name}, scenario {scenario}, lines {inputs.text}"]
             fields: dict[str, Any] = {
                 "ready": description.name,

@@ -12,7 +12,7 @@ from end_effector_hal.codecs import codec_of, is_polled
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 
-from .physics import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, Device, ToolChanger, physics_of
+from .physics import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, STICKS, Device, ToolChanger, physics_of
 
 NEVER = 10**9
 
@@ -27,6 +27,7 @@ class Effect:
     """At 60 kPa of vacuum."""
     leak_grows_l_min_s: float = 0.0
     no_part: bool = False
+    sticks: bool = False
     lost_after_us: int | None = None
     """After the activation; the line stays active."""
     invalid: bool = False
@@ -70,6 +71,8 @@ class Scenario(LinkEffect):
     tool_present: bool = True
     in_stand: bool = True
     estop_ok: bool = True
+    alarms: Mapping[str, int] = field(default_factory=dict)
+    """What channels that are alarms show: a code, or 1 of a bit."""
 
     def effect(self, device: str) -> Effect:
         return self.effects.get(device, Effect())
@@ -104,6 +107,7 @@ class Fault:
         on: traits of devices, one of which it takes; empty: it concerns the whole bench.
         number: what else is to be given.
         link: a sensor link can have it ("also"), nothing else ("only"), or only one that asks ("polled").
+        channel: it concerns a channel that is an alarm.
     """
 
     name: str
@@ -112,11 +116,14 @@ class Fault:
     on: tuple[str, ...] = ()
     number: Number | None = None
     link: Literal["", "also", "only", "polled"] = ""
+    channel: bool = False
 
     @property
     def usage(self) -> str:
         """``leak:<actuator>[:<l_min>]``."""
-        text = self.name + (":<actuator>" if self.on else "[:<link>]" if self.link else "")
+        text = self.name + (
+            ":<actuator>" if self.on else ":<channel>" if self.channel else "[:<link>]" if self.link else ""
+        )
         if self.number is None:
             return text
         return text + (
@@ -146,6 +153,8 @@ FAULTS: tuple[Fault, ...] = (
     Fault("lost-after", "what it holds is lost, so long after the activation",
           lambda s: {"lost_after_us": _micros(s)}, (ACTUATOR,), Number("seconds", 0.001, 86400)),
     Fault("no-part", "there is nothing for it to grip", lambda _: {"no_part": True}, (PARTS,)),
+    Fault("sticks", "its part sticks to it: the vacuum stays until the part is blown off", lambda _: {"sticks": True},
+          (STICKS,)),
     Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, (PRESSURE,)),
     Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, (PRESSURE,),
           Number("kpa", -110, 800)),
@@ -186,6 +195,8 @@ FAULTS: tuple[Fault, ...] = (
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
+    Fault("alarm", "a channel that is an alarm shows it, or this code", lambda n: {"shows": int(n)},
+          number=Number("code", -(2**31), 2**31 - 1, default=1, whole=True), channel=True),
 )  # fmt: skip
 
 
@@ -205,12 +216,14 @@ def parse_scenario(text: str, description: Description) -> Scenario:
         UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the
             actuator cannot have, or two faults that contradict each other.
     """
-    physics, polled = device_physics(description), _polled(description)
+    physics, polled = device_physics(description), links_that_ask(description)
     whole: dict[str, Any] = {}
     devices: dict[str, dict[str, Any]] = {}
     links: dict[str, dict[str, Any]] = {}
+    alarms: dict[str, dict[str, Any]] = {}
+    by: dict[tuple[int, str], str] = {}
     for part in (each.strip() for each in text.split(",")):
-        fault, name, number = _read(part, physics, description.named_links)
+        fault, name, number = _read(part, physics, description)
         if fault.link in ("only", "polled") and not description.links:
             raise UsageError(
                 f"{part!r} is a fault of a sensor link, and {description.name} has none.",
@@ -220,25 +233,31 @@ def parse_scenario(text: str, description: Description) -> Scenario:
             raise UsageError(
                 f"{part!r} is a fault of a link that asks, and {name or description.name} does not."
             )
-        named = links if fault.link else devices
+        named = links if fault.link else alarms if fault.channel else devices
         changed = named.setdefault(name, {}) if name else whole
         for key, value in fault.changes(number).items():
             if changed.get(key, value) != value:
-                raise UsageError(f"scenario {text!r}: {part!r} contradicts what stands before it.")
-            changed[key] = value
+                other = by[id(changed), key]
+                raise UsageError(
+                    f"scenario {text!r}: {part!r} contradicts {other!r}.", todo="Remove one of them."
+                )
+            changed[key], by[id(changed), key] = value, part
     effects = {device: replace(Effect(), **changed) for device, changed in devices.items()}
-    every = replace(Scenario(text=text, effects=effects), **whole)
+    shown = {channel: changed["shows"] for channel, changed in alarms.items()}
+    every = replace(Scenario(text=text, effects=effects, alarms=shown), **whole)
     of_all = {each.name: getattr(every, each.name) for each in fields(LinkEffect)}
     return replace(every, links={name: LinkEffect(**of_all | changed) for name, changed in links.items()})
 
 
-def _polled(description: Description) -> list[str]:
+def links_that_ask(description: Description) -> list[str]:
     """Names of the links that ask."""
     return [name for name in description.links if is_polled(codec_of(description, name))]
 
 
-def _read(part: str, physics: Mapping[str, type[Device]], links: Iterable[str]) -> tuple[Fault, str, float]:
-    """Fault, device or link (empty: none) and number (NaN: none) of one part."""
+def _read(
+    part: str, physics: Mapping[str, type[Device]], description: Description
+) -> tuple[Fault, str, float]:
+    """Fault, device, link or channel (empty: none) and number (NaN: none) of one part."""
     name, *values = part.split(":")
     fault = next((fault for fault in FAULTS if fault.name == name), None)
     if fault is None:
@@ -252,12 +271,23 @@ def _read(part: str, physics: Mapping[str, type[Device]], links: Iterable[str]) 
             what = f"{part!r}: no actuator is named {device!r}." if device else f"{part!r} names no actuator."
             raise UsageError(what, todo=did_you_mean(device, physics))
         if physics[device].traits.isdisjoint(fault.on):
-            raise UsageError(f"{part!r}: {device} cannot have this fault.")
+            able = [fault.name for fault in FAULTS if not physics[device].traits.isdisjoint(fault.on)]
+            raise UsageError(
+                f"{part!r}: {device} cannot have this fault.", todo=f"It can have: {', '.join(able)}."
+            )
+    if fault.channel:
+        channels = [each for each, channel in description.channels.items() if channel.alarm]
+        if not channels:
+            raise UsageError(f"{part!r}: {description.name} has no channel that is an alarm.")
+        device = values.pop(0) if values else ""
+        if device not in channels:
+            what = f"no alarm is named {device!r}" if device else "it names no channel"
+            raise UsageError(f"{part!r}: {what}.", todo=did_you_mean(device, channels))
     if (
         fault.link
         and values
         and values[0][:1].isalpha()
-        and (device := values.pop(0)) not in (known := [*links])
+        and (device := values.pop(0)) not in (known := [*description.named_links])
     ):
         if not known:
             raise UsageError(f"{part!r} names a link, and the links of this tool have no names.")
@@ -271,14 +301,16 @@ def _read(part: str, physics: Mapping[str, type[Device]], links: Iterable[str]) 
 def _number(part: str, values: list[str], number: Number) -> float:
     if not values and number.default is not None:
         return number.default
+    kind = "a whole number" if number.whole else "a number"
+    expected = f"{kind} from {number.low:g} to {number.high:g}"
+    if not values:
+        raise UsageError(f"{part!r} needs a number.", todo=f"Expected: {number.name}, {expected}.")
     try:
         value = float(values.pop(0))
-    except (ValueError, IndexError):
+    except ValueError:
         value = math.nan
     if not number.low <= value <= number.high or (number.whole and not value.is_integer()):
-        kind = "a whole number" if number.whole else "a number"
-        expected = f"Expected: {number.name}, {kind} from {number.low:g} to {number.high:g}."
-        raise UsageError(f"{part!r} needs a number.", todo=expected)
+        raise UsageError(f"{part!r}: {number.name} must be {expected}.")
     return value
 
 

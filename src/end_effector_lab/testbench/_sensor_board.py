@@ -29,7 +29,7 @@ def carried(
 
 
 def _as(kind: Kind, channel: str, value: Value, description: Description) -> Value:
-    if kind is Kind.PRESSURE or value is None or isinstance(value, bool):
+    if kind is not Kind.BIT or value is None or isinstance(value, bool):
         return value
     return abs(value) >= _present_pa(channel, description)
 

@@ -104,8 +104,8 @@ class Testbench:
             raise
         for name, port in self._ports.items():
             codec, registers = self.codecs[name], None
-            if name == self._description.bus:
-                registers = CommandedRegisters(self._description, self._obey)
+            if name in (buses := self._description.buses):
+                registers = CommandedRegisters(buses[name], self._obey)
                 registers.start(levels)
             board = SensorBoard(codec, self._bench, self._description, self._start, name or None, registers)
             if is_polled(codec):
@@ -115,11 +115,21 @@ class Testbench:
         if self._sensors:
             self._begin("inputs", self._play, self._sensors)
 
+    @property
+    def scenario(self) -> str:
+        """What goes wrong now."""
+        return self._scenario.text
+
+    def check(self, scenario: str) -> None:
+        """Raises UsageError if a scenario cannot be used."""
+        parse_scenario(scenario, self._description)
+
     def choose(self, scenario: str) -> None:
         """Another scenario from now on; raises UsageError if it cannot be used, and goes on as before."""
         parsed = parse_scenario(scenario, self._description)
         with self._lock:
             self._bench.choose(parsed, self._clock.now_us())
+            self._scenario = parsed
 
     def close(self) -> None:
         """End; nothing is sent or told after it."""

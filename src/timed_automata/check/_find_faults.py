@@ -39,11 +39,12 @@ def find_faults(
             faults.append(error)
             rest = _without(rest, _place(error.where))
     if network is not None:
-        faults += [fault for query in document.queries for fault in _query_faults(network, query)]
+        faults += [fault for query in document.queries for fault in query_faults(network, query)]
     return sorted(faults, key=lambda fault: _place(fault.where))
 
 
-def _query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
+def query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
+    """What is wrong with a stored query of a network; nothing: it can be asked."""
     try:
         parsed = parse_query(query.formula)
         for condition in (parsed.condition, parsed.then):

@@ -26,6 +26,15 @@ class Bound(NamedTuple):
     op: Relation
     value: int
 
+    @property
+    def lower(self) -> bool:
+        """Whether it is a lower bound and nothing else."""
+        return self.op in (">", ">=")
+
+    def allows(self, value: int) -> bool:
+        """Whether a value of the clock satisfies it."""
+        return COMPARISONS[self.op](value, self.value)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClockConstraint:

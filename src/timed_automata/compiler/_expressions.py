@@ -208,9 +208,8 @@ class Expressions:
         raise fault(node.span, "Braces stand only in the initialiser of an array.")
 
     def _assignment(self, node: ast.Assignment) -> Term:
-        raise refused(
-            node.span, f"'{node.span.snippet}', an assignment inside an expression", "Did you mean '=='?"
-        )
+        what = f"'{node.span.snippet}', an assignment inside an expression"
+        raise refused(node.span, what, "Did you mean '=='?")
 
     def _increment(self, node: ast.Increment) -> Term:
         raise refused(node.span, f"'{node.span.snippet}', an assignment inside an expression")

@@ -37,7 +37,7 @@ class GeneratedCode:
         """Scalars and elements of arrays that were declared so far."""
         self.parts = 0
         """Locations and edges that were made so far."""
-        called = ("_range", "_index", "_div", "_mod", "_shl", "_shr", "_endless", "_missing")
+        called = ("_set", "_range", "_index", "_div", "_mod", "_shl", "_shr", "_endless", "_missing")
         builtins = {each.__name__: each for each in (all, any, enumerate, max, min, range, sum)}
         self.names: dict[str, Any] = {name: getattr(self, name) for name in called}
         self.names["__builtins__"] = builtins
@@ -84,6 +84,11 @@ class GeneratedCode:
     def _fail(self, site: int, what: str) -> NoReturn:
         span, name = self._sites[site]
         raise RangeError(what.format(name), where=span.where)
+
+    @staticmethod
+    def _set(container: Any, at: int, value: int) -> int:
+        container[at] = value
+        return value
 
     def _range(self, value: int, low: int, high: int, site: int) -> int:
         if not low <= value <= high:

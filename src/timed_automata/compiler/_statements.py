@@ -6,12 +6,13 @@ Generated code changes the values ``v`` (a list or an array) in place and append
 
 from __future__ import annotations
 
+from timed_automata.compiler._changing_expressions import ChangingExpressions
 from timed_automata.compiler._declared_types import flatten, resolve_dimensions, resolve_type
 from timed_automata.compiler._expressions import Expressions
 from timed_automata.compiler._generated_code import LOOP_LIMIT
 from timed_automata.compiler._scope import Alias, Local, Scope, Storage
 from timed_automata.compiler._types import Type
-from timed_automata.compiler._values import IndexedTerm, StorageTerm, Value, arithmetic
+from timed_automata.compiler._values import IndexedTerm, StorageTerm, Value
 from timed_automata.document import fault, refused
 from timed_automata.language import ast
 
@@ -20,7 +21,7 @@ class Updates:
     """Collects the lines of one update."""
 
     def __init__(self, expressions: Expressions) -> None:
-        self.expressions, self.code = expressions, expressions.code
+        self.expressions, self.code = ChangingExpressions.of(expressions), expressions.code
         self.lines: list[str] = []
         self.depth = 0
 
@@ -46,6 +47,12 @@ class Updates:
             raise fault(node.span, f"'{node.span.snippet}' has no effect.", todo)
 
     def _assign(self, target: ast.Expression, op: str, value: ast.Expression, node: ast.Node) -> None:
+        self.expressions.in_any_order(target, value)
+        if ast.changed(target) or ast.changed(value):
+            term = None if isinstance(target, ast.Member) else self.expressions.term(target)
+            if isinstance(term, StorageTerm) and not term.type.dimensions:
+                self.emit(self.expressions.assigned(target, op, value, node).source)
+                return
         if isinstance(target, ast.Name):
             local = self.expressions.scope.get(target.name, target.span)
             if isinstance(local, Local):
@@ -66,8 +73,8 @@ class Updates:
     def _assign_local(self, local: Local, op: str, value: ast.Expression, node: ast.Node) -> None:
         if not local.written:
             raise fault(node.span, f"'{local.name}' is constant and cannot be assigned.")
-        new = self._combined(Value(local.python, local.type.low, local.type.high), op, value, node)
-        self.emit(f"{local.python} = {self._checked(new, local.type, node, local.name)}")
+        new = self.expressions.combined(Value(local.python, local.type.low, local.type.high), op, value, node)
+        self.emit(f"{local.python} = {self.expressions.fitted(new, local.type, node, local.name)}")
 
     def _assign_scalar(
         self, place: StorageTerm, op: str, value: ast.Expression, node: ast.Node, name: str
@@ -79,18 +86,8 @@ class Updates:
                 index = self.code.name("t")
                 self.emit(f"{index} = {place.computed}")
                 place = StorageTerm(place.storage, place.type, place.offset, index)
-        new = self._combined(Value(place.source, place.type.low, place.type.high), op, value, node)
-        self.emit(f"{place.source} = {self._checked(new, place.type, node, name)}")
-
-    def _checked(self, value: Value, type_: Type, node: ast.Node, name: str) -> str:
-        literal = isinstance(node, ast.Assignment) and node.op == "=" and isinstance(node.value, ast.Number)
-        return self.expressions.checked(value, type_, node.span, name, literal=literal)
-
-    def _combined(self, old: Value, op: str, value: ast.Expression, node: ast.Node) -> Value:
-        new = self.expressions.value(value)
-        if op == "=":
-            return new
-        return arithmetic(op[:-1], old, new, lambda: self.code.site(node.span, f"'{node.span.snippet}'"))
+        new = self.expressions.combined(Value(place.source, place.type.low, place.type.high), op, value, node)
+        self.emit(f"{place.source} = {self.expressions.fitted(new, place.type, node, name)}")
 
     def _assign_array(self, place: StorageTerm, op: str, value: ast.Expression, node: ast.Node) -> None:
         source = self.expressions.term(value)

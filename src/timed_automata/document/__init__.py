@@ -1,14 +1,15 @@
 """A UPPAAL file as it stands: XML whose texts know their place in the file, and how faults are worded."""
 
-from ._document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
+from ._document import Document, DrawnEdge, DrawnLocation, Label, Note, StoredQuery, Template
 from ._text import Span, Text, did_you_mean, fault, refused
-from ._xml_file import load_document, read_document, write_document
+from ._xml_file import load_document, load_source, read_document, write_document
 
 __all__ = [
     "Document",
     "DrawnEdge",
     "DrawnLocation",
     "Label",
+    "Note",
     "Span",
     "StoredQuery",
     "Template",
@@ -16,6 +17,7 @@ __all__ = [
     "did_you_mean",
     "fault",
     "load_document",
+    "load_source",
     "read_document",
     "refused",
     "write_document",

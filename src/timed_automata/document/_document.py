@@ -73,6 +73,17 @@ class StoredQuery:
 
 
 @dataclass(frozen=True, slots=True)
+class Note:
+    """What a file has and means nothing here, or is at risk in UPPAAL's editor."""
+
+    what: str
+    where: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.what}"
+
+
+@dataclass(frozen=True, slots=True)
 class Document:
     """A UPPAAL file. ``source`` is what was read, byte for byte: writing starts from it."""
 
@@ -83,3 +94,4 @@ class Document:
     instantiations: Text | None
     system: Text
     queries: tuple[StoredQuery, ...]
+    notes: tuple[Note, ...] = ()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from html import escape
 from pathlib import Path
-from xml.sax.saxutils import escape
 
 from timed_automata._limits import FILE_BYTES
 from timed_automata.document._document import (
@@ -12,6 +12,7 @@ from timed_automata.document._document import (
     DrawnEdge,
     DrawnLocation,
     Label,
+    Note,
     Point,
     StoredQuery,
     Template,
@@ -23,16 +24,17 @@ from timed_automata.errors import ModelError
 _NO_MEANING = {"comments"}
 _LOCATION_LABELS = {"invariant"} | _NO_MEANING
 _EDGE_LABELS = {"select", "guard", "synchronisation", "assignment"} | _NO_MEANING
+_IGNORED_LABELS = {
+    "exponentialrate": "The rate means nothing here: time may pass as the invariants allow.",
+    "probability": "The weight means nothing here: each branch may be taken.",
+}
 _REFUSED_LABELS = {
-    "exponentialrate": "an exponential rate (statistical model checking)",
-    "probability": "a probability (statistical model checking)",
     "testcode": "test code",
     "testcodeEnter": "test code",
     "testcodeExit": "test code",
 }
 _REFUSED_ELEMENTS = {
     "lsc": "a live sequence chart",
-    "branchpoint": "a branch point (statistical model checking)",
     "dynamic": "a dynamic template",
 }
 
@@ -69,6 +71,8 @@ def _labels(element: Element, known: set[str]) -> dict[str, Label]:
     for child in element.all("label"):
         kind, place = _attribute(child, "kind"), child.place.whole
         if not child.text.content.strip():
+            continue
+        if kind in _IGNORED_LABELS:
             continue
         if kind in _REFUSED_LABELS:
             raise refused(place, f"a label of kind '{kind}', {_REFUSED_LABELS[kind]}")
@@ -118,26 +122,85 @@ def _edge(element: Element, locations: set[str]) -> DrawnEdge:
     )
 
 
+def _branched(edges: list[DrawnEdge], points: Mapping[str, Element]) -> Iterator[DrawnEdge]:
+    """Each way through a branch point as one edge; all other edges as they are."""
+    for edge in edges:
+        if edge.source in points:
+            if edge.target in points:
+                raise fault(edge.place.whole, "An edge leads from a branch point to another one.")
+            if wrong := edge.labels.keys() & {"select", "guard", "synchronisation"}:
+                label = edge.labels[min(wrong)].text.whole
+                raise fault(label, f"A branch has a {min(wrong)}.", "It stands before the branch point.")
+        elif edge.target not in points:
+            yield edge
+        else:
+            branches = [each for each in edges if each.source == edge.target]
+            if not branches:
+                place = points[edge.target].place.whole
+                raise fault(place, "Nothing leads away from this branch point.")
+            for branch in branches:
+                yield _way(edge, _point(points[edge.target]), branch)
+
+
+def _way(first: DrawnEdge, point: Point | None, branch: DrawnEdge) -> DrawnEdge:
+    both = first.labels.keys() & branch.labels.keys() & {"assignment"}
+    if both:
+        label = first.labels["assignment"].text.whole
+        raise fault(
+            label, "An update before a branch point, and another one behind it.", "Join the two there."
+        )
+    return DrawnEdge(
+        source=first.source,
+        target=branch.target,
+        labels={**first.labels, **branch.labels},
+        nails=(*first.nails, *((point,) if point else ()), *branch.nails),
+        color=branch.color or first.color,
+        place=branch.place,
+    )
+
+
 def _template(element: Element) -> Template:
     _check(element, "name parameter declaration location branchpoint init transition")
     name = element.one("name")
     if name is None or not name.text.content.strip():
         raise fault(element.place.whole, "A template has no name.")
     locations = tuple(map(_location, element.all("location")))
+    points = {_attribute(each, "id"): each for each in element.all("branchpoint")}
     ids: set[str] = set()
-    for location in locations:
-        if location.id in ids:
-            raise fault(location.place.whole, f"A second location has the id '{location.id}'.")
-        ids.add(location.id)
+    for place, id_ in [
+        *((location.place, location.id) for location in locations),
+        *((each.place, _attribute(each, "id")) for each in element.all("branchpoint")),
+    ]:
+        if id_ in ids:
+            raise fault(place.whole, f"A second location has the id '{id_}'.")
+        ids.add(id_)
+    edges = [_edge(edge, ids) for edge in element.all("transition")]
     return Template(
         name=name.text,
         parameters=_text(element, "parameter"),
         declarations=_text(element, "declaration"),
         locations=locations,
-        edges=tuple(_edge(edge, ids) for edge in element.all("transition")),
-        initial=_reference(element, "init", ids),
+        edges=tuple(_branched(edges, points)),
+        initial=_reference(element, "init", ids - points.keys()),
         place=element.place,
     )
+
+
+def _notes(templates: Iterable[Element]) -> Iterator[Note]:
+    """What is ignored, and ids that UPPAAL's editor may mix up."""
+    first: dict[str, str] = {}
+    for template in templates:
+        for part in template.children:
+            for label in part.all("label"):
+                said = _IGNORED_LABELS.get(label.attributes.get("kind", ""))
+                if said and label.text.content.strip():
+                    yield Note(said, label.place.whole.where)
+            if part.tag in ("location", "branchpoint"):
+                id_, where = _attribute(part, "id"), part.place.whole.where
+                if id_ in first:
+                    what = f"The id '{id_}' stands in another template as well, at {first[id_]}: UPPAAL's"
+                    yield Note(f"{what} editor may take one for the other.", where)
+                first.setdefault(id_, where)
 
 
 def _text(element: Element, tag: str) -> Text | None:
@@ -183,7 +246,23 @@ def read_document(source: bytes, path: str) -> Document:
         instantiations=_text(root, "instantiation"),
         system=system,
         queries=_queries(root.one("queries")),
+        notes=tuple(_notes(root.all("template"))),
     )
+
+
+def load_source(path: str | Path) -> bytes:
+    """The bytes of a UPPAAL file for :func:`read_document`, not more than one byte beyond what that accepts.
+
+    Raises:
+        ModelError: it cannot be read.
+    """
+    try:
+        if Path(path).is_fifo() and not str(path).startswith(("/dev/", "/proc/")):
+            raise ModelError("This is a named pipe, not a file.", where=str(path), todo="Give a file.")
+        with Path(path).open("rb") as stream:
+            return stream.read(FILE_BYTES + 1)
+    except OSError as error:
+        raise ModelError(f"The file cannot be read: {error.strerror}.", where=str(path)) from None
 
 
 def load_document(path: str | Path) -> Document:
@@ -192,12 +271,7 @@ def load_document(path: str | Path) -> Document:
     Raises:
         ModelError: it cannot be read, or see :func:`read_document`.
     """
-    try:
-        with Path(path).open("rb") as stream:
-            source = stream.read(FILE_BYTES + 1)
-    except OSError as error:
-        raise ModelError(f"The file cannot be read: {error.strerror}.", where=str(path)) from None
-    return read_document(source, str(path))
+    return read_document(load_source(path), str(path))
 
 
 def write_document(document: Document, replaced: Iterable[tuple[Span, str]] = ()) -> bytes:
@@ -212,7 +286,7 @@ def write_document(document: Document, replaced: Iterable[tuple[Span, str]] = ()
         start, end = span.text.byte(span.start), span.text.byte(span.end)
         result += [
             document.source[position:start],
-            escape(new).encode(span.text.encoding, "xmlcharrefreplace"),
+            escape(new, quote=False).encode(span.text.encoding, "xmlcharrefreplace"),
         ]
         position = end
     result.append(document.source[position:])

@@ -132,3 +132,7 @@ def _refuse_what_cannot_run(process: Process) -> None:
         if location.invariant.data is not None or location.invariant.never:
             span = location.drawn.labels["invariant"].text.whole
             raise refused(span, "an executed location whose invariant is about data", "Use guards.")
+        for constraint in location.invariant.clocks:
+            if constraint.op in (">", ">="):
+                what = f"'{constraint.span.snippet}' cannot be executed: what arrives cannot be made to wait for it."
+                raise fault(constraint.span, what, "Ask for it in the guards of the edges that lead there.")

@@ -46,7 +46,7 @@ def resume(network: Network, snapshot: ExecutionSnapshot) -> Resumed:
     _same_names("variables", snapshot.variables, network.offsets)
     _same_names("clocks", snapshot.zeros, network.clocks[1:])
     if snapshot.entered > snapshot.at or any(zero > snapshot.at for zero in snapshot.zeros.values()):
-        raise UsageError("A recorded state has times after its own.")
+        raise UsageError("A recorded state contains a time later than its own stamp; the trace is damaged.")
     locations = []
     for process in network.processes:
         name = snapshot.locations[process.name]

@@ -26,7 +26,7 @@ class Successor:
         edges: the participants, by their names.
         changes: what it does to the variables; empty if the update fails.
         sent: the name of the channel on which an executed process sends.
-        kept: upper bounds of the clocks in the next state, of those that the transition does not set.
+        kept: bounds of the clocks in the next state, of those that the transition does not set.
     """
 
     transition: Transition
@@ -48,7 +48,8 @@ class Successor:
         """
         first, last = clocks.window(self.transition.bounds)
         kept = [bound for bound in self.kept if bound not in expired] if expired else self.kept
-        return first, min(last, clocks.window(kept)[1])
+        first_kept, last_kept = clocks.window(kept)
+        return max(first, first_kept), min(last, last_kept)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,7 +58,7 @@ class StateSuccessors:
 
     Attributes:
         successors: in the order in which those due at the same instant are taken.
-        stay: upper bounds of the clocks in this state.
+        stay: bounds of the clocks in this state.
         may_delay: whether time may pass.
         committed: whether a process is in a committed location.
     """
@@ -162,7 +163,7 @@ class SuccessorCache:
         except RangeError as error:  # raised when the edge is taken, if ever
             return self._made(state, transition, error)
         values = dict(fired.resets)
-        if not all(_holds(values[bound.clock], bound) for bound in invariant if bound.clock in values):
+        if not all(bound.allows(values[bound.clock]) for bound in invariant if bound.clock in values):
             return None
         kept = tuple(bound for bound in invariant if bound.clock not in values)
         return self._made(state, transition, fired, kept)
@@ -190,7 +191,3 @@ class SuccessorCache:
         named = TakenEdge(process.name, source.name, target.name, edge.index, edge.span.where)
         self._named[edge] = named
         return named
-
-
-def _holds(value: int, bound: Bound) -> bool:
-    return value < bound.value or (value == bound.value and bound.op == "<=")

@@ -2,13 +2,14 @@
 
 from ._explorer import Explorer, RunTimeError, verify
 from ._overview import Overview, overview
-from .properties import CoverageReport, Extreme, Verdict, relaxed
+from .properties import CoverageReport, Extreme, ReactionBound, Verdict, relaxed
 
 __all__ = [
     "CoverageReport",
     "Explorer",
     "Extreme",
     "Overview",
+    "ReactionBound",
     "RunTimeError",
     "Verdict",
     "overview",

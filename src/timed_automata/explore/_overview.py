@@ -14,6 +14,8 @@ from timed_automata.explore.properties import (
     Coverage,
     CoverageReport,
     LeadsTo,
+    ReactionBound,
+    Room,
     bounded,
     open_channels,
     taken,
@@ -60,6 +62,7 @@ class Overview:
         bounded: the queries ``A[] p imply x <= c`` by number, each with the longest time seen.
         coverage: what cannot happen.
         open_channels: channels with one end, in words.
+        late: locations of what is executed that leave its reactions more or less room than they need, in words.
         stuck: whether there may be a state without any transition, now or later.
         stopped: whether there may be one in which time cannot go on either.
         zeno: whether there may be a cycle on which no time needs to pass.
@@ -72,6 +75,7 @@ class Overview:
     bounded: Mapping[int, BoundedResponse]
     coverage: CoverageReport
     open_channels: tuple[str, ...]
+    late: tuple[str, ...]
     stuck: bool
     stopped: bool
     zeno: bool
@@ -85,6 +89,7 @@ def overview(
     *,
     stop: bool = False,
     most_states: int | None = None,
+    reaction: ReactionBound | None = None,
 ) -> Overview:
     """Explore a network once.
 
@@ -94,13 +99,14 @@ def overview(
         progress: called with the number of states now and then.
         stop: at the first ``A[]`` that may not hold; the rest then says nothing.
         most_states: end after so many; then only what was seen is said.
+        reaction: of what is executed, for `late`; None: nothing is.
 
     Raises:
         ModelError: a query is not well-formed.
         OutOfRangeError: a value leaves its range in a run; without the run.
     """
     with without_collector():
-        exploration = _Exploration(network, queries, progress)
+        exploration = _Exploration(network, queries, progress, reaction)
         exploration.run(stop=stop, most_states=most_states)
         found = exploration.result()
         exploration.close()
@@ -108,7 +114,13 @@ def overview(
 
 
 class _Exploration:
-    def __init__(self, network: Network, queries: Sequence[Query], progress: Progress | None = None) -> None:
+    def __init__(
+        self,
+        network: Network,
+        queries: Sequence[Query],
+        progress: Progress | None = None,
+        reaction: ReactionBound | None = None,
+    ) -> None:
         self.network, self.queries = network, queries
         self._unseen: dict[tuple[int, bool], Formula] = {}  # number of the query; False: only its premise
         self._cases: dict[int, ZoneCondition] = {}
@@ -120,6 +132,7 @@ class _Exploration:
         self._premises: dict[int, Formula] = {}
         self._deadlocks, self._doubtful = Deadlocks(), set[StateRecord]()
         self._coverage = Coverage()
+        self._room = Room(network, reaction or ReactionBound((), 0))
         self._stuck = self._stopped = self._zeno = self._ended = False
         self._asked = [
             QueryLimits(self._ask(number, query), _where(network, query))
@@ -173,6 +186,7 @@ class _Exploration:
                     self._happened.update(happened)
                     unseen = self._filter_unseen()
                 concerned = record.note = concern(state)
+                self._room.add(record)
                 if not self._deadlocks.ruled_out(record):
                     self._doubtful.add(record)
             for number in concerned:
@@ -209,7 +223,7 @@ class _Exploration:
         record, discrete = node.record, node.record.discrete
         if self._deadlocks.of(record, node.zone):
             self._stuck = True
-            self._stopped = not discrete.delays or bool(discrete.invariant)
+            self._stopped = not discrete.endless
 
     def _finish(self, stage: Stage) -> None:
         """Judge a stage as a whole, and forget its states."""
@@ -242,6 +256,7 @@ class _Exploration:
             bounded=self._bounded,
             coverage=self._coverage.report(self.network),
             open_channels=tuple(open_channels(self.network)),
+            late=self._room.missing,
             stuck=self._stuck,
             stopped=self._stopped,
             zeno=self._zeno,

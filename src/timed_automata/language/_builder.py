@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from lark import Token, Transformer, v_args
+from lark import Token, Tree
 
-from timed_automata._limits import DIGITS
+from timed_automata._limits import DIGITS, NESTING
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.language import ast
 
 _WORDS = {"and": "&&", "or": "||", ":=": "="}
+_LEVELS = {
+    "OR": 0,
+    "AND": 1,
+    "BIT_OR": 2,
+    "BIT_XOR": 3,
+    "AMPERSAND": 4,
+    "EQUALITY": 5,
+    "COMPARISON": 6,
+    "EXTREME": 7,
+    "SHIFT": 8,
+    "SIGN": 9,
+    "FACTOR": 10,
+}
+"""What binds more closely has a higher one."""
 _NODES: dict[str, type[ast.Node]] = {
     "name": ast.Name,
     "index": ast.Index,
     "member": ast.Member,
     "call": ast.Call,
-    "binary": ast.Binary,
     "assignment": ast.Assignment,
     "evaluate": ast.Evaluate,
     "if_": ast.If,
@@ -28,19 +41,58 @@ _NODES: dict[str, type[ast.Node]] = {
 """Rules of the grammar whose children are, in this order, what the node holds."""
 
 
-@v_args(meta=True, inline=True)
-class Builder(Transformer[Token, Any]):
+class _Operand(NamedTuple):
+    """Of an operator; from ``start`` to ``end`` stands the node with the brackets around it."""
+
+    start: int
+    end: int
+    node: Any
+
+
+class Builder:
     """A method for each other rule of the grammar; children come as nodes, words or None."""
 
     def __init__(self, text: Text) -> None:
-        super().__init__()
         self._text = text
 
-    def __default__(self, data: Any, children: list[Any], meta: Any) -> ast.Node:
-        return _NODES[data](self._span(meta), *children)
+    def build(self, tree: Tree[Token]) -> Any:
+        """What the tree stands for."""
+        rule = tree.data
+        if rule == "operation":
+            return self._operation(tree.children)
+        children = [
+            self.build(child) if isinstance(child, Tree) else child and _WORDS.get(child, str(child))
+            for child in tree.children
+        ]
+        if node := _NODES.get(rule):
+            return node(self._span(tree.meta), *children)
+        return getattr(self, rule)(tree.meta, *children)
 
-    def __default_token__(self, token: Token) -> str:
-        return _WORDS.get(token, str(token))
+    def _operation(self, children: list[Any]) -> Any:
+        """Operands with operators between them, from left to right what binds most closely first."""
+        if len(children) > 2 * NESTING:  # each operator is one level of what is built
+            raise fault(self._text.whole, "This text is nested too deeply.", "Break it into parts.")
+        operators: list[Token] = []
+        operands = [self._operand(children[0])]
+        for operator, operand in zip(children[1::2], children[2::2], strict=True):
+            while operators and _LEVELS[operators[-1].type] >= _LEVELS[operator.type]:
+                self._join(operands, operators.pop())
+            operators.append(operator)
+            operands.append(self._operand(operand))
+        while operators:
+            self._join(operands, operators.pop())
+        return operands[0].node
+
+    def _operand(self, tree: Tree[Token]) -> _Operand:
+        # lark says where a tree stands with its brackets in attributes that only such a tree may have
+        start = getattr(tree.meta, "container_start_pos", tree.meta.start_pos)
+        return _Operand(start, getattr(tree.meta, "container_end_pos", tree.meta.end_pos), self.build(tree))
+
+    def _join(self, operands: list[_Operand], operator: Token) -> None:
+        right, left = operands.pop(), operands.pop()
+        span = Span(self._text, left.start, right.end)
+        node = ast.Binary(span, left.node, _WORDS.get(operator, str(operator)), right.node)
+        operands.append(_Operand(left.start, right.end, node))
 
     def _span(self, meta: Any) -> Span:
         return self._text.whole if meta.empty else Span(self._text, meta.start_pos, meta.end_pos)
@@ -81,8 +133,9 @@ class Builder(Transformer[Token, Any]):
         return ast.Quantified(span, kind, name, type_, body)
 
     def step(self, meta: Any, *children: Any) -> ast.Increment:
-        op, target = sorted(children, key=lambda child: not isinstance(child, str))
-        return ast.Increment(self._span(meta), op, target)
+        before = isinstance(children[0], str)
+        op, target = children if before else reversed(children)
+        return ast.Increment(self._span(meta), op, target, before)
 
     def braces(self, meta: Any, *children: Any) -> ast.Braces:
         return ast.Braces(self._span(meta), children)

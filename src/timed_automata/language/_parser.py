@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+import sys
 from functools import cache
-from importlib.resources import files
+from importlib.util import cache_from_source
+from pathlib import Path
 from typing import Any, cast
 
 from lark import Lark, Token, UnexpectedCharacters, UnexpectedEOF, UnexpectedInput, UnexpectedToken
-from lark.exceptions import VisitError
 from lark.lexer import PatternStr
 
 from timed_automata._limits import NESTING, TEXT_CHARACTERS
@@ -75,9 +76,14 @@ def _check_word(token: Token) -> Token:
 
 @cache
 def _lark() -> Lark:
-    grammar = files(__package__).joinpath("grammar.lark").read_text(encoding="utf-8")
+    """The parser; its tables, a tenth of a second to make, are kept where Python keeps the bytecode of this package.
+
+    Lark makes them again where they cannot be written or read, or are of another grammar or version.
+    """
+    grammar = Path(__file__).with_name("grammar.lark")
     return Lark(
-        grammar,
+        grammar.read_text(encoding="utf-8"),
+        cache=not sys.dont_write_bytecode and f"{cache_from_source(str(grammar))}.lark",
         start=_STARTS,
         parser="lalr",
         lexer="basic",
@@ -148,14 +154,12 @@ def parse(text: Text, start: str) -> Any:
     """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
     _check_size(text)
     try:
-        return Builder(text).transform(_lark().parse(text.content, start=start))
+        return Builder(text).build(_lark().parse(text.content, start=start))
     except _RefusedWordError as error:
         position = error.token.start_pos or 0
         span = Span(text, position, position + len(error.token))
         raise refused(span, f"'{error.token}', {_REFUSED_WORDS[error.token]}") from None
     except UnexpectedInput as error:
         raise _syntax_error(text, error) from None
-    except VisitError as error:
-        raise error.orig_exc from None
     except RecursionError:
         raise fault(text.whole, "This text is nested too deeply.") from None

@@ -104,10 +104,11 @@ class Assignment(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Increment(Node):
-    """``++`` or ``--``, before or after its target."""
+    """``++`` or ``--``; ``before``: its value is the new one."""
 
     op: str
     target: Expression
+    before: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -300,3 +301,16 @@ def walk(node: object) -> Iterator[Node]:
         if not isinstance(node, Member):
             for name in node.__dataclass_fields__:
                 yield from walk(getattr(node, name))
+
+
+def changed(node: object) -> set[str]:
+    """The names that assignments in an expression change; what its calls change is not among them."""
+    names = set()
+    for each in walk(node):
+        if isinstance(each, Assignment | Increment):
+            target = each.target
+            while isinstance(target, Index):
+                target = target.base
+            if isinstance(target, Name):
+                names.add(target.name)
+    return names

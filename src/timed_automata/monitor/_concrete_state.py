@@ -95,8 +95,8 @@ class ConcreteState:
         )
 
     def enabled(self, transition: Transition, at: int) -> bool:
-        """Whether the lower bounds of its guards hold."""
-        return self.holds(_lower(transition.bounds), at)
+        """Whether the lower bounds of its guards hold, and those of the target."""
+        return self.holds(_lower([*transition.bounds, *self._kept(transition)]), at)
 
     def stays(self, at: int) -> bool:
         """Whether the invariants hold at an instant."""
@@ -104,7 +104,7 @@ class ConcreteState:
 
     def in_time(self, transition: Transition, at: int) -> bool:
         """Whether upper bounds and invariants, those of the target included, allow a transition at an instant."""
-        return self.stays(at) and self.holds([*_upper(transition.bounds), *self._kept(transition)], at)
+        return self.stays(at) and self.holds(_upper([*transition.bounds, *self._kept(transition)]), at)
 
     def _renew(self, state: State, at: int, taken: Transition | None) -> None:
         ages = {each.transition.edges: each.since for each in self.timed}
@@ -119,9 +119,9 @@ class ConcreteState:
         expired = () if self.stays(self.entered) else self._semantics.invariant(self.state)
         for transition in self.transitions():
             since = ages.get(transition.edges, self.entered)
-            due = max([since, *map(self._instant, _lower(transition.bounds))])
-            kept = [bound for bound in self._kept(transition) if bound not in expired]
-            uppers = [*_upper(transition.bounds), *kept]
+            kept = self._kept(transition)
+            due = max([since, *map(self._instant, _lower([*transition.bounds, *kept]))])
+            uppers = _upper([*transition.bounds, *(bound for bound in kept if bound not in expired)])
             if self.holds(uppers, due) and self._enters(transition) and not (hurry and due > self.entered):
                 yield TimedTransition(transition, since, due)
 
@@ -137,7 +137,7 @@ class ConcreteState:
     def _enters(self, transition: Transition) -> bool:
         """Whether the target allows the values that clocks are set to."""
         bounds, values = self._target(transition)
-        return all(COMPARISONS[b.op](values[b.clock], b.value) for b in bounds if b.clock in values)
+        return all(bound.allows(values[bound.clock]) for bound in bounds if bound.clock in values)
 
     def _target(self, transition: Transition) -> tuple[list[Bound], dict[int, int]]:
         try:

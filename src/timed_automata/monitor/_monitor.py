@@ -23,9 +23,11 @@ from timed_automata.execute import (
 )
 from timed_automata.monitor._concrete_state import ConcreteState
 from timed_automata.monitor._monitored_query import monitored_queries
-from timed_automata.monitor._words import changes_in_words, in_words, named, same_edges, why_not
+from timed_automata.monitor._words import changes_in_words, in_words, named, same_edges, shortened, why_not
 from timed_automata.network import Network, State, Transition, changes_between
 
+_LONGEST_US = 2**63
+"""No clock shows more."""
 ObjectionKind = Literal["no run", "missed", "requirement"]
 
 
@@ -48,7 +50,9 @@ class Objection:
 class Monitor:
     """Judges a run, observation by observation.
 
-    What follows a step that the network does not have is not judged: the state after it is unknown.
+    The edges that a step names are not believed: what it does must be what the network does then and there. Where
+    exactly one transition does it, that one is followed. What follows a step that the network does not have is not
+    judged: the state after it is unknown.
 
     Args:
         network: a loaded network, with the constants that were executed.
@@ -96,6 +100,8 @@ class Monitor:
         self._now = at
         self._concrete.begin(at)
         self._concrete.write(writes or {}, at)
+        if not self._concrete.stays(at):
+            self._refuse(at, "An invariant does not hold in the initial state.")
         self._judge()
 
     def resume(self, snapshot: ExecutionSnapshot) -> None:
@@ -190,27 +196,65 @@ class Monitor:
             self._refuse(step.at, f"{named(step)} received '{step.received}', which was not sent then.")
         elif (transition := self._reception(event)) is None:
             self._refuse(step.at, f"Nobody can receive '{event.channel}' then, but {named(step)} did.")
-        elif not same_edges(self.network, transition, step):
-            who = in_words(self.network, transition.edges)
-            self._refuse(step.at, f"'{event.channel}' was received by {named(step)}, not by {who}.")
         else:
+            if not same_edges(self.network, transition, step):
+                who = in_words(self.network, transition.edges)
+                what = f"'{event.channel}' is recorded as received by {named(step)}, and was by {who}."
+                self._object(step.at, "no run", what)
+            if step.due is not None or step.late_us != 0:
+                self._object(step.at, "no run", f"{named(step)} received an event, and is recorded as due.")
             # when an event comes is not the machine's doing: only the invariants are asked
             self._judge_lateness(step, in_time=self._concrete.stays(step.at))
             self._fire(transition, step, event)
 
     def _take(self, step: Step) -> None:
         concrete = self._concrete
-        found = next((t for t in concrete.transitions() if same_edges(self.network, t, step)), None)
-        if found is None:
+        recorded = next((t for t in concrete.transitions() if same_edges(self.network, t, step)), None)
+        found = self._explanation(step, recorded) or recorded
+        if recorded is None:
             why = why_not(self.network, concrete.state, step)
-            self._refuse(step.at, f"{named(step)} was taken and not enabled: {why}.")
+            self._object(step.at, "no run", f"{named(step)} was taken and not enabled: {why}.")
+        elif found is not None and found.edges != recorded.edges:
+            who = in_words(self.network, found.edges)
+            what = f"{named(step)} is recorded, but {who} comes first, and does what was seen."
+            self._object(step.at, "no run", what)
+        if found is None:
+            self._following = False
         elif not concrete.enabled(found, step.at):
             self._refuse(step.at, f"{named(step)} was taken before its time.")
         else:
-            if step.due is not None:
+            if self._boundary is not None or step.due is not None:
                 self._judge_order(step, found)
             self._judge_lateness(step, in_time=concrete.in_time(found, step.at))
             self._fire(found, step)
+
+    def _explanation(self, step: Step, recorded: Transition | None) -> Transition | None:
+        """What does the same as a step did, whatever edges it names.
+
+        That which comes first, of an execution; that which is recorded; or the only one.
+        """
+        doing = [t for t in self._concrete.transitions() if self._does(t, step)]
+        first = self._first() if self._boundary is not None else None
+        for known in (first, recorded):
+            if known is not None and any(known.edges == each.edges for each in doing):
+                return known
+        return doing[0] if len(doing) == 1 else None
+
+    def _first(self) -> Transition | None:
+        """What is due first; of what is due at once, what stands first in the file."""
+        first = min(self._concrete.timed, key=lambda each: each.due, default=None)
+        return None if first is None else first.transition
+
+    def _does(self, transition: Transition, step: Step) -> bool:
+        try:
+            fired = self._concrete.fire(transition.edges)
+        except RangeError:
+            return False
+        does = changes_between(self.network, self._concrete.state, fired.state), self._sent(transition)
+        return does == (tuple(step.changes), step.sent) and self._concrete.enabled(transition, step.at)
+
+    def _sent(self, transition: Transition) -> str | None:
+        return None if transition.channel is None else self.network.channels[transition.channel].name
 
     # What is asked of a step
 
@@ -223,7 +267,8 @@ class Monitor:
         elif in_time and step.missed:
             self._object(step.at, "no run", f"{named(step)} is recorded as late, but was in time.")
         elif step.missed:
-            behind = "too late" if step.due is None else f"{step.late_us / 1000:.3f} ms late"
+            known = step.due is not None and abs(step.late_us) < _LONGEST_US
+            behind = f"{step.late_us / 1000:.3f} ms late" if known else "too late"
             self._object(step.at, "missed", f"{named(step)} was taken {behind}: beyond its bound.")
 
     def _judge_order(self, step: Step, taken: Transition) -> None:
@@ -231,17 +276,18 @@ class Monitor:
         timed = self._concrete.timed
         due = next((each.due for each in timed if each.transition.edges == taken.edges), None)
         if due != step.due or step.late_us != step.at - (step.due or 0):
-            self._object(step.at, "no run", f"{named(step)} was due at {due} µs; recorded is {step.due} µs.")
-        first = min(timed, key=lambda each: each.due, default=None)
-        if first is not None and due is not None and first.transition.edges != taken.edges:
-            who = in_words(self.network, first.transition.edges)
+            recorded = f"{shortened(step.due)} µs, {shortened(step.late_us)} µs before it was taken"
+            what = f"{named(step)} was due at {due} µs; recorded is {recorded}."
+            self._object(step.at, "no run", what)
+        first = self._first()
+        if first is not None and due is not None and first.edges != taken.edges:
+            who = in_words(self.network, first.edges)
             self._object(step.at, "no run", f"{named(step)} was taken before {who}, which comes first.")
 
     def _fire(self, transition: Transition, step: Step, event: Received | None = None) -> None:
         fired = self._concrete.fire(transition.edges, event.writes if event else None)
         changes = changes_between(self.network, self._concrete.state, fired.state)
-        channel = transition.channel if event is None else None
-        sent = None if channel is None else self.network.channels[channel].name
+        sent = self._sent(transition) if event is None else None
         if changes != tuple(step.changes):
             recorded = changes_in_words(step.changes)
             self._refuse(

@@ -7,11 +7,13 @@ from collections.abc import Iterable
 from timed_automata.execute import Step
 from timed_automata.network import Change, Edge, Network, State, Transition
 
+_LONGEST = 10**30
+
 
 def same_edges(network: Network, transition: Transition, step: Step) -> bool:
-    """Whether a step took exactly this transition."""
-    ours = [(network.processes[edge.process].name, edge.index) for edge in transition.edges]
-    return ours == [(edge.process, edge.index) for edge in step.edges]
+    """Whether a step names exactly the edges of this transition: by number, and by the locations that they join."""
+    ours = [_names(network, edge) for edge in transition.edges]
+    return ours == [(edge.process, edge.source, edge.target, edge.index) for edge in step.edges]
 
 
 def named(step: Step) -> str:
@@ -21,12 +23,8 @@ def named(step: Step) -> str:
 
 def in_words(network: Network, edges: Iterable[Edge]) -> str:
     """The same for the edges of a network."""
-    parts = []
-    for edge in edges:
-        process = network.processes[edge.process]
-        source, target = process.locations[edge.source].name, process.locations[edge.target].name
-        parts.append(f"{process.name} {source} → {target}")
-    return " with ".join(parts)
+    names = (_names(network, edge) for edge in edges)
+    return " with ".join(f"{process} {source} → {target}" for process, source, target, _ in names)
 
 
 def changes_in_words(changes: Iterable[Change]) -> str:
@@ -39,9 +37,23 @@ def why_not(network: Network, state: State, step: Step) -> str:
     known = {process.name: process for process in network.processes}
     for taken in step.edges:
         process = known.get(taken.process)
-        if process is None or taken.index >= len(process.edges):
-            return f"there is no edge {taken.index} of {taken.process}"
-        here = state.locations[process.index]
-        if here != process.edges[taken.index].source:
+        if process is None or not 0 <= taken.index < len(process.edges):
+            return f"there is no edge {shortened(taken.index)} of {taken.process}"
+        edge, here = process.edges[taken.index], state.locations[process.index]
+        if here != edge.source:
             return f"{taken.process} is in {process.locations[here].name}"
+        _, source, target, _ = _names(network, edge)
+        if (taken.source, taken.target) != (source, target):
+            return f"edge {taken.index} of {taken.process} leads from {source} to {target}"
     return "a guard or the synchronisation does not hold"
+
+
+def shortened(number: int | None) -> str:
+    """A recorded number, which may have any length."""
+    return str(number) if number is None or abs(number) < _LONGEST else "a number of many digits"
+
+
+def _names(network: Network, edge: Edge) -> tuple[str, str, str, int]:
+    process = network.processes[edge.process]
+    source, target = process.locations[edge.source].name, process.locations[edge.target].name
+    return process.name, source, target, edge.index

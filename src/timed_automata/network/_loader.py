@@ -58,8 +58,15 @@ def _make(document: Document, given: Mapping[str, Given], optional: Collection[s
     definitions = Definitions(code, places)
     for template in document.templates:
         definitions.add_template(ParsedTemplate(template), globals_)
-    _instantiate(document, definitions, Scope(globals_))
+    system = Scope(globals_)
+    _instantiate(document, definitions, system)
     definitions.check_unused()
+    constants = {
+        name: _nested(symbol.values, symbol.type)
+        for name, symbol in globals_.symbols.items()
+        if isinstance(symbol, Constant)
+    }
+    globals_.symbols |= system.symbols  # now: no template sees them
     return Network(
         document=document,
         processes=tuple(definitions.processes),
@@ -68,11 +75,7 @@ def _make(document: Document, given: Mapping[str, Given], optional: Collection[s
         channels=tuple(places.channels),
         initial=State(tuple(process.initial for process in definitions.processes), tuple(places.initial)),
         offsets=places.offsets,
-        constants={
-            name: _nested(symbol.values, symbol.type)
-            for name, symbol in globals_.symbols.items()
-            if isinstance(symbol, Constant)
-        },
+        constants=constants,
         replaced=tuple(declarations.replaced),
         scope=globals_,
         code=code,
@@ -90,7 +93,7 @@ def _check_given(given: Collection[str], scope: Scope, path: str) -> None:
 
 
 def _instantiate(document: Document, definitions: Definitions, scope: Scope) -> None:
-    """The instantiations and the ``system`` line; the section's own declarations are seen by it alone."""
+    """The instantiations and the ``system`` line; the section's own declarations are seen by it and by queries."""
     system = parse_system(document.system)
     older = parse_instantiations(document.instantiations) if document.instantiations else ()
     declarations = Declarations(definitions.code, definitions.places, scope)

@@ -241,7 +241,7 @@ class Semantics:
         return Fired(State(tuple(locations), tuple(values)), tuple(resets))
 
     def invariant(self, state: State) -> list[Bound]:
-        """Upper bounds of clocks in this state, a conjunction."""
+        """Bounds of clocks in this state, a conjunction. A lower bound can be broken only as the state is entered."""
         locations, values = state
         return [
             bound

@@ -135,9 +135,9 @@ def _location(expressions: Expressions, parsed: ParsedTemplate, number: int) -> 
     node, drawn = parsed.invariants[number], parsed.template.locations[number]
     invariant = compile_condition(expressions, node, "invariant") if node else Condition()
     for constraint in invariant.clocks:
-        if constraint.op not in ("<", "<="):
-            what = f"'{constraint.span.snippet}', an invariant that is no upper bound"
-            raise refused(constraint.span, what, "Expected 'clock <= number'.")
+        if constraint.op == "==":
+            what = f"'{constraint.span.snippet}', an invariant that is an equation with a clock"
+            raise refused(constraint.span, what, "Expected a lower bound and an upper bound.")
     return Location(
         name=parsed.location_names[number],
         index=number,
@@ -224,7 +224,7 @@ def _update(
     resets: set[int] = set()
     for node in nodes:
         updates.effect(node)
-        if isinstance(node, ast.Assignment) and isinstance(node.target, ast.Name | ast.Index):
+        if isinstance(node, ast.Assignment) and not ast.changed(node.target):
             term = Expressions(expressions.code, expressions.scope).term(node.target)
             if isinstance(term, IndexedTerm) and not term.computed:
                 resets.add(term.possible.start)

@@ -5,8 +5,31 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Protocol
 
 from timed_automata.network._network import Edge, Network, State
+
+
+class TraceNames(Protocol):
+    """What elements and values are called in the text of a run."""
+
+    def element(self, name: str) -> str:
+        """Of ``evidence[0]``, ``Actuator(0)``."""
+        ...
+
+    def value(self, variable: str, value: int) -> str:
+        """Of a value of a variable."""
+        ...
+
+
+class _Numbers:
+    """As they stand in the network."""
+
+    def element(self, name: str) -> str:
+        return name
+
+    def value(self, variable: str, value: int) -> str:
+        return str(value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,33 +93,40 @@ class Trace:
 
         ↻ marks the steps that are repeated without end.
         """
-        return tuple(self._lines())
+        return self.lines_with(_Numbers())
+
+    def lines_with(self, names: TraceNames) -> tuple[str, ...]:
+        """The same in other names than those of the network."""
+        return tuple(self._lines(names))
 
     def __str__(self) -> str:
         return "\n".join(self.lines)
 
-    def _lines(self) -> Iterator[str]:
+    def _lines(self, names: TraceNames) -> Iterator[str]:
         times = [_ms(step.at) for step in self.steps]
         width = max(map(len, [*times, _ms(self.end)]))
-        whats = [self._what(step) for step in self.steps]
+        whats = [self._what(step, names) for step in self.steps]
         column = min(72, max(map(len, whats), default=0))
         for number, (time, what, step) in enumerate(zip(times, whats, self.steps, strict=True)):
             mark = "" if self.loop is None else "↻ " if number >= self.loop else "  "
-            changes = ", ".join(f"{change.name} {change.old} → {change.new}" for change in step.changes)
+            changes = ", ".join(
+                f"{names.element(name)} {names.value(name, old)} → {names.value(name, new)}"
+                for name, old, new in ((each.name, each.old, each.new) for each in step.changes)
+            )
             yield f"{time:>{width}} ms  {mark}{what:<{column}}  {changes}".rstrip()
         yield f"{_ms(self.end):>{width}} ms  {self.remark}"
 
-    def _what(self, step: TraceStep) -> str:
+    def _what(self, step: TraceStep, names: TraceNames) -> str:
         moves = []
         for edge in step.edges:
             process = self.network.processes[edge.process]
             source, target = (process.locations[at].name for at in (edge.source, edge.target))
             chosen = ", ".join(f"{name} = {value}" for name, value in edge.selected.items())
             where = f"stays in {source}" if source == target else f"{source} → {target}"
-            moves.append(f"{process.name} {where}" + (f" ({chosen})" if chosen else ""))
+            moves.append(f"{names.element(process.name)} {where}" + (f" ({chosen})" if chosen else ""))
         if step.channel is None:
             return moves[0]
-        return f"{step.channel}: " + "; ".join(moves)
+        return f"{names.element(step.channel)}: " + "; ".join(moves)
 
 
 def _ms(time: Fraction) -> str:

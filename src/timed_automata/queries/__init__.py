@@ -1,6 +1,13 @@
 """UPPAAL's requirement language: queries as text, and their conditions over data and clocks."""
 
-from ._compile import compile_clock, compile_formula, compile_integer, compile_without_deadlock, location_of
+from ._compile import (
+    bounds_of,
+    compile_clock,
+    compile_formula,
+    compile_integer,
+    compile_without_deadlock,
+    location_of,
+)
 from ._formula import All, Case, Comparison, ConditionFilter, Data, Formula, Some, mentions_deadlock
 from ._query import Query, parse_query
 
@@ -13,6 +20,7 @@ __all__ = [
     "Formula",
     "Query",
     "Some",
+    "bounds_of",
     "compile_clock",
     "compile_formula",
     "compile_integer",

@@ -83,6 +83,11 @@ def compile_integer(network: Network, node: ast.Expression) -> Callable[..., Any
     return expressions.function_of(expressions.integer(node).source)
 
 
+def bounds_of(network: Network, type_: ast.TypeName) -> tuple[int, int]:
+    """What a quantifier of a query runs through, both ends included."""
+    return _QueryExpressions(network).bounds(type_)
+
+
 def location_of(network: Network, condition: ast.Expression | None) -> tuple[int, int] | None:
     """A location without which a condition does not hold; None if it names none."""
     expressions = _QueryExpressions(network)

@@ -39,7 +39,8 @@ class Machine:
         self._successors = SuccessorCache(self._semantics)
         self._clocks = ClockInstants(len(network.clocks), US_PER_UNIT)
         self._clocks.start(0)
-        if not self._semantics.allowed(self.state) or self._latest() < 0:
+        first, last = self._clocks.window(self._semantics.invariant(self.state))
+        if not self._semantics.allowed(self.state) or first > 0 or last < 0:
             what = "The initial state violates an invariant."
             raise ModelError(what, where=network.document.path, todo="No run begins there.")
 

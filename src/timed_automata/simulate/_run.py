@@ -49,7 +49,7 @@ def simulate(
     """Simulate a concrete run from the initial state, delays within the invariants.
 
     The choices are taken first. Before each of them, what cannot wait (committed and urgent locations, urgent
-    channels) is taken by chance unless it is what is chosen. After the last one, the run goes on by chance.
+    channels) is taken at random unless it is what is chosen. After the last one, the run goes on at random.
 
     Args:
         network: a loaded network.

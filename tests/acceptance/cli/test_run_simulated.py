@@ -36,14 +36,14 @@ class Started:
             start_new_session=True,
         )
 
-    def read_until(self, beginning: str) -> None:
+    def read_until(self, pattern: str) -> None:
         assert self.process.stdout is not None
         said = []
         for line in self.process.stdout:
             said.append(line)
-            if line.startswith(beginning):
+            if re.match(pattern, line):
                 return
-        raise AssertionError(f"{beginning!r} was not said: {said}")
+        raise AssertionError(f"{pattern!r} was not said: {said}")
 
     def others(self) -> list[str]:
         """Testbench and arbiter: they name the description in the temporary folder."""
@@ -88,6 +88,19 @@ def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_pa
     assert (tmp_path / "recorded" / "states.csv").exists()
 
 
+@pytest.mark.alone  # as above
+def test_what_goes_wrong_is_chosen_at_the_start_and_while_it_runs(started: list[Started]) -> None:
+    script = "lock; wait 1; grip; scenario leek:cylinder; scenario nominal; wait 1; grip; drop"
+    tool = Started("--scenario", "supply:300", "--script", script)
+    started.append(tool)
+    out, _ = tool.process.communicate(timeout=LONG_S)
+    grip, leek, *rest = [line for line in out.splitlines() if re.match("refused|[A-Z]+: succeeded", line)][1:]
+    assert grip.startswith("refused: grip. IL-06")
+    assert leek == "refused: scenario. no fault is named 'leek'. Did you mean 'leak'?"
+    assert rest == ["SCENARIO: succeeded. From now on: nominal", "GRIP: succeeded", "RELEASE: succeeded"]
+    assert tool.process.returncode == 1
+
+
 def test_commands_come_from_the_prompt(started: list[Started]) -> None:
     tool = Started()
     started.append(tool)
@@ -99,7 +112,7 @@ def test_commands_come_from_the_prompt(started: list[Started]) -> None:
 def test_a_signal_leaves_no_process_and_no_file(number: signal.Signals, started: list[Started]) -> None:
     tool = Started("--script", "lock; grip; wait 600")
     started.append(tool)
-    tool.read_until("GRIP: ")  # whether it succeeds on a busy machine is not asked here
+    tool.read_until("GRIP: |refused: grip")  # whether it succeeds on a busy machine is not asked here
     assert len(tool.others()) == 2
     # as a terminal does it: to the whole group, and by somebody who is impatient
     for _ in range(2):
@@ -112,7 +125,7 @@ def test_a_signal_leaves_no_process_and_no_file(number: signal.Signals, started:
 def test_who_is_killed_leaves_no_process(started: list[Started]) -> None:
     tool = Started("--script", "lock; wait 600")
     started.append(tool)
-    tool.read_until("LOCK")
+    tool.read_until("LOCK: ")
     tool.process.kill()
     wait_until("testbench and arbiter end", lambda: tool.others() == [])
 

@@ -1,4 +1,4 @@
-"""What differs between the generations of ROS: the rows of the table in ``docs/ros2.md``, by name.
+"""What differs between the generations of ROS: the rows of the table in ``docs/reference/ros2.md``, by name.
 
 A check whose expectation differs names the row that allows it; a row that no check names is a fault (`test_list`).
 """

@@ -13,7 +13,8 @@ FILES = sorted(each for each in Path(__file__).parent.glob("test_*.py") if each.
 
 
 def test_the_table_of_the_docs_has_these_rows_and_no_others() -> None:
-    text = (DOCS / "ros2.md").read_text(encoding="utf-8").partition("## What differs from ROS 1\n")[2]
+    page = (DOCS / "reference/ros2.md").read_text(encoding="utf-8")
+    text = page.partition("## What differs from ROS 1\n")[2]
     rows = re.findall(r"^\| (.+?) \| (.+?) \| (.+?) \| (.*?) ?\|$", text.partition("\n## ")[0], re.MULTILINE)
     assert [name for name, *_ in rows] == [each.value for each in Difference]
     assert all(one != two and why for _, one, two, why in rows), "in words, with a reason"

@@ -222,7 +222,7 @@ def test_silence_while_held_freezes_and_is_told(holding: Hal) -> None:
     holding.choose("silent-after:0")
     state = holding.sees("UNKNOWN", lambda each: each["evidence_names"] == ["UNKNOWN"] * 3)
     assert (state["state_name"], state["held"], state["lift_allowed"]) == ("GRIPPED", True, False)
-    holding.until("the alarm", lambda: holding.alarmed("No reading: Bottom vacuum is held"))
+    holding.until("the alarm", lambda: holding.alarmed("No valid reading of Bottom vacuum while"))
     holding.sees(
         "no positions", lambda each: (each["tool_position_name"], each["tool_stand_name"]) == ("UNKNOWN",) * 2
     )

@@ -173,6 +173,9 @@ def test_diagnostics_come_from_every_node_and_are_well(heard: Mapping[str, Heard
     # an alarm of a check before stays for some time
     running.until("all are well", well)
     assert set(newest) == set(NODES)
+    tools = {value["value"] for each in newest.values() for value in each["values"] if value["key"] == "tool"}
+    assert tools == {"verdin_gripper"}
+    assert all(any(value["key"] == "tool" for value in each["values"]) for each in newest.values())
     port = str(running.world.port)
     assert {name: each["hardware_id"] for name, each in newest.items()} == {
         node: port if node == "Pressure" else "verdin_gripper" for node in NODES

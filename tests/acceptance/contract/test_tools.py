@@ -16,13 +16,13 @@ START_S, HOUR_S = 1_000_000.0, 3600.0
 
 @pytest.fixture(scope="module")
 def left(running: Hal, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Hal]:
-    """A second tool with hardware of its own, in the namespace ``/left``, and with a simulated clock."""
+    """A second tool with hardware of its own, in the namespace ``/left``, a frame of its own, and a simulated clock."""
     running.start_all()
     folder = tmp_path_factory.mktemp("left")
     running.driver.ask("clock", seconds=START_S)
     with World(quick(), "nominal", folder) as world:
-        simulated = {"use_sim_time": "true"} if GENERATION == 2 else {}
-        hal = Hal(world, running.ros, running.layout, running.driver, "/left", simulated)
+        own = {"frame_id": "left_flange", **({"use_sim_time": "true"} if GENERATION == 2 else {})}
+        hal = Hal(world, running.ros, running.layout, running.driver, "/left", own)
         if GENERATION == 1:
             running.driver.ask("set_parameter", node="", name="use_sim_time", value=True)
         try:
@@ -54,6 +54,14 @@ def test_every_name_moves_into_the_namespace(both: tuple[Hal, Hal]) -> None:
     }
     root.until("the same names", lambda: names("/left") - {("subscriber", "/clock")} == wanted)
     assert {f"/left/{node}" for node in NODES} <= set(root.driver.ask("nodes"))
+
+
+def test_pressures_have_the_frame_of_their_tool_or_the_one_that_is_named(both: tuple[Hal, Hal]) -> None:
+    """Where it is measured, as a transform knows it: never the name of a channel."""
+    heard = [hal.driver.subscribe(hal.full("PressureVacuumTop"), "sensor_msgs/FluidPressure") for hal in both]
+    both[0].until("both", lambda: all(each.messages for each in heard))
+    frames = [each.newest["header"]["frame_id"] for each in heard]
+    assert frames == ["verdin_gripper_link", "left_flange"]
 
 
 def test_one_tool_grips_and_the_other_does_not_move(both: tuple[Hal, Hal]) -> None:

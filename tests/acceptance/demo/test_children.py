@@ -112,7 +112,7 @@ def test_end_since_leaves_those_before(tmp_path: Path) -> None:
 
 
 def test_one_that_ends_before_it_is_ready_is_told_with_its_last_lines(tmp_path: Path) -> None:
-    command = [sys.executable, "-c", "print('reading'); raise SystemExit('there is no chip')"]
+    command = [sys.executable, "-c", "print('reading', flush=True); raise SystemExit('there is no chip')"]
     with Children() as children:
         child = children.start("line arbiter", command, log=tmp_path / "owner.log", failed=ArbiterError)
         with pytest.raises(ArbiterError) as raised:

@@ -16,7 +16,7 @@ EEHAL = '#!/bin/sh\nexec "{python}" -c "from end_effector_hal.cli import main; m
 
 
 class Environment:
-    """What a user has after `pip install end-effector-hal[lab]`; nothing comes from the network."""
+    """What a user has after `pip install '.[lab]'`; nothing comes from the network."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -25,6 +25,14 @@ KILLED = {
     "bistable_and_magnet": ((BOTH, "GRIPPING magnet"), ("LineOwner", "GRIPPED"), ("HAL", "RELEASING")),
     "six_cups": (("LineOwner", "GRIPPING cup_6"), ("HAL", "GRIPPED"), (BOTH, "RELEASING")),
     "two_coil_changer": (("HAL", "unlocking"), (BOTH, "unlocking")),
+    "two_links": (("HAL", "GRIPPING jaw"), (BOTH, "GRIPPED")),
+    "diy_text": (("HAL", "GRIPPED"), ("LineOwner", "RELEASING")),
+    "diy_record": (("HAL", "GRIPPING cups"), (BOTH, "GRIPPED")),
+    "diy_vacuum": (("LineOwner", "GRIPPED"), ("HAL", "RELEASING")),
+    "two_epick": (("HAL", "GRIPPING right"), ("LineOwner", "GRIPPED")),
+    "area_gripper": (("HAL", "GRIPPING row_5"), (BOTH, "GRIPPED")),
+    "gripper_2f85": (("HAL", "GRIPPED"), (BOTH, "GRIPPED")),
+    "epick_commanded": (("HAL", "GRIPPED"), ("LineOwner", "GRIPPED")),
 }
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli import _listen
 from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.cli.doctor._link import look_at_link
+from end_effector_hal.cli.listen import _listen
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.runtime import EndEffector, Refused
 from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
@@ -40,7 +40,7 @@ def test_it_is_checked_verified_demonstrated_and_replayed(tmp_path: Path) -> Non
     proof = json.loads(eehal("verify", TOOL, "--json"))
     assert all(each["holds"] for each in proof["requirements"])
     eehal("demo", TOOL, "--no-ros", "--only", "nominal", "-o", tmp_path)
-    assert "decides the same" in eehal("replay", tmp_path / "nominal")
+    assert "decisions, all identical" in eehal("replay", tmp_path / "nominal")
 
 
 @pytest.fixture

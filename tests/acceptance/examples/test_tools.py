@@ -53,7 +53,7 @@ def test_it_is_checked_verified_demonstrated_recorded_and_replayed(name: str, tm
     description = load_tool(tool)
     states = [row.split(",") for row in (run / "states.csv").read_text("utf-8").splitlines()]
     assert states[0][3:] == list(description.sequence)
-    assert "decides the same" in eehal("replay", run)
+    assert "decisions, all identical" in eehal("replay", run)
 
 
 @pytest.fixture

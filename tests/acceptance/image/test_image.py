@@ -49,7 +49,7 @@ def test_what_it_needs_can_be_imported(box: Box, image: Image) -> None:
 
 def test_figures_are_drawn_elsewhere(box: Box) -> None:
     done = box.run("eehal", "model", "show")
-    assert (done.returncode, "pip install 'end-effector-hal[lab]'" in done.stderr) == (2, True)
+    assert (done.returncode, "pip install '.[lab]'" in done.stderr) == (2, True)
 
 
 def test_nothing_is_compiled_again_at_each_start(box: Box) -> None:

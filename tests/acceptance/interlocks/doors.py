@@ -195,7 +195,7 @@ def _(rig: Rig) -> str:
 # IL-06: supply pressure
 
 
-@cell("IL-06", "action", r"^IL-06: the supply pressure is 390 kPa, a grip takes 400 kPa")
+@cell("IL-06", "action", r"^IL-06: the supply pressure is 390 kPa, a grip requires at least 400 kPa")
 def _(rig: Rig) -> str:
     rig.show(supply=390_000)
     return rig.action("grip")
@@ -237,7 +237,7 @@ no("IL-07", "socket", "refuses a new grip; a line is none")
 
 # IL-08: blow-off never together with suction
 
-no("IL-08", "action", "no automaton drives a blow-off valve")
+no("IL-08", "action", "a release that blows leaves the gap by itself: proven (blow-gap)")
 no("IL-08", "service", "no service drives a blow-off valve")
 
 

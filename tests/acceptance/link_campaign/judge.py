@@ -22,6 +22,7 @@ class Judge:
 
     Promised for exchanged sensors: GRIPPED is true all the same. A single step may be taken for another.
     Promised for frozen ones: they are believed for two seconds at most.
+    A machine that stands still moves neither the devices nor what is said of them: that time is not counted.
 
     Args:
         description: the tool.
@@ -84,8 +85,10 @@ class Judge:
             self._held, self._awaiting = True, False
             self._confirmed(status.at, self._names, "GRIPPED, and not everything is there")
         if last and last.ee == EndEffectorState.RELEASING and status.ee == EndEffectorState.STAND_BY:
-            if not all(self.oracle.gone((name,), self._since(name, status.at)) for name in self._names):
-                self._say(status.at, "STAND_BY, and not everything is gone")
+            there = [n for n in self._names if not self.oracle.gone((n,), self._since(n, status.at))]
+            if there:
+                told = f"evidence {status.evidence}, last look {self.oracle.newest / 1e6:.3f} s"
+                self._say(status.at, f"STAND_BY, and {', '.join(there)} not gone: {told}")
             if self._awaiting and not status.reason:
                 self._say(status.at, "a grip has failed without a reason")
             self._awaiting = False
@@ -121,7 +124,8 @@ class Judge:
 
     def _since(self, name: str, at: int) -> int:
         frozen = at <= self._frozen_until.get(name, -1) + STALE_US
-        return at - STALE_US - SAMPLES_US - self._late_us - (FROZEN_US if frozen else 0)
+        still_us = self.oracle.stood_still_us(at, self._late_us) if self._late_us else 0
+        return at - STALE_US - SAMPLES_US - self._late_us - still_us - (FROZEN_US if frozen else 0)
 
     def _confirmed(self, at: int, names: tuple[str, ...], what: str) -> None:
         if not all(self.oracle.confirmed((name,), self._since(name, at)) for name in names):

@@ -11,6 +11,8 @@ from end_effector_lab.testbench import Bench
 
 MARGIN_KPA = 1.5
 """Noise and lag of a sensor: so far may a truthful one be off."""
+STANDSTILL_US = 100_000
+"""It is looked five times as often: after so long without a look the machine had stood still."""
 
 
 class Oracle:
@@ -19,12 +21,26 @@ class Oracle:
     def __init__(self, description: Description, bench: Bench, longest_us: int) -> None:
         self._description, self._bench, self._longest_us = description, bench, longest_us
         self._seen: deque[tuple[int, dict[str, tuple[bool, bool]]]] = deque()
+        self._standstill = (0, 0)
 
     def look(self, at: int) -> None:
         """Remember how it is at ``at`` µs; the bench is there already."""
+        if self._seen and at - self.newest > STANDSTILL_US:
+            self._standstill = at, at - self.newest
         self._seen.append((at, {name: self._truth(name) for name in self._description.sequence}))
-        while self._seen[0][0] < at - self._longest_us:
+        while self._seen[0][0] < at - self._longest_us - self.stood_still_us(at, self._longest_us):
             self._seen.popleft()
+
+    @property
+    def newest(self) -> int:
+        """µs of the last look."""
+        return self._seen[-1][0] if self._seen else 0
+
+    def stood_still_us(self, at: int, within_us: int) -> int:
+        """How long nothing moved, up to at most ``within_us`` before ``at``; while it does now, until ``at``."""
+        ended, lasted = self._standstill
+        now = max(0, at - self.newest) if at - self.newest > STANDSTILL_US else 0
+        return max(now, lasted if at - ended <= within_us else 0)
 
     def confirmed(self, names: Iterable[str], since: int) -> bool:
         """Whether each of them was really there at some time since then."""

@@ -73,7 +73,7 @@ def with_a_drop_at_every_doubt(patch: pytest.MonkeyPatch) -> None:
         [
             (with_a_drop_at_every_doubt, "went inactive while a part was held"),
             (without_staleness, "confirmed"),
-            (without_ranges, "STAND_BY, and not everything is gone"),
+            (without_ranges, "STAND_BY, and "),
             (without_words, "no alarm"),
         ],
         2,

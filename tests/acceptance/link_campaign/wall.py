@@ -39,12 +39,14 @@ class Hardware(World, Watcher):
     def __init__(self, description: Description, folder: Path) -> None:
         super().__init__(description, NOMINAL, folder)
         self.judge: Judge | None = None
+        self.lock = threading.RLock()
         self.error: ReportedError | None = None
 
     def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
         if self.judge:
-            self.judge.oracle.look(at)
-            self.judge.claims(at)
+            with self.lock:
+                self.judge.oracle.look(at)
+                self.judge.claims(at)
 
     def failed(self, error: ReportedError) -> None:
         self.error = error
@@ -75,7 +77,7 @@ class Run:
         assert hardware.judge
         self._hardware, self._tool, self._judge = hardware, tool, hardware.judge
         self._random, self._hands = Random(seed), Random(seed + 1)
-        self._lock, self._ended = threading.RLock(), threading.Event()
+        self._lock, self._ended = hardware.lock, threading.Event()
         self.found = Found()
 
     def play(self, seconds: float) -> Found:

@@ -61,10 +61,10 @@ class Process:
 
 
 class Live:
-    """A tool on virtual wires, its HAL and its page."""
+    """A tool on virtual wires, its HAL and its page, which gets these further options."""
 
-    def __init__(self, folder: Path, scenario: str) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, scenario: str, *options: str) -> None:
+        self.folder, self._options = folder, options
         self.world = World(load(profile_path()), scenario, folder)
 
     def __enter__(self) -> Live:
@@ -72,7 +72,9 @@ class Live:
             undo.enter_context(self.world)
             self.hal = self.start_hal()
             undo.callback(lambda: self.hal.end())  # the one that runs then
-            self.page = Process(self.folder, "page", str(self.world.description_path), "--port", "0")
+            self.page = Process(
+                self.folder, "page", str(self.world.description_path), "--port", "0", *self._options
+            )
             undo.callback(self.page.end)
             self.url = self.page.said(r"http://\S+")[0]
             self._undo = undo.pop_all()

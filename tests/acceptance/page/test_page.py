@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
+import socket
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -12,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.runtime.stream import program_of, program_socket
+from end_effector_hal.wires import now_us
 from tests.acceptance.page.conftest import Live
 from tests.support.patience import wait_until
 
@@ -56,7 +60,7 @@ def press_forbidden(page: Any, word: str) -> None:
 
 
 def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
-    page = opened(chromium, nominal)
+    page = opened(chromium, nominal, viewport={"width": 1440, "height": 1000})
     shows(page, "state-word", "STAND-BY")
     shows(page, "why-grip", "Take control first.")
     press_forbidden(page, "grip")
@@ -73,7 +77,7 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     assert page.get_attribute("#command-unlock", "aria-disabled") == "true"
     press_forbidden(page, "unlock")
     shows(page, "answer", sentence)
-    shot(page, "refused-unlock")
+    shot(page, "refused-unlock")  # docs/images/page.png
     page.wait_for_selector("#cards .hold")
     shot(page, "nominal", whole=True)
     # Drop asks again; no is no
@@ -90,6 +94,84 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     page.locator("#log button", has_text="State GRIPPED").first.click()
     shows(page, "event", "guard")
     assert page.asked == {nominal.url.split("/")[2]}, "no request leaves the machine"
+    assert not page.faults
+    page.context.close()
+
+
+def asked(live: Live, word: str) -> str:
+    """Why the HAL itself refuses a command, asked beside the page; empty: it accepts it."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
+        link.settimeout(10)
+        link.connect(str(program_socket(live.world.description, program_of(word))))
+        command = {"id": 1, "command": word, "until_us": now_us() + 1_000_000}
+        link.sendall(json.dumps(command).encode() + b"\n")
+        for line in link.makefile():
+            said = json.loads(line)
+            if said["kind"] == "answer-to":
+                return "" if said["accepted"] else str(said["reason"])
+    raise AssertionError("the HAL has ended the connection")
+
+
+def test_a_forbidden_button_shows_the_sentence_of_the_hal(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    shows(page, "state-word", "STAND-BY")
+    page.click("#control-take")
+    shows(page, "control-who", "This page has the control.")
+    forbidden = {"drop", "cancel", "arm", "unlock"}
+    for state, words in (("STAND-BY", forbidden - {"unlock"}), ("GRIPPED", forbidden - {"drop"} | {"grip"})):
+        shows(page, "state-word", state)
+        for word in words:
+            sentence = asked(nominal, word)
+            assert sentence, word
+            shows(page, f"why-{word}", sentence)
+            assert page.get_attribute(f"#command-{word}", "aria-disabled") == "true"
+        if state == "STAND-BY":
+            page.click("#command-grip")
+            shows(page, "answer", "Grip: accepted.")
+    assert page.get_attribute("#command-drop", "aria-disabled") == "false"
+    assert page.inner_text("#why-drop") == ""
+    assert not page.faults
+    page.context.close()
+
+
+def test_one_actuator_is_driven_in_maintenance(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    shows(page, "state-word", "STAND-BY")
+    assert not page.is_visible("#drive-bottom_vacuum")
+    page.click("#maintenance")
+    shows(page, "why-drive-bottom_vacuum", "Take control first.")
+    page.click("#control-take")
+    shows(page, "why-drive-bottom_vacuum", "For 30 s at most.")
+    page.click("#drive-bottom_vacuum")
+    card = page.locator("#card-bottom_vacuum")
+    card.get_by_text("● confirmed").wait_for()
+    shows(page, "why-drive-bottom_vacuum", "Deactivated in")
+    shows(page, "why-grip", "IL-12: a grip is refused during maintenance.")
+    shows(page, "held-word", "NO")
+    shot(page, "maintenance")
+    page.click("#drive-bottom_vacuum")
+    card.get_by_text("○ gone").wait_for()
+    page.click("#command-grip")
+    shows(page, "state-word", "GRIPPED")
+    sentence = page.inner_text("#why-drive-cylinder")
+    assert sentence.startswith("IL-12"), sentence
+    page.focus("#drive-cylinder")
+    page.keyboard.press("Enter")
+    shows(page, "answer", sentence)
+    assert "Page 1: activate Bottom vacuum." in page.inner_text("#log")
+    assert not page.faults
+    page.context.close()
+
+
+def test_an_edge_shows_the_requirements_that_speak_of_it(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    page.wait_for_selector("#automata-edge option:nth-child(2)", state="attached")
+    choices = page.locator("#automata-edge option").all_inner_texts()
+    number = next(at for at, text in enumerate(choices) if text.endswith("StandBy → Activate"))
+    page.select_option("#automata-edge", index=number)
+    page.locator("#automata .spoken li", has_text="order-step").wait_for()
+    page.locator("#automata").scroll_into_view_if_needed()
+    shot(page, "requirements")
     assert not page.faults
     page.context.close()
 
@@ -135,7 +217,7 @@ def test_the_page_itself_that_dies_is_said_too(chromium: Any, nominal: Live) -> 
     page = opened(chromium, nominal)
     nominal.page.child.send_signal(signal.SIGSTOP)
     page.wait_for_selector("body.stale", timeout=1_200 + 600)
-    shows(page, "news", "The process of this page is not heard.")
+    shows(page, "news", "Lost connection to `eehal page`.")
     nominal.page.child.send_signal(signal.SIGCONT)
     page.wait_for_selector("body:not(.stale)", timeout=20_000)
     page.context.close()
@@ -188,7 +270,7 @@ def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
         shows(page, "goal-detail", "at most 58.00 s")
         shot(page, "failing-attempt", whole=True)
         page.click("#control-take")  # gives it back: who sees that a grip must end may end it
-        shows(page, "control-who", "Nobody has the control.")
+        shows(page, "control-who", "No page is in control.")
         shows(page, "why-cancel", "No emergency stop.")
         page.click("#command-cancel")
         shows(page, "state-word", "STAND-BY")

@@ -1,4 +1,4 @@
-"""The client of docs/actions.md copes with a HALMain that was killed in the middle of its goal."""
+"""The client of docs/reference/actions.md copes with a HALMain that was killed in the middle of its goal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from end_effector_hal.vocabulary import EndEffectorState
 from tests.support.places import DOCS
 
 pytestmark = pytest.mark.ros
-ACTIONS = DOCS / "actions.md"
+ACTIONS = DOCS / "reference/actions.md"
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Every end of a goal that HALMain gives, against the table of docs/actions.md: status, outcome, words, state."""
+"""Every end of a goal, against the table of docs/reference/actions.md: status, outcome, words, state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.support.patience import wait_until
 from tests.support.places import DOCS
 
 pytestmark = pytest.mark.ros
-ACTIONS = DOCS / "actions.md"
+ACTIONS = DOCS / "reference/actions.md"
 
 
 @pytest.fixture

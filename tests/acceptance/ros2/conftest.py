@@ -30,7 +30,19 @@ PACKAGE = ROOT / "ros" / "end_effector_hal"
 STROKE_MM = 80.0
 """Of the cylinder: the description of the paper's tool has none."""
 
+OF_WHEELS = ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+"""What the wheels leave in the environment for their own process, when they are imported."""
+
 collect_ignore_glob = [] if importlib.util.find_spec("rclpy") else ["test_*.py"]
+
+
+def without_wheels() -> dict[str, str]:
+    """The environment for a process that imports them anew, or others; no ROS is sourced there."""
+    return {
+        name: value
+        for name, value in os.environ.items()
+        if name not in OF_WHEELS and not name.startswith("ROS_")
+    }
 
 
 class Sent:

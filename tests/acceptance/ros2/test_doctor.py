@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import signal
 import subprocess
@@ -14,6 +13,7 @@ import pytest
 
 from end_effector_lab.demo._ros2 import apart
 from end_effector_lab.processes import EEHAL
+from tests.acceptance.ros2.conftest import without_wheels
 from tests.support.patience import PATIENCE_S
 
 NODE = "import rclpy; rclpy.init(); node = rclpy.create_node('x'); print('up', flush=True); input()"
@@ -23,7 +23,7 @@ def told(tmp_path: Path, **env: str) -> dict[str, str]:
     """Levels by what was said of ROS."""
     done = subprocess.run(
         [*EEHAL, "doctor", "--only", "ros", "--json"],
-        env={**os.environ, **apart(tmp_path), **env},
+        env={**without_wheels(), **apart(tmp_path), **env},
         capture_output=True, text=True, timeout=PATIENCE_S, check=False,
     )  # fmt: skip
     return {each["what"]: each["status"] for each in json.loads(done.stdout)["findings"]}
@@ -57,7 +57,7 @@ def test_messages_of_something_else(tmp_path: Path, module: str, text: str, word
 
 
 def test_what_a_killed_process_left_is_told(tmp_path: Path) -> None:
-    env = {**os.environ, **apart(tmp_path)}
+    env = {**without_wheels(), **apart(tmp_path)}
     with subprocess.Popen(
         [sys.executable, "-c", NODE], env=env, stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as process:

@@ -12,11 +12,10 @@ from typing import Any
 import pytest
 
 from end_effector_hal.vocabulary import EndEffectorState
+from tests.acceptance.ros2.conftest import without_wheels
 
 CLIENT = Path(__file__).with_name("peer_client.py")
 PEERS = {"this one": sys.executable, "another": os.environ.get("EEHAL_ROS2_PEER", "")}
-OF_WHEELS = ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
-"""What the wheels leave in the environment for their own distribution."""
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 
@@ -26,7 +25,7 @@ def test_a_client_of_the_tutorials_grips_cancels_and_drops(system: Any, peer: st
         pytest.skip("make test-ros2-peer makes the environment of another distribution")
     done = subprocess.run(
         [PEERS[peer], str(CLIENT), "TriggerGrip!", "TriggerGrip", "UnlockToolChanger", "Drop"],
-        env={name: value for name, value in os.environ.items() if name not in OF_WHEELS} | system.env,
+        env=without_wheels() | system.env,
         capture_output=True, text=True, timeout=150, check=False,
     )  # fmt: skip
     said = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]

@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -13,12 +14,12 @@ import pytest
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.runtime import EndEffector
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires import now_us
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL, Child
 from end_effector_lab.testbench import PtyPort
-from end_effector_lab.testbench.modbus import EPick, Gripper2F85, RtuServer
+from end_effector_lab.testbench.modbus import Gripper2F85, RtuServer, SimulatedEPick
 from tests.support.patience import PATIENCE_S, wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
@@ -30,7 +31,7 @@ OPEN, CLOSE = (0x0900, 0, 0xFFFF), (0x0900, 0x00FF, 0xFFFF)
 class Cable:
     """A pty with one device of Robotiq's at its far end; ``cut`` while nothing passes."""
 
-    def __init__(self, place: Path, device: Gripper2F85 | EPick) -> None:
+    def __init__(self, place: Path, device: Gripper2F85 | SimulatedEPick) -> None:
         self.port, self.device, self.cut = str(place / "uart"), device, False
         self._pty = PtyPort(self.port)
         self._pty.open()
@@ -53,7 +54,7 @@ class Cable:
 class Rig:
     """Cable and line arbiter; programs are started by the tests."""
 
-    def __init__(self, name: str, device: Gripper2F85 | EPick, folder: Path) -> None:
+    def __init__(self, name: str, device: Gripper2F85 | SimulatedEPick, folder: Path) -> None:
         tool = load_tool(TOOLS / name / "end_effector.yaml")
         self.cable, self.device = Cable(folder, device), device
         self.world = World(
@@ -82,6 +83,20 @@ class Rig:
         again.wait_until(lambda: "ready:" in again.text(), timeout_s=PATIENCE_S, what="it was ready")
         return again
 
+    @contextmanager
+    def ready(self) -> Iterator[EndEffector]:
+        """A program in this process, once it knows the tool's state."""
+        with EndEffector.open(self.world.description) as tool:
+            tool.wait_ready(READY_S)
+            yield tool
+
+    @contextmanager
+    def gripping(self) -> Iterator[EndEffector]:
+        """The same, which has gripped."""
+        with self.ready() as tool:
+            wait_until("a grip", lambda: tool.grip().succeeded)
+            yield tool
+
     def program(self, script: str) -> Child:
         command = [*EEHAL, "run", str(self.world.description_path), "--script", script]
         return self.world.children.start("program", command, log=self.folder / "run.log")
@@ -98,8 +113,7 @@ def gripper(tmp_path: Path) -> Iterator[Rig]:
 
 
 def test_it_grips_and_drops_and_an_empty_grip_says_so(gripper: Rig) -> None:
-    with EndEffector.open(gripper.world.description) as tool:
-        tool.wait_ready(READY_S)
+    with gripper.ready() as tool:
         assert gripper.device.written == []  # nothing moves at a start
         wait_until("a grip", lambda: tool.grip().succeeded)
         assert gripper.device.holds
@@ -119,8 +133,7 @@ def test_a_killed_program_holds_what_it_held_and_its_successor_drops_it(gripper:
     os.killpg(program.pid, signal.SIGKILL)
     with ArbiterClient(gripper.world.socket, "test") as observer:
         wait_until("its death is known", lambda: not observer.status()["clients"])
-    with EndEffector.open(gripper.world.description) as tool:
-        tool.wait_ready(READY_S)
+    with gripper.ready() as tool:
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert len(gripper.device.written) == told
         assert tool.drop().succeeded
@@ -136,24 +149,19 @@ def test_a_program_that_is_killed_while_it_grips_has_its_last_will_done_over_the
 
 
 def test_a_killed_arbiter_leaves_it_holding_and_the_next_one_adopts_and_writes_nothing(gripper: Rig) -> None:
-    with EndEffector.open(gripper.world.description) as tool:
-        tool.wait_ready(READY_S)
-        wait_until("a grip", lambda: tool.grip().succeeded)
+    with gripper.gripping() as tool:
         told = len(gripper.device.written)
         gripper.kill_arbiter()
     again = gripper.arbiter_again()
     assert "modbus:9/0x03E8=1" in again.text()
-    with EndEffector.open(gripper.world.description) as tool:
-        tool.wait_ready(READY_S)
+    with gripper.ready() as tool:
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert len(gripper.device.written) == told
         assert tool.drop().succeeded
 
 
 def test_a_cut_cable_while_it_holds_is_told_and_changes_nothing(gripper: Rig) -> None:
-    with EndEffector.open(gripper.world.description) as tool:
-        tool.wait_ready(READY_S)
-        wait_until("a grip", lambda: tool.grip().succeeded)
+    with gripper.gripping() as tool:
         told = len(gripper.device.written)
         gripper.cable.cut = True
         wait_until("it is told", lambda: tool.status.alarms)
@@ -165,10 +173,71 @@ def test_a_cut_cable_while_it_holds_is_told_and_changes_nothing(gripper: Rig) ->
         assert tool.drop().succeeded
 
 
-def test_a_drop_over_a_cut_cable_is_no_success_and_is_done_when_it_is_back(gripper: Rig) -> None:
+def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_next_grip_until_a_reset(
+    gripper: Rig,
+) -> None:
     with EndEffector.open(gripper.world.description) as tool:
         tool.wait_ready(READY_S)
         wait_until("a grip", lambda: tool.grip().succeeded)
+        told = len(gripper.device.written)
+        gripper.device.fault = 0xC
+        wait_until("it is told", lambda: "Gripper fault: internal fault; ask Robotiq." in tool.status.alarms)
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        wait_until("its sensors prove nothing", lambda: tool.status.evidence[0] is Evidence.UNKNOWN)
+        wait_until(
+            "the arbiter has latched it", lambda: "gripper_fault has shown a fault" in gripper.faults()
+        )
+        assert not tool.reset().accepted
+        assert len(gripper.device.written) == told
+        gripper.device.fault = 0
+        wait_until("it is proven again", lambda: tool.status.evidence[0] is Evidence.CONFIRMED)
+        assert tool.status.ee == EndEffectorState.GRIPPED
+        assert tool.drop().succeeded
+        refused = tool.begin(Command.GRIP)
+        assert "IL-07: Over: Gripper fault: internal fault; ask Robotiq. Reset it first." in str(refused)
+        assert tool.reset().accepted
+        wait_until("nothing is told", lambda: not tool.status.alarms)
+        wait_until("a grip", lambda: tool.grip().succeeded)
+
+
+def test_a_latched_fault_of_the_gripper_outlives_the_program_and_the_arbiter(gripper: Rig) -> None:
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        gripper.device.fault = 0xC
+        wait_until(
+            "the arbiter has latched it", lambda: "gripper_fault has shown a fault" in gripper.faults()
+        )
+        gripper.device.fault = 0
+    gripper.kill_arbiter()
+    gripper.arbiter_again()
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        failed = tool.grip()
+        assert not failed.succeeded
+        assert "gripper_fault has shown a fault; reset the faults first" in failed.reason
+        assert CLOSE not in gripper.device.written
+        assert tool.reset().accepted
+        wait_until("a grip", lambda: tool.grip().succeeded)
+
+
+def test_a_fault_that_an_activation_clears_is_cleared_by_the_next_grip_and_never_before(gripper: Rig) -> None:
+    with EndEffector.open(gripper.world.description) as tool:
+        tool.wait_ready(READY_S)
+        wait_until("a grip", lambda: tool.grip().succeeded)
+        assert tool.drop().succeeded
+        told = len(gripper.device.written)
+        gripper.device.fault = 0xE
+        alarm = "Gripper fault: overcurrent; the next grip activates it again."
+        wait_until("it is told", lambda: alarm in tool.status.alarms)
+        assert len(gripper.device.written) == told
+        wait_until("a grip", lambda: tool.grip().succeeded)
+        assert gripper.device.written[told:][:2] == [(0, 0, 0), (0x0100, 0, 0)]
+        wait_until("it is over", lambda: f"Over: {alarm}" in tool.status.alarms)
+        assert tool.reset().accepted
+
+
+def test_a_drop_over_a_cut_cable_is_no_success_and_is_done_when_it_is_back(gripper: Rig) -> None:
+    with gripper.gripping() as tool:
         gripper.cable.cut = True
         assert not tool.drop().succeeded
         assert "no device acknowledges it" in gripper.faults()
@@ -192,16 +261,13 @@ def test_a_start_without_the_device_guesses_and_knows_when_it_is_there(tmp_path:
 def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_and_not_told_again(
     tmp_path: Path,
 ) -> None:
-    with Rig("epick_commanded", EPick(now_us()), tmp_path) as rig:
-        with EndEffector.open(rig.world.description) as tool:
-            tool.wait_ready(READY_S)
-            wait_until("a grip", lambda: tool.grip().succeeded)
+    with Rig("epick_commanded", SimulatedEPick(now_us()), tmp_path) as rig:
+        with rig.gripping() as tool:
             told = len(rig.device.written)
             rig.kill_arbiter()
         heard = rig.device._heard_at
         wait_until("it has heard nothing for a second", lambda: now_us() - heard > 1_100_000)
         rig.arbiter_again()
-        with EndEffector.open(rig.world.description) as tool:
-            tool.wait_ready(READY_S)
+        with rig.ready() as tool:
             assert tool.status.ee == EndEffectorState.GRIP_ERROR
             assert len(rig.device.written) == told

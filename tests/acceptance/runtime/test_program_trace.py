@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,7 @@ from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.verification.replay import load_trace, review, traces_of
 from end_effector_hal.vocabulary import EndEffectorState as State
 from tests.support.lone_program import BOTTOM, CYLINDER, LINES, OFF, ON, TOP, Tool
-from tests.unit.verification.replay.conftest import numbers
+from tests.unit.verification.replay.conftest import edited, numbers
 
 pytestmark = pytest.mark.wall
 
@@ -62,6 +63,17 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     assert any(step["line"] == BOTTOM for content in lines for step in content["will"])
     statuses = [trace.content(number)["ee"] for number in numbers(trace, "status")]
     assert statuses[-1] == State.STAND_BY
+    written = numbers(trace, "lines", lambda content: content["levels"])
+    assert len(written) > 8
+    for number in written:
+        false = review(edited(trace, number, invert))
+        assert any("no decision asks for it" in each.what for each in false.objections), number
+        assert not false.ok
+
+
+def invert(content: dict[str, Any]) -> None:
+    """Other levels than were written."""
+    content["levels"] = {line: not level for line, level in content["levels"].items()}
 
 
 def test_a_unit_begins_segments_while_it_works(tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ def running(world: World) -> Iterator[subprocess.Popen[str]]:
         try:
             assert process.stdout is not None
             assert process.stdin is not None
-            while "STAND-BY" not in (line := process.stdout.readline()):
+            while "STAND_BY" not in (line := process.stdout.readline()):
                 assert line, "it ended"
             yield process
             process.stdin.close()

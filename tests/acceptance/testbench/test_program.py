@@ -140,7 +140,8 @@ def test_quit_ends_it(start: Start) -> None:
     line(process)
     assert process.communicate("scenario leak:cylinder\nquit\n", timeout=PATIENCE_S) == (
         "",
-        "refused: 'leak:cylinder': cylinder cannot have this fault.\n",
+        "refused: 'leak:cylinder': cylinder cannot have this fault. It can have: fails-once, fails, never-confirms, "
+        "stuck-release, lost-after, invalid, shows, frozen-after, swapped.\n",
     )
     assert process.returncode == 0
 

@@ -110,6 +110,69 @@ def test_what_was_sent_before_opening_is_not_delivered(port, heard):
     assert heard.frames[0].seq == 2
 
 
+class Stalled(Heard):
+    """Stands still at the frame 1 until it is let go: meanwhile the kernel keeps what comes."""
+
+    def __init__(self):
+        super().__init__()
+        self.go = threading.Event()
+
+    def frame(self, frame):
+        super().frame(frame)
+        if frame.seq == 1:
+            self.go.wait(10)
+
+
+def test_what_waited_to_be_read_is_stamped_as_old_as_it_is(port):
+    heard = Stalled()
+    with PtyPair(port) as pty, reader(port, heard):
+        heard.wait_state(LinkState.SILENT)
+        pty.write(line(1))
+        heard.wait_frames(1)
+        pty.write(b"".join(line(2 + n) for n in range(40)))
+        time.sleep(1)
+        heard.go.set()
+        heard.wait_frames(41)
+    newest = heard.frames[-1].at
+    assert [newest - frame.at for frame in heard.frames[1:]] == [20_000 * n for n in range(39, -1, -1)]
+
+
+@pytest.mark.parametrize("frames", [1, 5])
+def test_what_may_have_come_before_a_silence_is_as_old_as_it_can_be(port, frames):
+    """The process stood still for a second: five frames came, and then, perhaps, the cable off."""
+    heard = Stalled()
+    with PtyPair(port) as pty, reader(port, heard):
+        heard.wait_state(LinkState.SILENT)
+        pty.write(line(1))
+        heard.wait_frames(1)
+        begun = now_us()
+        pty.write(b"".join(line(2 + n) for n in range(frames)))
+        time.sleep(1)
+        heard.go.set()
+        heard.wait_frames(1 + frames)
+        time.sleep(0.2)
+        pty.write(line(9))  # a link that is heard again after a silence is new
+        heard.wait_frames(2 + frames)
+    assert all(frame.at <= begun for frame in heard.frames[1:-1])
+    assert now_us() - heard.frames[-1].at < 200_000
+
+
+def test_when_the_buffer_of_the_kernel_was_full_all_of_it_is_thrown_away(port):
+    heard = Stalled()
+    with PtyPair(port) as pty, reader(port, heard) as link:
+        heard.wait_state(LinkState.SILENT)
+        pty.write(line(1))
+        heard.wait_frames(1)
+        while pty.write(line(2)):
+            pass
+        heard.go.set()
+        while link.health.errors.get("late", 0) < 4_000:
+            time.sleep(0.01)
+        pty.write(b"\r\n" + line(3))
+        heard.wait_frames(2)
+    assert [frame.seq for frame in heard.frames] == [1, 3]
+
+
 def test_it_comes_back_when_the_other_end_does(port, heard):
     with reader(port, heard) as link:
         heard.wait_state(LinkState.DOWN)

@@ -11,11 +11,12 @@ from end_effector_hal.control import GripLastWill, Status, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.vocabulary import Command, EndEffectorState, LastWillStep
+from tests.support.seen import SeenStep, seen
 from timed_automata import make_network, read_document
 from timed_automata.explore import Explorer
 
 MS = 1000
-_KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Owner|Wills)</name>.*?</template>\n", re.DOTALL)
+_KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Owner|Blower|Wills)</name>.*?</template>\n", re.DOTALL)
 _STATES = (
     (EndEffectorState.GRIPPING, Command.GRIP),
     (EndEffectorState.GRIPPED, Command.NONE),
@@ -48,7 +49,7 @@ class Run:
     arbiter_type: type[LineArbiter] = LineArbiter
     left: tuple[str, ...] = ()
     """Lines that an unwinding leaves active."""
-    steps: list[tuple[int, dict[str, str]]] = field(default_factory=list)
+    steps: list[SeenStep] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.lines, self.at = Lines(), 0
@@ -56,7 +57,13 @@ class Run:
         self.names = [part.line for _, part in self.description.ordered]
         assert self.description.tool_changer
         self.unlock = self.description.tool_changer.line
-        self.grip = self.rules.hello("grip", "a" * 32, self.names, (), 0)
+        self.blow_offs = {
+            each.line: self.description.sequence.index(name)
+            for name, each in self.description.blow_offs.items()
+        }
+        self.blowing: set[str] = set()
+        self.state = _STATES[0]
+        self.grip = self.rules.hello("grip", "a" * 32, [*self.names, *self.blow_offs], (), 0)
         self.change = self.rules.hello("tool_change", "b" * 32, [self.unlock], (), 0)
         self.valve = dict.fromkeys(self.names, False)
         self.steps.append((0, {"assignment": "world = APART, changer = LOCKED, ee = STAND_BY"}))
@@ -76,16 +83,9 @@ class Run:
 
     def grips(self, state: tuple[EndEffectorState, Command], line: str, level: bool) -> None:
         """Grip writes one line, with the will that control computes for its state."""
-        self.valve[line] = level
+        self.valve[line], self.state = level, state
         ee, command = state
-        outputs = tuple(self.valve.values())
-        latched = ee is EndEffectorState.GRIP_ERROR and command is Command.NONE
-        held = ee is EndEffectorState.GRIPPED or (latched and any(outputs))
-        left = self.left if ee is EndEffectorState.RELEASING else ()
-        kept = tuple(self.names.index(each) for each in left if self.valve[each])
-        status = Status(
-            self.at, int(ee), int(command), (0,) * len(outputs), outputs, (), held=held, kept=kept
-        )
+        status = self._status(state)
         index = self.names.index(line)
         try:
             self.rules.write(
@@ -94,10 +94,36 @@ class Run:
         except LineRefusedError:
             self.valve[line] = False
         told = f"ee = {int(ee)}, command = {int(command)}, valve[{index}] = {str(self.valve[line]).lower()}"
-        told += "".join(f", kept[{at}] = {str(at in kept).lower()}" for at in range(len(outputs)))
+        told += "".join(f", kept[{at}] = {str(at in status.kept).lower()}" for at in range(len(self.names)))
         channel = "activate" if level else "deactivate"
         self._step({"synchronisation": f"{channel}[{index}]!", "assignment": told})
         self._look()
+
+    def blows(self, line: str, level: bool) -> None:
+        """Grip begins to blow something off, or ends it."""
+        self.blowing = self.blowing | {line} if level else self.blowing - {line}
+        will = GripLastWill(self.description).of(self._status(self.state))
+        try:
+            self.rules.write(self.grip, {line: level}, will, self.at * MS)
+        except LineRefusedError:
+            self.blowing.discard(line)
+        index = self.blow_offs[line]
+        told = f"blow[{index}] = {str(line in self.blowing).lower()}"
+        self._step({"synchronisation": f"blow_{'on' if level else 'off'}[{index}]!", "assignment": told})
+        self._look()
+
+    def _status(self, state: tuple[EndEffectorState, Command]) -> Status:
+        ee, command = state
+        outputs = tuple(self.valve.values())
+        latched = ee is EndEffectorState.GRIP_ERROR and command is Command.NONE
+        held = ee is EndEffectorState.GRIPPED or (latched and any(outputs))
+        left = self.left if ee is EndEffectorState.RELEASING else ()
+        kept = tuple(self.names.index(each) for each in left if self.valve[each])
+        blowing = tuple(self.blow_offs[line] for line in sorted(self.blowing))
+        idle = (0,) * len(outputs)
+        return Status(
+            self.at, int(ee), int(command), idle, outputs, (), held=held, kept=kept, blowing=blowing
+        )
 
     def unlocks(self, level: bool) -> None:
         """ToolChange writes its line."""
@@ -141,28 +167,15 @@ class Run:
 
     def _seen(self) -> str:
         names = [f"line[{index}]" for index in range(len(self.names))] + ["line_unlock"]
-        levels = [self.lines.levels[name] for name in (*self.names, self.unlock)]
+        names += [f"line_blow[{index}]" for index in self.blow_offs.values()]
+        levels = [self.lines.levels[name] for name in (*self.names, self.unlock, *self.blow_offs)]
         return " && ".join(name if level else f"!{name}" for name, level in zip(names, levels, strict=True))
 
     def _model(self, text: str) -> str:
         """The declarations, the two templates, and a process that asks for this run, step by step."""
-        locations, edges = "", ""
-        for number, (at, labels) in enumerate(self.steps):
-            locations += f'<location id="s{number}"><label kind="invariant">z &lt;= {at}</label></location>'
-            guard = "" if labels.get("synchronisation", "").endswith("?") else f"z >= {at}"
-            guard = " && ".join(filter(None, (guard, labels.get("guard", ""))))
-            texts = {**labels, "guard": guard}
-            marks = "".join(
-                f'<label kind="{kind}">{content.replace("&", "&amp;").replace(">", "&gt;")}</label>'
-                for kind in ("guard", "synchronisation", "assignment")
-                if (content := texts.get(kind, ""))
-            )
-            edges += f'<transition><source ref="s{number}"/><target ref="s{number + 1}"/>{marks}</transition>'
-        end = f'<location id="s{len(self.steps)}"><name>End</name></location>'
-        seen = f"<template><name>Seen</name><declaration>clock z;</declaration>{locations}{end}"
         head = text[: text.index("\t<template>")]
         kept = "".join(_KEPT.findall(text))
-        return f'{head}{kept}{seen}<init ref="s0"/>{edges}</template><system>system Seen, Owner, Wills;</system></nta>'
+        return f"{head}{kept}{seen(self.steps)}<system>system Seen, Owner, Blower, Wills;</system></nta>"
 
 
 def random_run(
@@ -174,12 +187,14 @@ def random_run(
     mortal = chooser.choice([run.grip, run.grip, run.change])
     for _ in range(chooser.randrange(4, 14)):
         run.to(run.at + chooser.choice([10, 60, 400, 1700]))
-        if chooser.random() < (0.6 if mortal is run.change else 0.15):
+        if run.blow_offs and chooser.random() < 0.5:
+            run.blows(chooser.choice([*run.blow_offs]), chooser.random() < 0.7)
+        elif chooser.random() < (0.6 if mortal is run.change else 0.15):
             run.unlocks(chooser.random() < 0.7)
         else:
             line = chooser.choice(run.names)
             run.grips(chooser.choice(_STATES), line, chooser.random() < 0.75)
-    active = [run.unlock] if mortal is run.change else run.names
+    active = [run.unlock] if mortal is run.change else [*run.names, *run.blow_offs]
     run.to(run.at + 30)
     if any(run.lines.levels[line] for line in active):
         run.dies(mortal)

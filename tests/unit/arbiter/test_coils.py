@@ -105,6 +105,16 @@ def test_of_a_held_valve_without_a_level_nothing_is_known_until_somebody_writes_
     assert arbiter.wires.state == {JAW: False, CUP: False, BACK: True}
 
 
+def test_a_held_valve_without_a_level_that_is_taken_as_active_is_not_driven_and_reads_so() -> None:
+    arbiter = Running(HELD)
+    arbiter.set(jaw=True)
+    assert arbiter.wires.written == [], "nothing is activated by itself (IL-11)"
+    assert arbiter.rules.levels == arbiter.rules.read_levels() == {JAW: True, CUP: False}
+    arbiter.set(jaw=False)
+    assert arbiter.rules.read_levels()[JAW] is False
+    assert arbiter.wires.state[BACK]
+
+
 def test_a_bistable_valve_gets_a_pulse_at_each_change() -> None:
     arbiter = Running(PULSED, ArbiterState(pulsed={JAW: False}))
     arbiter.set(jaw=True, cup=True)
@@ -150,7 +160,9 @@ def test_a_pulse_that_was_under_way_is_ended_and_tells_the_level() -> None:
     for coil, level in ((JAW, True), (BACK, False)):
         arbiter = Running(PULSED, ArbiterState(pulsed={JAW: not level}), **{coil: True})
         assert arbiter.rules.levels[JAW] is level
-        assert not arbiter.wires.state[coil]
+        assert arbiter.wires.written == [(100 * MS, coil, False)], (
+            "a whole pulse from now: it had hardly begun"
+        )
 
 
 def test_the_death_of_a_program_pulses_the_way_back() -> None:
@@ -171,6 +183,7 @@ def test_an_arbiter_that_ends_leaves_no_coil_active() -> None:
     arbiter.rules.end_pulses()
     assert not any(arbiter.wires.state.values())
     assert not arbiter.rules.pulses
+    assert arbiter.rules.state.pulsed == {}, "of a pulse that was cut short nobody knows what it has moved"
 
 
 def test_a_pulse_that_cannot_be_ended_is_tried_again() -> None:
@@ -241,6 +254,30 @@ def test_the_levels_survive_the_arbiter_and_the_power(tmp_path: Path) -> None:
     entry = Journal(FileStorage(tmp_path / "journal", durable=True), "next", lambda: 0).read()
     assert recall(None, entry).pulsed == {JAW: False}
     assert recall(None, JournalEntry({}, doubt="its journal is damaged")).pulsed == {}
+
+
+class NoDisk(FileStorage):
+    """Can be read, not written."""
+
+    def write(self, at: int, data: bytes) -> None:
+        raise OSError(5, "Input/output error")
+
+
+@pytest.mark.parametrize(("storage", "believed"), [(FileStorage, {JAW: False}), (NoDisk, {})])
+def test_inactive_is_believed_once_before_anything_else_is_pulsed(
+    tmp_path: Path, storage: type[FileStorage], believed: dict[str, bool]
+) -> None:
+    """An arbiter ended in order, the next one pulses, and the power goes before its disk has heard of it."""
+    first = Journal(FileStorage(tmp_path / "journal", durable=True), "boot", lambda: 0)
+    first.keep({}, {JAW: False}, clean=True)
+    first.write_next()
+    first.close()
+    second = Journal(storage(tmp_path / "journal", durable=True), "next", lambda: 0)
+    assert recall(None, second.begin(second.read())).pulsed == believed
+    second.close()
+    if believed:
+        third = Journal(FileStorage(tmp_path / "journal", durable=True), "last", lambda: 0)
+        assert recall(None, third.read()).pulsed == {}
 
 
 def test_a_second_coil_has_a_line_of_its_own() -> None:

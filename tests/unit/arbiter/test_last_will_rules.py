@@ -3,7 +3,7 @@
 import pytest
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
-from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.errors import LineBusyError, LineRefusedError, WireError
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import (
     BOTTOM,
@@ -139,10 +139,73 @@ def test_a_write_renews_the_lease():
     assert arbiter.grip.lease_until == arbiter.now + S
 
 
-def test_a_failing_will_goes_on():
+def test_a_step_of_a_will_that_fails_is_tried_again_before_those_behind_it():
     arbiter = gripped(UNWIND)
     arbiter.lines.error = OSError(5, "Input/output error")
     arbiter.die(arbiter.grip)
+    arbiter.to(arbiter.now + 5 * S)  # longer than all of it takes
+    assert arbiter.written == []
+    assert "cannot be deactivated" in " ".join(arbiter.rules.predicates.faults.values())
     arbiter.lines.error = None
-    arbiter.to(10 * S)
-    assert [line for _, line, _ in arbiter.written] == [CYLINDER, BOTTOM]
+    arbiter.to(arbiter.now + 10 * S)
+    assert [line for _, line, _ in arbiter.written] == [TOP, CYLINDER, BOTTOM]
+
+
+def test_a_last_will_that_fails_is_told_to_whoever_starts():
+    arbiter = gripped(UNWIND)
+    arbiter.lines.error = OSError(5, "Input/output error")
+    arbiter.die(arbiter.grip)
+    arbiter.to(arbiter.now + S)
+    with pytest.raises(LineBusyError, match=r"the last will of grip cannot be executed.*Input/output error"):
+        arbiter.hello("grip", GRIP)
+    arbiter.lines.error = None
+    arbiter.to(arbiter.now + 10 * S)
+    assert arbiter.hello("grip", GRIP).client == "grip"
+
+
+def whose_lines_fail():
+    arbiter = Arbiter()
+    arbiter.set(arbiter.grip, bottom=True)
+    arbiter.to(2 * S)
+    arbiter.written.clear()
+    arbiter.lines.error = OSError(5, "Input/output error")
+    return arbiter
+
+
+def test_nothing_is_activated_behind_a_deactivation_that_fails():
+    """Its interlocks would have been asked long before the hardware works again."""
+    arbiter = whose_lines_fail()
+    arbiter.set(arbiter.grip, bottom=False)
+    with pytest.raises(LineRefusedError, match=r"IL-11.*cannot be deactivated"):
+        arbiter.set(arbiter.grip, top=True)
+    arbiter.lines.error = None
+    arbiter.to(3 * S)
+    assert [line for _, line, _ in arbiter.written] == [BOTTOM]
+    arbiter.set(arbiter.grip, top=True)
+
+
+def test_what_waited_to_be_activated_is_forgotten_when_a_deactivation_fails():
+    arbiter = Arbiter()
+    arbiter.set(arbiter.grip, bottom=True)
+    arbiter.to(1 * S + 60 * MS)
+    arbiter.set(arbiter.grip, bottom=False)
+    arbiter.to(1 * S + 70 * MS)
+    assert arbiter.set(arbiter.grip, bottom=False, cylinder=True) == 0
+    arbiter.to(1 * S + 80 * MS)
+    arbiter.written.clear()
+    assert arbiter.set(arbiter.grip, cylinder=False, top=True) > 0, "the cylinder settles"
+    arbiter.lines.error = OSError(5, "Input/output error")
+    arbiter.to(2 * S)
+    assert "cannot be deactivated" in " ".join(arbiter.rules.predicates.faults.values())
+    arbiter.lines.error = None
+    arbiter.to(3 * S)
+    assert [(line, level) for _, line, level in arbiter.written] == [(CYLINDER, False)]
+
+
+def test_a_deactivation_beside_an_activation_that_fails_at_once_is_tried_again():
+    arbiter = whose_lines_fail()
+    with pytest.raises(WireError, match="Input/output error"):
+        arbiter.set(arbiter.grip, bottom=False, top=True)
+    arbiter.lines.error = None
+    arbiter.to(3 * S)
+    assert [(line, level) for _, line, level in arbiter.written] == [(BOTTOM, False)]

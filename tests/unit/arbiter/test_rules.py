@@ -66,6 +66,40 @@ def test_il_10_what_comes_after_waits_behind_it():
     ]
 
 
+def test_il_08_one_write_does_not_end_suction_and_begin_blowing():
+    """What a program could not write before it tries again, with what it wants by now."""
+    pause = 50 * MS
+    policy = Policy(LINES, [Exclusion(BOTTOM, TOP, "IL-08", "IL-08", pause)])
+    arbiter = Arbiter(policy)
+    arbiter.set(arbiter.grip, bottom=True)
+    arbiter.to(2 * S)
+    with pytest.raises(LineRefusedError, match=r"IL-08: .* while .* is active"):
+        arbiter.set(arbiter.grip, bottom=False, top=True)
+    assert arbiter.rules.levels[BOTTOM]
+    arbiter.set(arbiter.grip, bottom=False)
+    with pytest.raises(LineRefusedError, match="within 50 ms"):
+        arbiter.set(arbiter.grip, top=True)
+    arbiter.to(2 * S + pause)
+    arbiter.set(arbiter.grip, top=True)
+
+
+def test_an_activation_that_failed_half_way_counts_as_active_until_a_write_succeeds():
+    """Of two chips the first may have been written when the second fails; then nobody may rely on the level."""
+    longest = 3 * S
+    policy = Policy(LINES, [Exclusion(BOTTOM, TOP, "IL-08", "IL-08")], max_active_us={BOTTOM: longest})
+    arbiter = Arbiter(policy)
+    arbiter.lines.error = OSError(5, "Input/output error")
+    with pytest.raises(WireError):
+        arbiter.set(arbiter.grip, bottom=True)
+    arbiter.lines.state[BOTTOM], arbiter.lines.error = True, None  # it was written all the same
+    with pytest.raises(LineRefusedError, match="IL-08"):
+        arbiter.set(arbiter.grip, top=True)
+    assert arbiter.rules.deadline <= 1 * S + longest  # the longest time has begun
+    arbiter.set(arbiter.grip, bottom=False)
+    assert not arbiter.lines.state[BOTTOM], "no change is written only where the level is known"
+    arbiter.set(arbiter.grip, top=True)
+
+
 @pytest.mark.parametrize("end", ["write", "bye", "dead"])
 def test_an_activation_that_waits_and_was_given_up_is_forgotten(end):
     arbiter = Arbiter()
@@ -96,7 +130,7 @@ def test_il_10_bounded():
     arbiter.set(arbiter.grip, bottom=True)
     for _ in range(64):
         arbiter.set(arbiter.grip, bottom=False)
-    with pytest.raises(LineRefusedError, match="IL-10: 64 writes of this client wait"):
+    with pytest.raises(LineRefusedError, match=r"IL-10: too many pending writes \(at most 64"):
         arbiter.set(arbiter.grip, bottom=False)
 
 

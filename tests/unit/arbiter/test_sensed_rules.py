@@ -233,3 +233,41 @@ def test_il_08_at_least_50_ms_lie_between_the_two_lines():
     arbiter.set(arbiter.grip, top=True)
     arbiter.set(arbiter.grip, top=False)
     assert "IL-08: bottom is not activated within 50 ms after top." in refusal(arbiter)
+
+
+# What the arbiter reads itself
+
+
+def reading(**read):
+    arbiter = Arbiter(replace(SENSING, proven=frozenset({"locked", "closed"})))
+    arbiter.rules.predicates.update({"free": True}, arbiter.now, arbiter.now)
+    arbiter.rules.predicates.read({"locked": True, "closed": True} | read, arbiter.now)
+    return arbiter
+
+
+def test_what_it_reads_itself_is_enough():
+    arbiter = reading()
+    arbiter.set(arbiter.grip, **{BOTTOM: True})
+
+
+def test_what_it_reads_itself_no_message_may_name_and_none_changes():
+    arbiter = reading(locked=False)
+    with pytest.raises(UsageError, match="no predicate locked"):
+        arbiter.rules.predicates.update({"locked": True}, arbiter.now, arbiter.now)
+    assert "IL-05" in refusal(arbiter)
+
+
+def test_what_others_prove_it_does_not_read():
+    arbiter = reading()
+    arbiter.rules.predicates.read({"free": False}, arbiter.now)
+    assert arbiter.rules.predicates.proofs["free"].holds
+
+
+def test_what_it_could_not_read_refuses_in_words_with_the_reason():
+    arbiter = Arbiter(replace(SENSING, proven=frozenset({"locked", "closed"})))
+    assert "so far the line arbiter could not read whether" in refusal(arbiter)
+    arbiter = reading()
+    arbiter.to(arbiter.now + 200 * MS)
+    arbiter.rules.predicates.unread = "GPIO7 is held by another process."
+    assert "for 0.2 s the line arbiter could not read whether" in refusal(arbiter)
+    assert "(GPIO7 is held by another process)" in refusal(arbiter)

@@ -10,6 +10,7 @@ from _pytest.mark import ParameterSet
 from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import arbiter_policy
+from tests.support.blown import TOP_AIR, blown
 from tests.support.declared import declared
 from tests.unit.arbiter.template_runs import random_run
 
@@ -67,6 +68,44 @@ def test_other_endings_than_the_declared_ones_are_found_out(
     """The wills are those of one description, the template has the constants of another."""
     runs = [random_run(MIXED[mixed], policy, seed) for seed in SEEDS]
     assert not all(replace(run, description=description).is_one_of(text) for run in runs)
+
+
+@pytest.fixture(scope="module")
+def one_blown() -> Description:
+    """Of two the template remembers the gap of the last alone: the automata blow one off at a time."""
+    tool = blown()
+    bottom = tool.actuators["bottom_vacuum"].model_copy(update={"blow_off": None})
+    return tool.model_copy(update={"actuators": {**tool.actuators, "bottom_vacuum": bottom}})
+
+
+def policy_of(description: Description) -> Policy:
+    return replace(arbiter_policy(description), needs={}, min_switch_us=0)
+
+
+@pytest.mark.parametrize("seed", first(8, SEEDS))
+def test_so_it_is_with_a_blow_off(one_blown: Description, text: str, seed: int) -> None:
+    assert random_run(one_blown, policy_of(one_blown), seed).is_one_of(text)
+
+
+class Breathless(LineArbiter):
+    """Forgets to end a blow-off in a will."""
+
+    def declare_dead(self, session, why, at):  # type: ignore[no-untyped-def]
+        session.will = tuple(step for step in session.will if step.line != TOP_AIR)
+        super().declare_dead(session, why, at)
+
+
+@pytest.mark.parametrize("wrong", ["will", "bound", "exclusions"])
+def test_another_line_arbiter_is_found_out_by_what_it_blows(
+    one_blown: Description, text: str, wrong: str
+) -> None:
+    policy = policy_of(one_blown)
+    if wrong == "bound":
+        policy = replace(policy, max_active_us={})
+    elif wrong == "exclusions":
+        policy = replace(policy, exclusions=[each for each in policy.exclusions if "IL-08" not in each])
+    rules = Breathless if wrong == "will" else LineArbiter
+    assert not all(random_run(one_blown, policy, seed, rules).is_one_of(text) for seed in SEEDS)
 
 
 class Backwards(LineArbiter):

@@ -47,12 +47,14 @@ def test_the_help_names_all_and_says_which_cannot_be_loaded(site: Path) -> None:
     code, out, err = eehal(site, "--help")
     assert (code, err) == (0, "")
     found = (
-        line.split(maxsplit=1) for line in out.partition("Commands:")[2].splitlines() if line.split()[1:]
+        line.split(maxsplit=1)
+        for line in out.partition("Added by other distributions:")[2].splitlines()
+        if line.split()[1:]
     )
     lines = dict(found)
     assert lines["good"] == "says hello"
     assert lines["absent"].startswith("(the command absent cannot be loaded")
-    assert lines["wrong"].startswith("(the command wrong: it is no command of click")
+    assert lines["wrong"].startswith("(the command wrong: the entry point must name a click.Command")
 
 
 def test_one_that_works_runs(site: Path) -> None:
@@ -60,7 +62,7 @@ def test_one_that_works_runs(site: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "why"), [("absent", "No module named 'nowhere'"), ("wrong", "no command of click")]
+    ("name", "why"), [("absent", "No module named 'nowhere'"), ("wrong", "must name a click.Command")]
 )
 def test_one_that_is_broken_is_refused_in_a_sentence(site: Path, name: str, why: str) -> None:
     code, _, err = eehal(site, name)

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from end_effector_hal.cli import _check, _schema
+from end_effector_hal.cli import _schema
+from end_effector_hal.cli.check import _check
 from end_effector_hal.codecs import codec_of
 from end_effector_hal.description import load, markdown, profile_path, schema_text
 from end_effector_hal.errors import UsageError
@@ -92,6 +93,7 @@ def test_without_a_file_it_is_the_shipped_one() -> None:
     result = CliRunner().invoke(_check.command, ["--json"], catch_exceptions=False)
     assert result.exit_code == 0
     assert json.loads(result.stdout) == {
+        "schema_version": 1,
         "ok": True,
         "exit_code": 0,
         "faults": [],
@@ -124,6 +126,7 @@ def test_faults_as_json(check: Check) -> None:
     assert (result.exit_code, result.stderr) == (2, "")
     message = "'timeout_s' is out of range (5000), expected more than 0 and at most 600 s; "
     assert json.loads(result.stdout) == {
+        "schema_version": 1,
         "ok": False,
         "exit_code": 2,
         "faults": [

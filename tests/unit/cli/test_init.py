@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli._init import command
 from end_effector_hal.cli._main import eehal
+from end_effector_hal.cli.init._init import command
 from end_effector_hal.description import load, schema_text
 from end_effector_hal.errors import UsageError
 

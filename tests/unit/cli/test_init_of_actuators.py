@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli import _check, _new_tool
 from end_effector_hal.cli._main import eehal
+from end_effector_hal.cli.check import _check
+from end_effector_hal.cli.init import _new_tool
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load
 from end_effector_hal.errors import ReportedError
@@ -23,11 +24,14 @@ TOOLS = [
     ("cup:vacuum", ()),
     ("cups:vacuum,rod:cylinder", ()),
     ("a:vacuum,rod:cylinder,b:vacuum", ("--link", "binary", "--no-tool-changer")),
+    ("cups:vacuum,rod:cylinder,jaw:gripper", ("--link", "front:text", "--link", "arm:modbus")),
     ("jaw:gripper,m:magnet,cup:vacuum", ("--link", "none", "--no-tool-changer")),
     ("a:vacuum,rod:cylinder", ("--link", "modbus", "--virtual")),
     (",".join(f"v{n}:vacuum" for n in range(6)), ("--link", "modbus", "--no-tool-changer")),
     (",".join(f"g{n}:gripper" for n in range(12)), ("--link", "none", "--no-tool-changer")),
     ("a:vacuum,b:vacuum", ("--link", "modbus-rtu-onrobot-vg", "--no-tool-changer")),
+    ("a:vacuum,b:vacuum,c:gripper", ("--link", "left:modbus-rtu-epick,right:ees1-ascii,none")),
+    ("a:vacuum,b:vacuum", ("--link", "x:modbus-rtu-epick", "--link", "y:modbus-rtu-epick")),
     ("on:vacuum,locked:vacuum", ("--link", "text")),
     ("top:vacuum,other:vacuum,rod:cylinder", ("--link", "legacy-nibble", "--tool-changer")),
 ]
@@ -40,7 +44,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     ("actuators", "options"),
-    [*TOOLS[1:5], *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[5:])],
+    [*TOOLS[1:6], *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[6:])],
 )
 def test_it_is_checked_and_proven_without_an_edit(actuators: str, options: tuple[str, ...]) -> None:
     result = CliRunner().invoke(
@@ -71,6 +75,19 @@ def test_a_channel_named_like_an_actuator_or_its_kind_is_its_own() -> None:
         "b": "top",
         "rod": "cylinder",
     }
+
+
+def test_actuators_are_distributed_among_links_in_turn_or_as_they_name_them() -> None:
+    options = ["--link", "front:text", "--link", "arm:modbus", "--no-tool-changer"]
+    for actuators, links in (
+        ("a:vacuum,b:vacuum,c:vacuum", {"a": "front", "b": "arm", "c": "front"}),
+        ("a:vacuum:arm,b:vacuum,c:vacuum:front", {"a": "arm", "b": "arm", "c": "front"}),
+    ):
+        name = actuators.replace(":", "_").replace(",", "_")
+        CliRunner().invoke(eehal, ["init", name, "--actuators", actuators, *options], catch_exceptions=False)
+        tool = load(Path(name, "end_effector.yaml"))
+        assert {part.channel: tool.channels[part.channel].link for _, part in tool.ordered} == links
+        assert len({link.port for link in tool.links.values()}) == 2
 
 
 @pytest.mark.parametrize(
@@ -109,6 +126,27 @@ def test_a_channel_named_like_an_actuator_or_its_kind_is_its_own() -> None:
         (
             ["--actuators", "a:vacuum", "--link", "modbuss"],
             "There is no link 'modbuss'. Did you mean 'modbus'?",
+        ),
+        (
+            ["--actuators", "a:vacuum", "--link", "text", "--link", "y:text"],
+            "The link 'text' has no name. Write",
+        ),
+        (
+            ["--actuators", "a:vacuum", "--link", "y:text", "--link", "y:text"],
+            "Two links are named 'y'. Give",
+        ),
+        (["--actuators", "a:vacuum", "--link", "Y:text"], "'Y' is no name of a link. Write lower-case"),
+        (
+            ["--actuators", "a:vacuum", "--link", "y:none"],
+            "Inputs of the board have no link. Write --link none",
+        ),
+        (
+            ["--actuators", "a:vacuum", "--link", "x:text,y:text"],
+            "The link 'y' would prove no actuator. Name fewer links, or NAME:KIND:LINK for one.",
+        ),
+        (
+            ["--actuators", "a:vacuum:fron", "--link", "front:text"],
+            "a: no --link is named 'fron'. Did you mean 'front'?",
         ),
         (["--virtual"], "No actuators are named. Give --actuators, such as"),
     ],

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from end_effector_hal.cli import _listen
+from end_effector_hal.cli.listen import _listen
 from end_effector_hal.errors import LinkBusyError, LinkError, UsageError
 from end_effector_hal.wires.link import PtyPair, open_port
 from end_effector_lab.processes import EEHAL
@@ -41,6 +41,7 @@ def test_each_channel_and_each_evidence_is_told_once_while_nothing_changes(machi
         events = told(listen(machine, "--json"))
     channels = {each["channel"]: each for each in events if each["event"] == "channel"}
     assert channels["bottom"] | {"time_s": 0, "rate_hz": 0} == {
+        "schema_version": 1,
         "event": "channel",
         "time_s": 0,
         "channel": "bottom",
@@ -66,6 +67,33 @@ def test_what_is_invalid_and_what_cannot_be_read_is_told(machine: Machine) -> No
     assert " s  top is invalid\n" in result.stdout
     assert " s  bottom -70.0 kPa (raw -70000)\n" in result.stdout
     assert " format (newest bytes " in result.stdout
+
+
+ALARMING = """
+schema: 2
+name: tool
+link: {{port: {port}, frame: {{text: {{}}}}}}
+channels:
+  vacuum: {{text: {{field: 1}}, unit: kPa}}
+  pump: {{text: {{field: 2}}, alarm: [{{code: 8, text: it is too hot}}]}}
+sequence: [cup]
+actuators:
+  cup: {{kind: vacuum, line: GPIO5, channel: vacuum}}
+supply: {{channel: none}}
+"""
+
+
+def test_what_a_device_says_is_wrong_is_told_in_words_once_and_when_it_is_over(machine: Machine) -> None:
+    machine.path.write_text(ALARMING.format(port=machine.port))
+
+    def message(number: int) -> bytes:
+        return f"-70.0,{8 if number < 30 else 0}\n".encode()
+
+    with PtyPair(machine.port) as wire, Sender(wire, message):
+        result = listen(machine, seconds="0.9")
+    lines = [line.split(" s  ")[-1] for line in result.stdout.splitlines()]
+    assert lines.count("pump 8 (raw 8)") == lines.count("alarm: Pump: it is too hot.") == 1
+    assert lines.count("pump 0 (raw 0)") == lines.count("over: Pump: it is too hot.") == 1
 
 
 def test_what_stops_is_stale_and_its_evidence_unknown(machine: Machine) -> None:

@@ -164,8 +164,8 @@ def test_each_template_is_drawn_with_the_constants_of_the_description() -> None:
     assert result.exit_code == 0
     names = [line.split(":")[0] for line in result.stdout.splitlines()]
     assert names == [
-        "Gripper", "Actuator", "Changer", "Arming", "World", "Sensors", "Tool", "Observer", "Commands",
-        "Messages", "Owner", "Wills",
+        "Gripper", "Actuator", "Changer", "Arming", "World", "Sensors", "Tool", "Observer", "Listener",
+        "Patience", "Commands", "Messages", "Owner", "Blower", "Wills",
     ]  # fmt: skip
     assert sorted(path.name for path in Path("drawings").iterdir()) == sorted(
         f"{name}.{suffix}" for name in names for suffix in ("png", "svg")
@@ -178,7 +178,11 @@ def test_each_template_is_drawn_with_the_constants_of_the_description() -> None:
 
 def test_any_uppaal_file_is_drawn() -> None:
     answer = json.loads(run("show", "--model", "lamp.xml", "-o", "out", "--json").stdout)
-    assert answer == {"source": "lamp.xml", "templates": {"Lamp": ["out/Lamp.png", "out/Lamp.svg"]}}
+    assert answer == {
+        "schema_version": 1,
+        "source": "lamp.xml",
+        "templates": {"Lamp": ["out/Lamp.png", "out/Lamp.svg"]},
+    }
     assert "LOUD = true" in Path("out/Lamp.svg").read_text(encoding="utf-8")
     ET.parse("out/Lamp.svg")
 
@@ -267,6 +271,7 @@ def test_the_same_seed_is_the_same_run_and_the_same_bytes() -> None:
 def test_as_json() -> None:
     answer = json.loads(run("simulate", "--model", "lamp.xml", "--choose", "press @ 5", "--json").stdout)
     assert answer == {
+        "schema_version": 1,
         "source": "lamp.xml",
         "seed": 0,
         "steps": [
@@ -275,6 +280,7 @@ def test_as_json() -> None:
                 "channel": "press",
                 "edges": [{"process": "Lamp", "source": "Off", "target": "On", "selected": {}}],
                 "changes": {},
+                "words": {},
             }
         ],
         "end_ms": 5.0,

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import pytest
 
-from end_effector_hal.cli import _simulation
+from end_effector_hal.cli import main
+from end_effector_hal.cli.run import _simulation
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import MissingExtraError
+from end_effector_hal.errors import MissingExtraError, UsageError
 from end_effector_hal.plugins import Plugins
 from end_effector_lab.demo import World
+
+TOOL = load(profile_path())
 
 
 def test_the_workshop_has_it() -> None:
@@ -19,8 +25,34 @@ def test_without_it_one_sentence_says_what_to_install(monkeypatch: pytest.Monkey
     monkeypatch.setattr(
         _simulation, "_SIMULATION", Plugins("nothing.of.this", "simulation", {}, lambda it: it)
     )
-    with pytest.raises(MissingExtraError) as refused, _simulation.simulated(load(profile_path())):
+    with pytest.raises(MissingExtraError) as refused, _simulation.simulated(TOOL, "nominal"):
         pass
     assert str(refused.value) == (
-        "Nothing that simulates a tool is installed. Install it: pip install 'end-effector-hal[lab]'."
+        "Nothing that simulates a tool is installed. "
+        "Install it: pip install '.[lab]' in a checkout of end-effector-hal."
+    )
+    assert list(_simulation.possible_scenarios(TOOL)) == []
+
+
+def test_a_scenario_that_the_tool_cannot_have_is_refused_before_anything_is_started(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"no fault is named 'leek'\. Did you mean 'leak'"):
+        World(TOOL, "leek:cylinder", tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *options: str) -> str:
+    """What `eehal run` says of a usage error."""
+    monkeypatch.setattr(sys, "argv", ["eehal", "run", str(profile_path()), *options])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    return capsys.readouterr().err
+
+
+@pytest.mark.parametrize("options", [("--scenario", "nominal"), ("--script", "lock; scenario supply:300")])
+def test_what_is_not_simulated_has_no_scenario(
+    options: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert refused(monkeypatch, capsys, *options) == (
+        "A scenario is for a simulated tool: nothing makes a real one fail. Add --simulate.\n"
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.cli._suggest import SHARES, Suggestion, suggestions
+from end_effector_hal.cli.listen._suggest import SHARES, Suggestion, suggestions
 from end_effector_hal.description import Description, examine_text, load, profile_path
 from end_effector_hal.recording import PressuresLog, StatesLog, StatesRow
 from end_effector_hal.vocabulary import Command, EndEffectorState

@@ -12,6 +12,8 @@ from click.testing import CliRunner, Result
 from end_effector_hal.cli._main import main
 from end_effector_hal.cli._verify import command
 from end_effector_hal.description import profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import read_run
 from tests.unit.timed_automata.explore.models import Template, document
 
 PRESSES = Template(
@@ -40,13 +42,17 @@ def test_a_model_that_holds() -> None:
         ("A[] not deadlock", "[alive] It goes on."),
         ("A[] P.down imply x <= 5", "[down]"),
     )
-    result = run("--model", "model.xml")
+    result = run("--model", "model.xml", "--all")
     assert result.exit_code == 0
     lines = [re.sub(r"[\d.]+ s\b", "S", line) for line in result.stdout.splitlines()]
     assert lines[0] == "model.xml: 6 requirements"
     assert lines[1].startswith("holds  It goes on.  [alive; ")
     assert "  down               0.003 s  0.005 s" in result.stdout
     assert lines[-1].startswith("all 6 hold; ")
+    short = run("--model", "model.xml").stdout
+    assert "[alive" not in short
+    assert "  down               0.003 s  0.005 s" in short
+    assert re.fullmatch(r"all 6 hold; .*  \(--all lists every requirement\)", short.splitlines()[-1])
 
 
 def test_json() -> None:
@@ -54,9 +60,10 @@ def test_json() -> None:
     result = run("--model", "model.xml", "--json")
     assert result.exit_code == 4
     answer = json.loads(result.stdout)
-    assert set(answer) == {"requirements", "bounds", "switched_off", "computed_bounds"}
+    assert set(answer) == {"schema_version", "requirements", "bounds", "switched_off", "computed_bounds"}
     down, up, *_ = answer["requirements"]
-    assert set(down) == {"id", "sentence", "query", "holds", "states", "seconds"}
+    assert set(down) == {"id", "sentence", "query", "holds", "states", "seconds", "why"}
+    assert (down["why"], up["why"]) == ("", "At 2 ms: P must be in up, but it is in down.")
     assert (down["id"], down["sentence"], down["holds"]) == ("down", "Soon up.", True)
     assert (up["query"], up["holds"]) == ("A[] P.up", False)
     assert answer["bounds"] == {"down_s": {"computed": 0.003, "declared": 0.005}}
@@ -69,7 +76,76 @@ def test_a_counterexample_is_told_and_written() -> None:
     assert "FAILS  It stays up." in result.stdout
     assert "2 ms  P up → down" in result.stdout
     assert "1 of 5 fail" in result.stdout
-    assert "2 ms  P up → down" in Path("found/up/run.txt").read_text(encoding="utf-8")
+    text = Path("found/up/run.txt").read_text(encoding="utf-8")
+    assert "2 ms  P up → down" in text
+    assert text.endswith("\n\nAt 2 ms: P must be in up, but it is in down.\n")
+    assert "  At 2 ms: P must be in up, but it is in down.\n" in result.stdout
+
+
+def test_however_much_fails_it_is_told_on_a_page() -> None:
+    counted = Template("P", ["a -> a; guard: x >= 2; do: n = n + 1, x = 0"], invariants={"a": "x <= 4"})
+    queries = [(f"A[] n < {number}", f"[few-{number}] Under {number}.") for number in range(20, 40)]
+    written("clock x; int[0,100] n;", counted, *queries)
+    Path("model.xml").write_text(
+        Path("model.xml").read_text("utf-8").replace("n + 1", "n + (n &lt; 60)"), "utf-8"
+    )
+    short, whole = (run("--model", "model.xml", *words).stdout for words in ((), ("--all",)))
+    assert len(short.splitlines()) < 50
+    assert len([line for line in short.splitlines() if line.startswith("FAILS")]) == 6
+    assert "14 fail as well: few-26, few-27" in short
+    assert "At 42 ms: n must be less than 21, but it is 21." in short
+    assert "steps more, which --all shows" in short
+    assert len([line for line in whole.splitlines() if line.startswith("FAILS")]) == 20
+    assert "At 78 ms: n must be less than 39, but it is 39." in whole
+    assert "steps more" not in whole
+
+
+def test_what_holds_and_says_nothing_is_told_in_short_too() -> None:
+    written(
+        "clock x; bool b;",
+        PRESSES,
+        ("A[] b imply P.up", "[empty] Never."),
+        ("sup{P.down}: x", "[sup] How long."),
+        ("sup: x", "[all] How long in all."),
+    )
+    told = run("--model", "model.xml").stdout
+    assert "1 hold, but it says nothing here: its condition is never met: empty" in told
+    assert "holds  How long." in told
+    assert "       3\n" in told
+    assert "FAILS  How long in all." in told
+    assert "sup of x: unbounded." in told
+    written("clock x; bool b;", PRESSES, ("E<> b", "[never] It comes."))
+    assert "FAILS  It comes." in (told := run("--model", "model.xml").stdout)
+    assert "no run leads there" in told
+
+
+FLICKERS = Template(
+    "P",
+    ["up -> down; guard: x >= 2; do: x = 0", "down -> up; guard: x >= 1", "up -> up; guard: FREE_SENSORS"],
+    invariants={"down": "x <= 3"},
+)
+
+
+def test_free_sensors_are_a_constant_of_the_file_and_need_not_let_time_diverge() -> None:
+    written("const bool FREE_SENSORS = false; clock x;", FLICKERS, ("A[] P.down imply x <= 5", "[down]"))
+    ordinary = run("--model", "model.xml", "--all")
+    assert (ordinary.exit_code, "[time; " in ordinary.stdout, "not asked" in ordinary.stdout) == (
+        0,
+        True,
+        False,
+    )
+    free = run("--model", "model.xml", "--all", "--free-sensors", "actuators")
+    assert (free.exit_code, "[timelock; " in free.stdout, "[time; " in free.stdout) == (0, True, False)
+    assert free.stdout.startswith("model.xml, sensors free (actuators): 5 requirements")
+    assert "not asked: that time diverges [time]" in free.stdout
+    document = json.loads(run("--model", "model.xml", "--free-sensors", "actuators", "--json").stdout)
+    assert document["free_sensors"] == "actuators"
+
+
+def test_automata_that_cannot_set_them_free_are_told() -> None:
+    written("const bool FREE_SENSORS = false; clock x;", FLICKERS)
+    with pytest.raises(UsageError, match="no constant FREE_TOOL"):
+        run("--model", "model.xml", "--free-sensors", "all")
 
 
 def test_a_value_out_of_range_comes_with_its_run() -> None:
@@ -86,8 +162,6 @@ def test_a_value_out_of_range_comes_with_its_run() -> None:
 @pytest.mark.parametrize(
     ("declarations", "invariant", "query", "message"),
     [
-        ("clock x;", "x <= 3", "A[] P.z", r"model\.xml:1:\d+: 'P' has no location and no variable 'z'"),
-        ("clock x;", "x <= 3", "Pr[<=9](<> P.b)", r"model\.xml:1:\d+: .*statistical model checking"),
         ("clock x;", "x' == 0", "A[] true", r"model\.xml:1:\d+: .*stopwatch"),
         ("clock x, y;", "x - y <= 3", "A[] true", r"model\.xml:1:\d+: .*diagonal"),
         (
@@ -174,6 +248,19 @@ def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() ->
     result = run("tool.yaml", "-o", "found")
     assert result.exit_code == 4
     assert "takes up to 6150 ms, 6000 ms are required" in result.stdout
+    assert "deactivate[top_vacuum]: " in Path("found/release/run.txt").read_text("utf-8")
+    why = "then Observer.x must be at most RELEASE_BOUND (6 s), but it is 6.001 s."
+    assert why in Path("found/release/run.txt").read_text("utf-8")
+    info = read_run("found/release")
+    assert why in info.because
+    assert [each.name for each in info.watched] == ["Observer", "watched", "ee", "Observer.x"]
+    assert [each.wrong for each in info.watched] == [False, False, False, True]
+    (observer, watched, ee, clock) = info.watched
+    assert [words for _, words in ee.values][-1] == "RELEASING"
+    assert [words for _, words in watched.values] == ["NONE", "RELEASE"]
+    assert clock.limits == (("<= RELEASE_BOUND (6 s)", 6.0),)
+    assert clock.deadline_s == pytest.approx(info.violated_s - 0.001)
+    assert observer.points == ()
     assert sorted(path.name for path in Path("found/release").iterdir()) == [
         "run.json",
         "run.txt",
@@ -181,3 +268,25 @@ def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() ->
         "timeline.png",
         "timeline.svg",
     ]
+
+
+@pytest.mark.parametrize(
+    ("query", "message"),
+    [
+        ("A[] P.z", r"model\.xml:1:\d+: 'P' has no location and no variable 'z'"),
+        ("Pr[<=9](<> P.b)", r"model\.xml:1:\d+: .*statistical model checking"),
+    ],
+)
+def test_a_query_that_cannot_be_asked_is_open_and_the_others_are_answered(
+    query: str, message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written("clock x;", Template("P", ["a -> b"]), ("E<> P.b", ""), (query, ""), ("A[] P.a", ""))
+    monkeypatch.setattr("sys.argv", ["eehal", "verify", "--model", "model.xml"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    told = capsys.readouterr().out
+    assert ended.value.code == 4
+    marks = [line.split()[0] for line in told.splitlines() if line.startswith(("holds", "open", "FAILS"))]
+    assert marks == ["FAILS", "open"]
+    assert re.search(message, told)
+    assert "1 are not decided" in told

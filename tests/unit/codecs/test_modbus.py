@@ -127,3 +127,28 @@ def test_a_channel_that_is_read_twice_is_refused() -> None:
     reads = [Read(unit, 1, (Register("p", 100.0),)) for unit in (1, 2)]
     with pytest.raises(UsageError, match="reads a channel twice"):
         ModbusRtu("mine", reads, baudrate=9600, period_us=100_000)
+
+
+@pytest.mark.parametrize("where", ["before the answer is read", "before the next request"])
+def test_a_cycle_in_which_the_process_stood_still_carries_nothing_from_before(where: str) -> None:
+    codec = Transmitters()
+    decoder, device = codec.decoder(), codec.device()
+    values = {"bottom": -78_300, "cylinder": 600_000, "top": 0, "supply": 600_000}
+    stands = 2_000_000
+    first = decoder.poll(decoder.due)
+    at = decoder.due - 1_000
+    if where == "before the answer is read":
+        at += stands
+    assert decoder.feed(device.answer(first.data, values), at) == []
+    if where == "before the next request":
+        at += stands
+    frames: list[Frame] = []
+    while not frames:
+        at = max(at, decoder.due)
+        polled = decoder.poll(at)
+        frames += polled.frames
+        if polled.data:
+            at += 5_000
+            frames += decoder.feed(device.answer(polled.data, values | {"bottom": -1_000}), at)
+    assert frames[0].values["bottom"] in (None, -1_000)
+    assert decoder.errors["late"] == 1

@@ -60,7 +60,7 @@ def test_a_file_or_a_folder_gives_the_timeline_beside_it(plot, run, where):
     assert made(run) == ["timeline.png", "timeline.svg"]
     svg = (run / "timeline.svg").read_text()
     assert "scenario never-confirms:cylinder" in svg
-    assert "≤ −55 kPa" in svg
+    assert "confirmed ≤ −55" in svg
 
 
 def test_both_styles(plot, run):
@@ -71,7 +71,7 @@ def test_both_styles(plot, run):
 def test_one_file(plot, run, tmp_path):
     assert plot(run, "--style", "paper", "-o", tmp_path / "fig9.svg")[0] == 0
     assert made(tmp_path) == ["fig9.svg"]
-    assert "Supervisor command" in (tmp_path / "fig9.svg").read_text()
+    assert "HAL command" in (tmp_path / "fig9.svg").read_text()
     assert made(run) == []
 
 
@@ -155,3 +155,14 @@ def test_the_help_needs_no_matplotlib(run):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "timeline|paper|both" in done.stdout
+
+
+def test_csv_writes_everything_in_one_table_and_what_draws_it(plot, run):
+    code, out, _ = plot(run, "--csv")
+    assert code == 0
+    assert out.splitlines()[-2:] == [str(run / "run.csv"), str(run / "plot_run.m")]
+    header = (run / "run.csv").read_text().splitlines()[0].split(",")
+    assert header[:4] == ["time_s", "end_effector", "command", "bottom_vacuum"]
+    pressures = [name for name in header if name.endswith("_gauge_kpa")]
+    assert pressures == [f"{each}_gauge_kpa" for each in PRESSURES.channels]
+    assert "function plot_run(table, picture)" in (run / "plot_run.m").read_text()

@@ -82,10 +82,10 @@ def named(status: Status, description: Description) -> set[str]:
     """Channels that the alarms say have no valid reading, by their names or by the actuator that is held."""
     found: set[str] = set()
     for alarm in status.alarms:
-        if alarm.startswith("No valid reading of "):
+        if alarm.startswith("No valid reading of ") and "while it holds a part" not in alarm:
             found |= set(re.findall(r"\w+", alarm.removeprefix("No valid reading of ")))
         for name, part in description.ordered:
-            if alarm.startswith(f"No reading: {display_name(name)} is held"):
+            if alarm.startswith(f"No valid reading of {display_name(name)} while"):
                 bits = (getattr(part, "extended_bit", None), getattr(part, "retracted_bit", None))
                 found |= {channel for channel in (part.channel, *bits) if channel in status.stale}
     return found

@@ -97,7 +97,7 @@ def test_il_01_for_half_a_second(description: Description, seconds: float, accep
 
 
 def test_il_01_only_what_grip_has_said_counts(description: Description) -> None:
-    assert "has not said yet" in Changer(description, ee=None).give("unlock").reason
+    assert "has not reported yet" in Changer(description, ee=None).give("unlock").reason
     assert Changer(description, ee=GRIPPED).give("unlock").reason.startswith("IL-01: unlock only in STAND_BY")
 
 

@@ -37,6 +37,7 @@ from end_effector_lab.testbench import Testbench, open_inputs, open_ports
 FILES = {
     "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv",
     "run.json", "states.csv", "testbench.log", "timeline.png", "timeline.svg", "tool.log", "tool_change.mcap",
+    "plot_run.m", "run.csv", "tool_changer.csv",
 }  # fmt: skip
 
 
@@ -260,7 +261,7 @@ def test_the_command_ends_with_1_when_a_story_is_not_told(
     played.reports = [judge(scenarios(verdin)[0], verdin, recordings["fails-once"])]
     done = CliRunner().invoke(command, [])
     assert done.exit_code == 1
-    assert played.asked["drive"].ros is True
+    assert played.asked["drive"].ros == 1
     assert (
         "NOT OK nominal: attempts: expected bottom_vacuum 1, cylinder 1, top_vacuum 1, found" in done.output
     )
@@ -268,10 +269,11 @@ def test_the_command_ends_with_1_when_a_story_is_not_told(
 
 def test_all_and_json(played: Played) -> None:
     done = CliRunner().invoke(command, ["--all", "--json", "-o", "elsewhere"])
-    content = json.loads(done.stdout)
+    content = json.loads(done.stdout)["reports"]
     assert [each["scenario"] for each in content] == ["nominal", "fails-once", "never-confirms"]
     assert all(each["ok"] for each in content)
     assert len(played.asked["names"]) == 6
+    assert played.asked["progress"].quiet
     assert played.asked["output"] == Path("elsewhere")
     assert (played.asked["own_wires"], played.asked["figures"]) == (False, True)
 

@@ -104,7 +104,7 @@ def test_run_json_says_what_a_figure_needs(verdin: Description) -> None:
     assert info.actuators == {"bottom_vacuum": "vacuum", "cylinder": "cylinder", "top_vacuum": "vacuum"}
     assert info.limits["bottom_vacuum"] == {
         "channel": "bottom", "kind": "vacuum", "attempts": 3,
-        "confirmed_kpa": 55.0, "gone_kpa": 10.0, "lost_kpa": 50.0,
+        "confirmed_kpa": 55.0, "gone_kpa": 10.0, "lost_kpa": 50.0, "secure_kpa": 75.0,
     }  # fmt: skip
     assert info.limits["cylinder"]["confirmed_kpa"] == pytest.approx(510.0)
     assert info.simulated is False

@@ -15,6 +15,7 @@ from tests.support.places import ROOT
 CALLED = [
     "setup",
     "check",
+    "docs",
     "test-dist",
     "test",
     "test-thinned",

@@ -69,6 +69,24 @@ def test_the_tool_and_its_automata_are_copied_once(prefix: Path, tmp_path: Path)
     assert install(prefix).returncode == 0
 
 
+def test_another_description_takes_the_place_of_the_installed_one_if_it_has_no_fault(
+    prefix: Path, tmp_path: Path
+) -> None:
+    tool, installed = tmp_path / "tool.yaml", prefix.parent / "root/etc/eehal/end_effector.yaml"
+    tool.write_text(profile_path().read_text())
+    early = install(prefix, "-c", tool)
+    assert (early.returncode, early.stderr) == (2, "There is no tool yet: name it with -t\n")
+    assert install(prefix, "-t", tool).returncode == 0
+    first = installed.read_text()
+    tool.write_text(first.replace("attempts: 3", "atempts: 3"))
+    faulty = install(prefix, "-c", tool)
+    assert (faulty.returncode, "[EE-205]" in faulty.stderr, installed.read_text()) == (2, True, first)
+    tool.write_text(first.replace("attempts: 3", "attempts: 2"))
+    assert install(prefix, "-c", tool).returncode == 0
+    assert installed.read_text() == tool.read_text()
+    assert installed.with_name("end_effector.yaml.before").read_text() == first
+
+
 @pytest.mark.parametrize(
     ("program", "units"),
     [("eehal-hal", {"eehal-hal"}), ("eehal-hal-ros2", {"eehal-hal-ros2", "eehal-logger-ros2"})],

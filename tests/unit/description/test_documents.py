@@ -26,7 +26,7 @@ from end_effector_hal.description._reference import BEGIN
 from end_effector_hal.description._shape import fields_of, stanzas
 from tests.support.places import DOCS
 
-DOCUMENT = DOCS / "description.md"
+DOCUMENT = DOCS / "reference/description.md"
 UPDATE = bool(os.environ.get("EEHAL_UPDATE"))
 
 

@@ -150,6 +150,11 @@ def test_files_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         == "nowhere/x.yaml: there is no such file, expected the path of a description [EE-201]"
     )
     assert refusal("folder") == "folder: this is a directory, expected the path of a description [EE-201]"
+    os.mkfifo("pipe")
+    assert (
+        refusal("pipe")
+        == "pipe: this is a named pipe, not a file, expected the path of a description [EE-201]"
+    )
     assert (
         refusal("tool.yaml/x")
         == "tool.yaml/x: the file cannot be read: Not a directory, expected the path of a description [EE-201]"

@@ -28,8 +28,8 @@ def eehal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch): 
 def test_it_is_replayed_and_judged(eehal, earlier: Path) -> None:  # type: ignore[no-untyped-def]
     code, out = eehal("replay", earlier / "run")
     assert code == 0
-    assert out.count("replay: decides the same") == 2
-    assert out.count("monitor: a run of the network") == 2
+    assert out.count("decisions, all identical") == 2
+    assert out.count(" steps, all allowed by the automata") == 2
 
 
 def test_it_is_drawn(eehal, earlier: Path) -> None:  # type: ignore[no-untyped-def]

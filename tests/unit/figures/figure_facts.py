@@ -2,9 +2,14 @@
 
 from itertools import combinations
 
+from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
+
+from end_effector_hal.recording import StatesLog, StatesRow
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from tests.support.trace_recordings import NAMES
 
 
 def texts(figure, label=None):
@@ -52,3 +57,12 @@ def overlaps(figure):
     width, height = figure.bbox.width, figure.bbox.height
     beyond = [box[0] for box in boxes if box[1] < 0 or box[2] < 0 or box[3] > width or box[4] > height]
     return found + [(text, "edge") for text in beyond]
+
+
+@st.composite
+def recordings(draw):
+    """Any recording, also one that no tool makes."""
+    times = sorted(draw(st.lists(st.floats(0, 600), min_size=1, max_size=25)))
+    states, commands = st.sampled_from(EndEffectorState), st.sampled_from(Command)
+    units = st.tuples(*[st.integers(0, 2)] * 3)
+    return StatesLog(NAMES, tuple(StatesRow(t, draw(states), draw(commands), draw(units)) for t in times))

@@ -4,14 +4,12 @@ from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import StatesLog, StatesRow
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.recording import StatesLog
 from end_effector_lab.figures import paper, save
 from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, log
-from tests.unit.figures.figure_facts import overlaps, texts
+from tests.unit.figures.figure_facts import overlaps, recordings, texts
 
 SCENARIOS = {"nominal": NOMINAL, "fails-once": FAILS_ONCE, "never": NEVER, "cancelled": CANCELLED}
 
@@ -23,7 +21,7 @@ def curves(figure):
 def test_one_step_curve_for_each_element():
     figure = paper(NEVER)
     assert list(curves(figure)) == [
-        "Supervisor command",
+        "HAL command",
         "End-effector",
         "Bottom vacuum",
         "Cylinder",
@@ -40,7 +38,7 @@ def test_curves_are_the_integers_of_table_ii_with_an_offset():
     offset = values[0]
     assert [value - offset for value in values[:-1]] == [0, 1, 0, 1, 0, 1, 0]
     assert list(lines["Cylinder"].get_xdata())[:-1] == [0.0, 1.5, 6.5, 7.5, 12.5, 13.5, 18.5]
-    command = list(lines["Supervisor command"].get_ydata())
+    command = list(lines["HAL command"].get_ydata())
     assert [value - command[0] for value in command[:-1]] == [0, 3, 4, 0]
 
 
@@ -115,21 +113,7 @@ def test_a_recording_without_rows_is_refused():
         paper(StatesLog(NAMES, ()))
 
 
-ROWS = st.lists(
-    st.tuples(
-        st.floats(0, 600),
-        st.sampled_from(EndEffectorState),
-        st.sampled_from(Command),
-        st.tuples(*[st.integers(0, 2)] * 3),
-    ),
-    min_size=1,
-    max_size=25,
-)
-
-
 @settings(max_examples=12, deadline=None)
-@given(ROWS)
-def test_any_recording_is_drawn_without_words_on_words(rows):
-    times = sorted(row[0] for row in rows)
-    recording = StatesLog(NAMES, tuple(StatesRow(t, *row[1:]) for t, row in zip(times, rows, strict=True)))
+@given(recordings())
+def test_any_recording_is_drawn_without_words_on_words(recording):
     assert overlaps(paper(recording)) == []

@@ -2,17 +2,17 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import PressuresLog, RunInfo, StatesLog, StatesRow
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.recording import AlarmRow, ChangerRow, PressuresLog, RunInfo, StatesLog, Watched
+from end_effector_hal.vocabulary import ChangerState
 from end_effector_lab.figures import save, timeline
 from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, PRESSURES, log
-from tests.unit.figures.figure_facts import bars, overlaps, texts
+from tests.unit.figures.figure_facts import bars, overlaps, recordings, texts
 
 SCENARIOS = {"nominal": NOMINAL, "fails-once": FAILS_ONCE, "never": NEVER, "cancelled": CANCELLED}
 
@@ -86,11 +86,16 @@ def test_names_stand_inside_where_they_fit_and_beside_where_they_do_not():
 def test_the_events():
     assert texts(timeline(NEVER, info=INFO), "event") == [
         "GRIP",
-        "time-out 1/3",
-        "time-out 2/3",
-        "time-out 3/3 – abort",
+        "Cylinder time-out 1/3",
+        "Cylinder time-out 2/3",
+        "Cylinder time-out 3/3 – abort",
     ]
-    assert texts(timeline(FAILS_ONCE, info=INFO), "event") == ["GRIP", "time-out 1/3", "GRIPPED", "DROP"]
+    assert texts(timeline(FAILS_ONCE, info=INFO), "event") == [
+        "GRIP",
+        "Cylinder time-out 1/3",
+        "GRIPPED",
+        "DROP",
+    ]
     assert texts(timeline(CANCELLED), "event") == ["GRIP", "CANCEL"]
 
 
@@ -98,10 +103,10 @@ def test_pressures_with_their_accepted_ranges():
     figure = timeline(NEVER, PRESSURES, INFO)
     shown = texts(figure)
     assert {
-        "vacuum\n[kPa]",
-        "pressure\n[kPa]",
-        "confirmed\n≤ −55 kPa",
-        "confirmed\n≥ 510 kPa",
+        "vacuum\n[gauge kPa]",
+        "pressure\n[gauge kPa]",
+        "confirmed ≤ −55",
+        "confirmed ≥ 510",
         "Supply",
     } <= set(shown)
     vacuum, above = figure.axes[1:]
@@ -122,7 +127,7 @@ def test_a_curve_has_a_hole_where_nothing_valid_was_received():
 
 def test_pressures_without_a_run_file_are_found_by_name_and_have_no_range():
     figure = timeline(NEVER, PRESSURES)
-    assert not any("confirmed\n" in text for text in texts(figure))
+    assert not any("confirmed " in text for text in texts(figure))
     assert [line.get_label() for line in figure.axes[1].lines][1:3] == ["Bottom vacuum", "Top vacuum"]
     assert [len(axes.patches) for axes in figure.axes[1:]] == [0, 0]
 
@@ -155,14 +160,20 @@ def test_ten_minutes_with_one_grip_in_the_middle():
     rows = [(r.time_s + (300 if r.time_s else 0), *r.states) for r in NEVER.rows]
     figure = timeline(log(*rows, (600, 6, 0, 0, 0, 0)), None, INFO)
     assert overlaps(figure) == []
-    assert texts(figure, "event") == ["GRIP", "time-out 1/3", "time-out 2/3", "time-out 3/3 – abort", "LOCK"]
+    assert texts(figure, "event") == [
+        "GRIP",
+        "Cylinder time-out 1/3",
+        "Cylinder time-out 2/3",
+        "Cylinder time-out 3/3 – abort",
+        "LOCK",
+    ]
     assert "GRIP ERROR" in texts(figure, "beside")
 
 
 def test_many_grips_keep_the_words_of_what_went_wrong():
     figure = timeline(long_recording(24), None, INFO)
     assert overlaps(figure) == []
-    assert texts(figure, "event") == ["abort"] * 8
+    assert texts(figure, "event").count("abort") == 8
     assert "24 grips: 16 GRIPPED, 8 ABORTED (Cylinder never confirmed)" in texts(figure)
 
 
@@ -200,7 +211,7 @@ def test_svg_is_text_and_the_same_every_time(tmp_path):
     for name in ("a.svg", "b.svg", "a.png", "b.png"):
         save(timeline(NEVER, PRESSURES, INFO), tmp_path / name)
     svg = (tmp_path / "a.svg").read_text()
-    assert ">time-out 3/3 – abort</text>" in svg
+    assert ">Cylinder time-out 3/3 – abort</text>" in svg
     assert "<dc:date>" not in svg
     assert svg == (tmp_path / "b.svg").read_text()
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
@@ -279,21 +290,189 @@ def _lab(rgb):
     return 116 * y - 16, 500 * (x - y), 200 * (y - z)
 
 
-ROWS = st.lists(
-    st.tuples(
-        st.floats(0, 600),
-        st.sampled_from(EndEffectorState),
-        st.sampled_from(Command),
-        st.tuples(*[st.integers(0, 2)] * 3),
-    ),
-    min_size=1,
-    max_size=25,
+@settings(max_examples=12, deadline=None)
+@given(recordings())
+def test_any_recording_is_drawn_without_words_on_words(recording):
+    assert overlaps(timeline(recording, None, INFO)) == []
+
+
+# What a person must see of a run, besides its states.
+
+RELEASING_ROWS = (
+    (0, 6, -1, 0, 0, 0),
+    (1, 3, -1, 2, 2, 2),
+    (10, 4, 3, 2, 2, 0),
+    (10.5, 4, 3, 2, 0, 0),
+    (12.5, 4, 3, 0, 0, 0),
+    (13, 6, -1, 0, 0, 0),
 )
 
 
-@settings(max_examples=12, deadline=None)
-@given(ROWS)
-def test_any_recording_is_drawn_without_words_on_words(rows):
-    times = sorted(row[0] for row in rows)
-    recording = StatesLog(NAMES, tuple(StatesRow(t, *row[1:]) for t, row in zip(times, rows, strict=True)))
-    assert overlaps(timeline(recording, None, INFO)) == []
+def falling(gone_s):
+    """The top vacuum is gone at a time, the cylinder never, the bottom vacuum when the unwinding goes on."""
+    times = [n / 10 for n in range(130)]
+    samples = [
+        (at, (-80.0 if at < 12.5 else 0.0, 590.0, -80.0 if at < 10 else -40.0 if at < gone_s else -9.0))
+        for at in times
+    ]
+    return PressuresLog(("bottom", "cylinder", "top"), tuple(samples))
+
+
+def test_a_releasing_actuator_has_the_colour_of_releasing_while_its_pressure_falls():
+    limits = {name: {**limit, "gone_kpa": 10.0} for name, limit in INFO.limits.items()}
+    figure = timeline(log(*RELEASING_ROWS), falling(10.4), replace(INFO, limits=limits))
+    (blue,) = [bar for bar in bars(figure, "top_vacuum") if bar[0] == "OFF (releasing)"]
+    assert blue[1:3] == (10.0, pytest.approx(10.4))
+    (stuck,) = [bar for bar in bars(figure, "cylinder") if bar[0].endswith("(releasing)")]
+    assert stuck[1] == 10.5
+    assert stuck[2] > 13  # its pressure never went: it is not shown as gone
+    (state,) = [bar for bar in bars(figure, "end_effector") if bar[0] == "RELEASING"]
+    assert blue[3] == stuck[3] == state[3]
+
+
+def test_without_a_pressure_the_unwinding_shows_how_long_a_release_took():
+    figure = timeline(log(*RELEASING_ROWS), None, INFO)
+    found = {
+        name: [
+            (round(start, 6), round(end, 6))
+            for state, start, end, _ in bars(figure, name)
+            if state.endswith("(releasing)")
+        ]
+        for name in NAMES
+    }
+    assert found == {
+        "top_vacuum": [(10.0, 10.5)],
+        "cylinder": [(10.5, 12.5)],
+        "bottom_vacuum": [(12.5, 13.0)],
+    }
+
+
+def test_a_time_out_alone_shows_no_release():
+    found = [bar[1] for bar in bars(timeline(NEVER), "cylinder") if bar[0].endswith("(releasing)")]
+    assert all(start > 18 for start in found)
+
+
+def test_loss_and_secure_are_lines():
+    limits = {"bottom_vacuum": {**INFO.limits["bottom_vacuum"], "lost_kpa": 50.0, "secure_kpa": 75.0}}
+    limits["cylinder"] = {**INFO.limits["cylinder"], "lost_kpa": 490.0}
+    info = replace(INFO, limits={**INFO.limits, **limits})
+    figure = timeline(NEVER, PRESSURES, info)
+    levels = [
+        {
+            line.get_label(): line.get_ydata()[0]
+            for line in axes.lines
+            if line.get_label() in ("lost", "secure")
+        }
+        for axes in figure.axes[1:]
+    ]
+    assert levels == [{"lost": -50.0, "secure": -75.0}, {"lost": 490.0}]
+    assert {"lost > −50", "secure ≤ −75", "lost < 490"} <= set(texts(figure))
+    assert overlaps(figure) == []
+
+
+def test_the_tool_changer_has_a_lane():
+    rows = [ChangerRow(float(at), ChangerState(state)) for at, state in enumerate((0, 1, 3, 2, 4, 1, 5))]
+    figure = timeline(NEVER, changer=rows)
+    assert [state for state, *_ in bars(figure, "tool_changer")] == [
+        "UNKNOWN", "LOCKED", "UNLOCKING", "UNLOCKED", "LOCKING", "LOCKED", "FAULT"
+    ]  # fmt: skip
+    assert "Tool changer" in texts(figure)
+    assert overlaps(figure) == []
+
+
+def test_the_forecast_of_a_leak_begins_at_its_value():
+    text = "Leak: Top vacuum falls by 3.7 kPa/s from 65.5 kPa and would be lost (under 50 kPa) in 6 s."
+    figure = timeline(NEVER, PRESSURES, INFO, [AlarmRow(4.0, "begun", text)])
+    (line,) = [line for line in figure.axes[1].lines if line.get_label() == "forecast"]
+    assert [list(line.get_xdata()), list(line.get_ydata())] == [[4.0, 10.0], [-65.5, -50.0]]
+
+
+@pytest.mark.parametrize(
+    ("ros", "generation", "shown"), [(True, 1, "ROS 1"), (True, 2, "ROS 2"), (True, None, "ROS")]
+)
+def test_the_subtitle_says_which_ros(ros, generation, shown):
+    info = RunInfo(description="x", ros=ros, ros_generation=generation)
+    assert f"description x  ·  {shown}  ·  not simulated" in texts(timeline(NOMINAL, info=info))
+
+
+def test_commands_at_one_instant_are_one_mark_and_others_keep_their_words():
+    rows = [
+        (0, 6, -1, 0, 0, 0),
+        (1, 6, 0, 0, 0, 0),
+        (1.001, 1, 2, 1, 0, 0),
+        (2, 3, -1, 2, 2, 2),
+        (60, 4, 3, 2, 2, 0),
+    ]
+    assert texts(timeline(log(*rows), None, INFO), "event") == ["LOCK, GRIP", "GRIPPED", "DROP"]
+
+
+def test_an_alarm_of_any_length_takes_no_words_from_others():
+    alarms = [AlarmRow(0.5, "begun", "No valid reading of " + "something, " * 40)]
+    alarms += [AlarmRow(0.5, "begun", "Another one."), AlarmRow(0.5, "begun", "A third one.")]
+    shown = texts(timeline(NEVER, None, INFO, alarms), "event")
+    assert shown[0].endswith("… +2")
+    assert shown[1:] == [
+        "GRIP",
+        "Cylinder time-out 1/3",
+        "Cylinder time-out 2/3",
+        "Cylinder time-out 3/3 – abort",
+    ]
+
+
+WATCHED = (
+    Watched("ee", values=((0.0, "STAND_BY"), (1.5, "GRIPPING"))),
+    Watched("evidence[cylinder]", wrong=True, values=((0.0, "GONE"), (3.0, "PARTIAL"))),
+    Watched(
+        "Observer.x",
+        wrong=True,
+        points=((0.0, 0.0), (1.5, 1.5), (1.5, 0.0), (5.0, 3.5)),
+        limits=(("<= GRIP_BOUND (3.4 s)", 3.4),),
+        deadline_s=4.9,
+    ),
+)
+VIOLATED = replace(
+    INFO, violated="It ends.", violated_s=5.0, because="At 5 s x must be at most 3.4 s.", watched=WATCHED
+)
+
+
+def test_a_counterexample_shows_what_its_requirement_speaks_of():
+    figure = timeline(NEVER, info=VIOLATED)
+    shown = texts(figure)
+    assert "VIOLATED at 5 s: It ends." in shown
+    assert "At 5 s x must be at most 3.4 s." in shown
+    assert "what the requirement speaks of; red: the part that does not hold" in shown
+    assert {"ee", "evidence[cylinder]", "Observer.x\n[s]", "≤ GRIP_BOUND (3.4 s)"} <= set(shown)
+    assert [(state, start) for state, start, *_ in bars(figure, "watched ee")] == [
+        ("STAND_BY", 0.0),
+        ("GRIPPING", 1.5),
+    ]
+    evidence = bars(figure, "watched evidence[cylinder]")
+    assert [(state, round(start, 3)) for state, start, *_ in evidence] == [
+        ("GONE", 0.0),
+        ("PARTIAL", 3.0),
+        ("PARTIAL", 5.0),
+    ]
+    red, before = evidence[-1][3], evidence[-2][3]
+    assert red[0] > 0.6 > max(red[1:3]) + 0.2
+    assert before[0] > 0.8 < min(before[1:3])
+    (clock,) = (line for line in figure.axes[1].lines if line.get_label() == "clock Observer.x")
+    assert list(zip(*clock.get_data(), strict=True)) == list(WATCHED[2].points)
+    (limit,) = (line for line in figure.axes[1].lines if line.get_label().startswith("limit"))
+    assert set(limit.get_ydata()) == {3.4}
+    deadlines = [line for axes in figure.axes for line in axes.lines if line.get_label() == "deadline"]
+    assert [set(line.get_xdata()) for line in deadlines] == [{4.9}, {4.9}]
+    assert overlaps(figure) == []
+
+
+def test_of_many_things_a_requirement_speaks_of_those_that_are_wrong_are_shown():
+    many = [Watched(f"v[{number}]", wrong=number == 39, values=((0.0, "GONE"),)) for number in range(40)]
+    figure = timeline(NEVER, info=replace(VIOLATED, watched=tuple(many)))
+    assert "what the requirement speaks of (10 of 40); red: the part that does not hold" in texts(figure)
+    assert bars(figure, "watched v[39]")
+    assert not bars(figure, "watched v[20]")
+
+
+def test_a_counterexample_without_a_length_is_drawn():
+    log_ = log((0.0, 0, -1, 0, 0, 0))
+    figure = timeline(log_, info=replace(VIOLATED, violated_s=0.0, watched=WATCHED[:2]))
+    assert "VIOLATED" in texts(figure, "event")

@@ -17,7 +17,7 @@ from tests.support.nightly import first_of
 from tests.support.refuted import REFUTED
 from tests.unit.earlier.conftest import ARCHIVE
 
-INSTALL_LAB = "which is not installed. Install it: pip install 'end-effector-hal[lab]'.\n"
+INSTALL_LAB = "which is not installed. Install it: pip install '.[lab]' in a checkout of end-effector-hal.\n"
 NO_FIGURE = f"Note: There is no figure. Figures need matplotlib, {INSTALL_LAB}"
 
 
@@ -44,7 +44,8 @@ def test_import(tmp_path: Path) -> None:
     done = eehal_without(["rosbags"], "import", tmp_path / "run.bag")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == (
-        "This command needs rosbags, which is not installed. Install it: pip install 'end-effector-hal[bags]'.\n"
+        "This command needs rosbags, which is not installed. "
+        "Install it: pip install '.[bags]' in a checkout of end-effector-hal.\n"
     )
 
 
@@ -91,7 +92,7 @@ def test_a_modbus_codec(tmp_path: Path) -> None:
     line, *_ = done.stderr.splitlines()
     assert line.endswith(
         ": The codec modbus-rtu-epick needs pymodbus, which is not installed; "
-        "Install it: pip install 'end-effector-hal[modbus]' [EE-226]"
+        "Install it: pip install '.[modbus]' in a checkout of end-effector-hal [EE-226]"
     )
 
 
@@ -99,6 +100,6 @@ def test_the_doctor_says_which_extra_is_missing(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(_python, "_installed", lambda name: name != "matplotlib")
     (finding,) = (each for each in _python.look_at_python() if "extra" in each.what)
     assert (finding.level, finding.what) == (Level.WARNING, "the extra lab is not installed (matplotlib)")
-    assert finding.todo == "Needed by figures only: pip install 'end-effector-hal[lab]'"
+    assert finding.todo == "Needed by figures only: pip install '.[lab]' in a checkout of end-effector-hal"
     monkeypatch.setattr(_python, "_installed", lambda name: True)
     assert not [each for each in _python.look_at_python() if "extra" in each.what]

@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Status, network_of
+from end_effector_hal.control import Status, StatusLines, network_of
 from end_effector_hal.description import examine_text
 from end_effector_hal.errors import DescriptionError
-from end_effector_hal.nodes.report import StatusLines
 from end_effector_hal.recording import read_trace
 from end_effector_hal.runtime.boundary import MODEL
 from end_effector_hal.verification.proof import prove

@@ -111,3 +111,22 @@ def test_a_position_that_is_none_ends_its_goal_and_asks_no_program(
     why = "The position 0.5 is none of this tool: 0 grips, 1 drops."
     assert record.getMessage() == f"{GRIPPER_COMMAND.name}: REJECTED. {why}"
     assert record.levelno == logging.WARNING, "its result has no place for the reason"
+
+
+def test_a_node_that_has_never_reported_is_an_alarm_only_after_the_time_of_a_start(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A launch starts its processes within seconds: the first states are OFF, and nothing is wrong."""
+    from end_effector_hal.nodes.hal_main import _hal_main
+
+    clock = [1_000_000]
+    monkeypatch.setattr(_hal_main, "now_us", lambda: clock[0])
+    transport = LoneTransport()
+    HalMainNode(cast("Any", transport))
+    shown = []
+    for clock[0] in (1_000_001, 5_999_999, 6_000_000):
+        transport.ticks[STATE_HZ]()
+        state = transport.published[END_EFFECTOR_STATE.name][-1]
+        shown.append((EndEffectorState(state.state).name, state.lift_allowed, list(state.alarms)))
+    never = [f"The node {name} has not reported yet." for name in ("Grip", "ToolChange")]
+    assert shown == [("OFF", False, []), ("OFF", False, []), ("OFF", False, never)]

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.page import PageAddress
-from end_effector_hal.page.web import Asked, Guard
+from end_effector_hal.page.web import Asked, Guard, PageAddress
 
 ADDRESS = PageAddress("127.0.0.1", 8137)
 GUARD = Guard(ADDRESS)

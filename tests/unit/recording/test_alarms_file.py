@@ -55,9 +55,9 @@ def test_a_last_row_that_was_cut_off_is_left_out(path):
         assert read_alarms(path) in (rows[:1], rows[:2])
 
 
-@pytest.mark.parametrize("row", ["x,begun,y", "1.0,begun", "-1,begun,y"])
+@pytest.mark.parametrize("row", ["x,begun,y", "1.0,begun", "-1,begun,y", "1.0,begun,y\rz"])
 def test_a_row_that_is_none_is_refused_with_its_place(path, row):
-    path.write_text(f"time_s,event,alarm\n{row}\n")
+    path.write_bytes(f"time_s,event,alarm\n{row}\n".encode())
     with pytest.raises(UsageError, match=r"alarms\.csv:2"):
         read_alarms(path)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import shutil
 from pathlib import Path
 
@@ -20,6 +18,7 @@ from end_effector_hal.recording import (
     read_pressures,
     read_states,
 )
+from tests.support.full_disk import FullDisk
 
 LIMITS = RecordingLimits(400, 1_000_000)
 
@@ -104,24 +103,9 @@ def test_segments_of_another_recording_are_refused(tmp_path: Path) -> None:
         read_states(tmp_path / "states.csv")
 
 
-class FullDisk:
-    """``os`` of the writer, without room while ``full``."""
-
-    full = True
-
-    def __getattr__(self, name: str) -> object:
-        return self.write if name == "write" else getattr(os, name)
-
-    def write(self, fd: int, data: bytes) -> int:
-        if self.full:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return os.write(fd, data)
-
-
 @pytest.fixture
 def disk(monkeypatch: pytest.MonkeyPatch) -> FullDisk:
     made = FullDisk()
-    made.full = False
     monkeypatch.setattr(_files, "os", made)
     return made
 

@@ -32,7 +32,7 @@ def test_what_is_read_is_what_was_written(path):
     write(path, [(0.0, (0.0, 600.0)), (0.02, (-12.345, None)), (0.04, (-30.0, 600.5))])
     assert (
         path.read_text()
-        == "time_s,bottom,supply\n0.000000,0.00,600.00\n0.020000,-12.35,\n0.040000,-30.00,600.50\n"
+        == "time_s,bottom_gauge_kpa,supply_gauge_kpa\n0.000000,0.00,600.00\n0.020000,-12.35,\n0.040000,-30.00,600.50\n"
     )
     log = read_pressures(path)
     assert log.channels == CHANNELS
@@ -151,3 +151,17 @@ def test_no_written_curve_is_far_from_what_was_measured(tmp_path_factory, steps)
         # every sample lies within the band of the last one written before it, and the curve ends where it ended
         assert abs(before[-1] - bottom) <= 0.21
         assert after
+
+
+def test_a_recording_of_before_is_read_and_continued_under_its_own_header(path):
+    path.write_text("time_s,bottom,supply\n1.000000,0.00,600.00\n")
+    with PressuresWriter(path, CHANNELS) as writer:
+        assert writer.write(2.0, {"bottom": -5.0, "supply": 600.0})
+    assert path.read_text().splitlines()[0] == "time_s,bottom,supply"
+    assert read_pressures(path).channels == CHANNELS
+    assert read_pressures(path).curve("bottom") == (0.0, -5.0)
+
+
+def test_a_channel_may_have_the_name_of_the_unit(path):
+    path.write_text("time_s,a_gauge_kpa,b\n1,0,600\n")
+    assert read_pressures(path).channels == ("a_gauge_kpa", "b")

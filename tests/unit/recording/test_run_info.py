@@ -1,12 +1,13 @@
 """run.json: whole or not at all; read whatever it holds."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from end_effector_hal.recording import RunInfo, read_run
+from end_effector_hal.recording import RunInfo, Watched, read_run
 from tests.support.trace_recordings import INFO
 
 
@@ -28,10 +29,42 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
         "actuators",
         "limits",
         "simulated",
+        "ros_generation",
         "start_us",
         "gaps",
     ]
     assert list(content) == keys
+
+
+def test_what_is_violated_comes_back(tmp_path):
+    watched = (
+        Watched("ee", wrong=True, values=((0.0, "OFF"), (1.5, "GRIPPED"))),
+        Watched("x", points=((0.0, 0.0), (2.0, 2.0)), limits=(("<= 1 s", 1.0),), deadline_s=1.0),
+    )
+    info = replace(INFO, violated="It ends.", violated_s=2.0, because="It does not.", watched=watched)
+    info.write(tmp_path)
+    assert read_run(tmp_path) == info
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        3,
+        "x",
+        {},
+        {"name": "x"},
+        {"name": "x", "values": [[1]]},
+        {"name": "x", "points": [["a", 0]]},
+        {"name": "x", "points": [[0, float("nan")]]},
+        {"name": 3, "values": [[0, "OFF"]]},
+    ],
+)
+def test_what_cannot_be_watched_is_left_out_and_said(tmp_path, wrong):
+    content = {"violated": "It ends.", "watched": [{"name": "ee", "values": [[0, "OFF"]]}, wrong]}
+    (tmp_path / "run.json").write_text(json.dumps(content))
+    info = read_run(tmp_path)
+    assert info.watched == (Watched("ee", values=((0.0, "OFF"),)),)
+    assert info.note.endswith("of another type than it should be: watched.")
 
 
 @pytest.mark.parametrize(

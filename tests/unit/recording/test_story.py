@@ -1,5 +1,7 @@
 """The story is read from the states alone."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -59,12 +61,32 @@ def test_one_fails_once_and_recovers():
         ("cylinder", 6.5, 1.0)
     ]
     assert story.grips[0].attempts_by_actuator == {"bottom_vacuum": 1, "cylinder": 2, "top_vacuum": 1}
-    assert moments(story)[1] == (6.5, "time-out 1")
+    assert moments(story)[1] == (6.5, "Cylinder time-out 1")
+
+
+def test_a_counterexample_is_no_success():
+    info = replace(INFO, violated="A grip takes 1 s.", violated_s=1.5)
+    story, nominal = read_story(NOMINAL, info), read_story(NOMINAL)
+    assert story.verdict == "VIOLATED at 1.5 s: A grip takes 1 s."
+    kinds = [moment.kind for moment in nominal.moments]
+    assert "gripped" in kinds
+    assert "gripped" not in [moment.kind for moment in story.moments]
+    assert [(moment.time_s, moment.text) for moment in story.moments if moment.kind == "lost"] == [
+        (1.5, "VIOLATED")
+    ]
+    assert len(story.moments) == len(nominal.moments) + 1
+
+
+def test_what_goes_wrong_as_a_counterexample_ends_shares_its_mark():
+    at_s = next(moment.time_s for moment in read_story(NEVER, INFO).moments if "abort" in moment.text)
+    story = read_story(NEVER, replace(INFO, violated="It succeeds.", violated_s=at_s))
+    told = [(moment.kind, moment.text) for moment in story.moments if moment.time_s == at_s]
+    assert told == [("lost", "Cylinder time-out 3/3 – abort – VIOLATED")]
 
 
 def test_how_many_attempts_there_are_comes_from_the_run():
     story = read_story(FAILS_ONCE, INFO)
-    assert moments(story)[1] == (6.5, "time-out 1/3")
+    assert moments(story)[1] == (6.5, "Cylinder time-out 1/3")
     assert str(story.attempts[1]) == "Cylinder, attempt 1 of 3: timed out after 5.00 s"
 
 
@@ -82,7 +104,7 @@ def test_what_gripped_nothing_did_not_time_out():
     assert [attempt.outcome for attempt in story.attempts] == [AttemptOutcome.EMPTY] * 3
     assert [round(reset.length_s, 6) for reset in story.resets] == [1.0, 1.0]
     assert story.verdict == "Jaw gripped nothing: grip ABORTED after 3 attempts, released"
-    assert (3.6, "empty 3/3 – abort") in moments(story)
+    assert (3.6, "Jaw empty 3/3 – abort") in moments(story)
     foreign = RunInfo(actuators={"jaw": "of_somebody"}, limits={"jaw": {"attempts": 3}})
     assert read_story(states, foreign, alarms).grips[0].culprit == "jaw"
 
@@ -101,9 +123,9 @@ def test_one_never_confirms():
     assert story.releases[0].deactivated == (("cylinder",), ("bottom_vacuum",))
     assert moments(story) == [
         (1.0, "GRIP"),
-        (6.5, "time-out 1/3"),
-        (12.5, "time-out 2/3"),
-        (18.5, "time-out 3/3 – abort"),
+        (6.5, "Cylinder time-out 1/3"),
+        (12.5, "Cylinder time-out 2/3"),
+        (18.5, "Cylinder time-out 3/3 – abort"),
     ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -166,3 +167,19 @@ def test_viewers_get_schemas_that_they_understand(tmp_path: Path) -> None:
         assert json.loads(text)["type"] == "object"
         assert "$ref" not in text
         assert '"null"' not in text
+
+
+@pytest.mark.parametrize("compression", ["lz4", "zstd"])
+def test_a_chunk_that_cannot_be_decompressed_is_told(tmp_path: Path, compression: str) -> None:
+    """This product writes none, but another writer may."""
+    header = b"".join(struct.pack("<I", len(text)) + text for text in (b"", b""))
+    content = struct.pack("<QQQII", 0, 0, 9, 0, len(compression)) + compression.encode()
+    content += struct.pack("<Q", 7) + b"garbage"
+    records = b"".join(
+        bytes([kind]) + struct.pack("<Q", len(data)) + data for kind, data in ((1, header), (6, content))
+    )
+    path = tmp_path / "chunk.mcap"
+    path.write_bytes(MAGIC + records + MAGIC)
+    found = read_trace(path)
+    assert (found.records, found.damaged) == ((), True)
+    assert "near byte" in found.note

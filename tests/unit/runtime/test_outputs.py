@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import pytest
+
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
 from end_effector_hal.runtime.outputs._outputs import Outputs
@@ -21,6 +23,7 @@ class Lines:
         self.waited = 0
         self.error: ReportedError | None = None
         self.active: dict[str, bool] = {}
+        self.dead = False
 
     def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
         self.asked.append((dict(levels), tuple(will)))
@@ -36,7 +39,7 @@ class Lines:
         return self.active
 
     def declared_dead(self) -> bool:
-        return False
+        return self.dead
 
     def close(self, will: Sequence[LastWillStep]) -> None:
         del will
@@ -105,6 +108,21 @@ def test_a_will_is_written_by_itself_where_the_line_follows_later_or_is_activate
     assert activated[1:] == [({}, UNWIND_A), ({B: True}, UNWIND)]
 
 
+def test_after_a_refusal_the_same_reaction_activates_nothing_more() -> None:
+    lines = Lines()
+    lines.error = LineRefusedError("IL-13: no.")
+    outputs = outputs_of(lines)
+    chain = [status(1, True, False), status(1, True, True), status(1, False, True)]
+    rest = outputs.begin(chain)
+    outputs.finish()
+    lines.error = None
+    outputs.complete(rest)
+    assert lines.active == {A: False, B: False}
+    outputs.objected = False  # the automata have been told
+    outputs.complete([status(2, True, True)])
+    assert lines.asked[-1][0] == {A: True}  # B was wanted before: it is not activated later by itself (IL-11)
+
+
 def test_a_refusal_is_known_once_it_was_waited_for() -> None:
     lines = Lines()
     lines.error = LineRefusedError("IL-05: no.")
@@ -152,3 +170,32 @@ def test_what_was_lost_and_is_not_wanted_any_more_does_not_come() -> None:
         outputs.begin([status(at, True, active, attempt=attempt)])
         outputs.finish()
     assert not any(levels.get(B) for levels, _ in lines.asked)
+
+
+@pytest.mark.parametrize(
+    ("found", "dead", "why"),
+    [
+        ({A: True, B: False}, False, ""),
+        (
+            {A: False, B: False},
+            False,
+            "The line arbiter declared this program dead and executed its last will; ",
+        ),
+        ({B: False}, False, f"After the line arbiter was lost nobody knew how {A} stood; "),
+        (
+            {A: False, B: False},
+            True,
+            "The line arbiter declared this program dead and executed its last will; ",
+        ),
+        ({B: False}, True, "The line arbiter declared this program dead and executed its last will; "),
+    ],
+)
+def test_why_the_lines_do_not_agree_is_what_was_found(found: dict[str, bool], dead: bool, why: str) -> None:
+    """An arbiter that was restarted has declared nobody dead; a register that nothing reads back is unknown then."""
+    lines = Lines()
+    outputs = outputs_of(lines)
+    outputs.begin([status(1, True, False, attempt=1)])
+    outputs.finish()
+    lines.active, lines.dead = found, dead
+    assert outputs.agree(3) is (not why)
+    assert outputs.disagreement == (f"{why}the program has restarted." if why else "")

@@ -6,7 +6,7 @@ import sys
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
 
@@ -18,9 +18,11 @@ from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ArbiterError
 from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
+from end_effector_hal.runtime.stream import ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.vocabulary import EndEffectorState, LastWillStep
+from tests.support.patience import wait_until
 
 PERIOD = 20_000
 QUIET: dict[str, Value] = {
@@ -132,27 +134,29 @@ class Tool:
             self.program.frame(self.frame())
             self.idle()
 
-    def command(self, name: str) -> Answer:
+    def command(self, name: str, until_us: int | None = None, waits_us: int = 0) -> Answer:
+        """Give a command, which waits for ``waits_us`` before it is decided."""
+        return self.ask(lambda: self.program.command(name, until_us), waits_us)
+
+    def ask(self, question: Callable[[], Answer], waits_us: int = 0) -> Answer:
         """In a thread of its own, as a command comes; it waits for what only the worker does."""
         answers: list[Answer] = []
 
         def command() -> None:
-            with self.lines.count.counting() if self.lines.count else _uncounted():
-                answers.append(self.program.command(name))
+            with self.lines.count.counting() if self.lines.count else nullcontext():
+                answers.append(question())
 
         thread = threading.Thread(target=command)
-        thread.start()
+        with self.worker._turn if waits_us else nullcontext():
+            thread.start()
+            wait_until("it waits", lambda: bool(self.worker._jobs) or not waits_us)
+            self.at += waits_us
         while thread.is_alive():
             self.worker._bell.get(timeout=10.0)
             self.worker.work()
             thread.join(0.01)
         self.idle()
         return answers[0]
-
-
-@contextmanager
-def _uncounted() -> Iterator[None]:
-    yield
 
 
 @pytest.fixture
@@ -183,7 +187,7 @@ def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_
         assert not [name for name in calls if name.startswith(("_semantics.py", "_trace.py", "_network"))]
 
 
-GOAL_CALLS, FRAME_CALLS = 215, 385
+GOAL_CALLS, FRAME_CALLS = 225, 385
 """From the call of the program to that of the line arbiter's client; `benchmarks/calls.py` counts both ends too."""
 
 
@@ -228,6 +232,45 @@ def test_nothing_is_begun_while_the_line_arbiter_is_away(tool: Tool) -> None:
     status = tool.program.status
     assert status.ee is EndEffectorState.GRIPPED
     assert [report.attempts for report in status.steps] == [1, 1, 1]
+
+
+@pytest.mark.parametrize(("waits_us", "accepted"), [(90_000, True), (110_000, False)])
+def test_a_command_that_waited_for_longer_than_it_is_valid_is_not_executed(
+    tool: Tool, waits_us: int, accepted: bool
+) -> None:
+    answer = tool.command("grip", until_us=tool.at + 100_000, waits_us=waits_us)
+    assert answer.accepted is accepted
+    assert ("too late" in answer.reason) is not accepted
+    tool.run(100)
+    assert (tool.program.status.ee is EndEffectorState.GRIPPED) is accepted
+
+
+def test_a_client_of_the_stream_drives_one_actuator_under_the_lease(tool: Tool) -> None:
+    def ask(word: str, actuator: str, valid_us: int = 1) -> Answer:
+        message = ProgramCommand(1, word, tool.at + valid_us, actuator)
+        return tool.ask(lambda: tool.program._asked(message))
+
+    names = "bottom_vacuum, cylinder, top_vacuum"
+    unknown = ask("activate", "bottom vacuum")
+    assert (unknown.accepted, unknown.reason) == (
+        False,
+        f"There is no actuator called 'bottom vacuum'; there are {names}.",
+    )
+    assert "too late" in ask("activate", "cylinder", -1).reason
+    assert not any(tool.lines.active.values())
+    line = tool.description.actuators["cylinder"].line
+    assert ask("activate", "cylinder").accepted
+    assert tool.lines.active[line]
+    assert tool.command("grip").reason.startswith("IL-12")
+    tool.run(round(tool.description.maintenance.lease_s * 1e6 / PERIOD) - 10)
+    assert tool.lines.active[line]
+    tool.run(20)
+    assert not any(tool.lines.active.values())
+    tool.run(150)
+    assert tool.command("grip").accepted
+    tool.run(100)
+    assert ask("deactivate", "cylinder").reason.startswith("IL-12: a part is held")
+    assert tool.lines.active[line]
 
 
 def test_a_drop_is_carried_out_once_the_line_arbiter_is_there_again(tool: Tool) -> None:

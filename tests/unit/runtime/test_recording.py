@@ -11,28 +11,26 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.recording import Recording, RunInfo, _files, read_alarms, read_run, read_states
+from end_effector_hal.recording import (
+    Recording,
+    RunInfo,
+    _files,
+    read_alarms,
+    read_changer,
+    read_pressures,
+    read_run,
+    read_states,
+)
+from tests.support.full_disk import FullDisk
 
 DESCRIPTION = load(profile_path())
 SECOND = 1_000_000
 FULL = "The recording lacks rows, and is tried again: A row could not be written: No space left on device."
 
 
-class Disk:
-    full = False
-
-    def __getattr__(self, name: str) -> object:
-        return self.write if name == "write" else getattr(os, name)
-
-    def write(self, fd: int, data: bytes) -> int:
-        if self.full:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return os.write(fd, data)
-
-
 @pytest.fixture
-def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
-    made = Disk()
+def disk(monkeypatch: pytest.MonkeyPatch) -> FullDisk:
+    made = FullDisk()
     monkeypatch.setattr(_files, "os", made)
     write = RunInfo.write
 
@@ -45,7 +43,7 @@ def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
     return made
 
 
-def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: Disk) -> None:
+def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: FullDisk) -> None:
     with Recording(tmp_path, DESCRIPTION) as recording:
         start = recording._begun + SECOND
         recording.state(start, 3, -1, [2, 2, 2])
@@ -71,7 +69,7 @@ def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: Dis
     assert info.note == ""
 
 
-def test_a_recording_that_is_continued_keeps_what_it_said(tmp_path: Path, disk: Disk) -> None:
+def test_a_recording_that_is_continued_keeps_what_it_said(tmp_path: Path, disk: FullDisk) -> None:
     for _ in range(2):
         with Recording(tmp_path, DESCRIPTION) as recording:
             recording.state(recording._begun + SECOND, 3, -1, [2, 2, 2])
@@ -84,7 +82,7 @@ def test_a_recording_that_is_continued_keeps_what_it_said(tmp_path: Path, disk: 
 
 
 def test_one_that_ends_on_a_full_disk_ends(
-    tmp_path: Path, disk: Disk, caplog: pytest.LogCaptureFixture
+    tmp_path: Path, disk: FullDisk, caplog: pytest.LogCaptureFixture
 ) -> None:
     with Recording(tmp_path, DESCRIPTION) as recording:
         start = recording._begun + SECOND
@@ -98,7 +96,7 @@ def test_one_that_ends_on_a_full_disk_ends(
     assert len(read_states(tmp_path / "states.csv").rows) == 1
 
 
-def test_a_disk_that_is_full_at_the_start_is_a_sentence(tmp_path: Path, disk: Disk) -> None:
+def test_a_disk_that_is_full_at_the_start_is_a_sentence(tmp_path: Path, disk: FullDisk) -> None:
     disk.full = True
     with pytest.raises(UsageError, match="Cannot be written: No space left on device"):
         Recording(tmp_path, DESCRIPTION)
@@ -109,3 +107,34 @@ def test_gaps_that_are_none_are_left_out(tmp_path: Path, gaps: str) -> None:
     (tmp_path / "run.json").write_text(f'{{"scenario": "x", "gaps": {gaps}}}')
     info = read_run(tmp_path)
     assert (info.scenario, info.gaps) == ("x", ())
+
+
+def test_a_channel_of_another_link_keeps_its_value_until_it_is_stale(tmp_path: Path) -> None:
+    """Of several links each brings frames of its own: what is not in a frame is not invalid."""
+    tool = load(Path("examples/tools/two_links/end_effector.yaml"))
+    with Recording(tmp_path, tool) as recording:
+        start = recording._begun
+        recording.state(start, 6, -1, [0, 0])
+        recording.values(start, {"vacuum": -80_000})
+        recording.values(start + 30_000, {"gripped": True})
+        recording.values(start + SECOND, {"gripped": True})
+        recording.values(start + SECOND + 30_000, {"vacuum": -70_000})
+        recording.values(start + SECOND + 60_000, {"vacuum": None})
+    log = read_pressures(tmp_path / "pressures.csv")
+    curve = dict(zip(log.times_s, log.curve("vacuum"), strict=True))
+    assert curve == {0.0: -80.0, 0.03: -80.0, 1.0: None, 1.03: -70.0, 1.06: None}
+
+
+def test_the_tool_changer_is_recorded_where_there_is_one(tmp_path: Path) -> None:
+    for name, tool in (
+        ("with", DESCRIPTION),
+        ("without", load(Path("examples/tools/two_links/end_effector.yaml"))),
+    ):
+        with Recording(tmp_path / name, tool, ros=2) as recording:
+            recording.tool_changer(recording._begun, 1)  # before the start: nothing to be placed at
+            recording.state(recording._begun, 6, -1, [0] * len(tool.sequence))
+            recording.tool_changer(recording._begun + SECOND, 3)
+            recording.tool_changer(recording._begun + 2 * SECOND, 77)  # somebody else's number
+    assert [int(row.state) for row in read_changer(tmp_path / "with" / "tool_changer.csv")] == [3, 0]
+    assert not (tmp_path / "without" / "tool_changer.csv").exists()
+    assert (read_run(tmp_path / "with").ros, read_run(tmp_path / "with").ros_generation) == (True, 2)

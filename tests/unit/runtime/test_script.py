@@ -43,6 +43,8 @@ def test_an_empty_script_holds_nothing() -> None:
         ("fly", "'fly' is no command. There are: "),
         ("grip 3", "'grip 3': nothing may follow 'grip'."),
         ("lock grip", "nothing may follow 'lock'. Separate commands by ';'."),
+        ("grip & wait 3", "nothing may follow 'grip'. Separate commands by ';', also behind an '&'."),
+        ("scenario ", "'scenario': expected is 'scenario <text>', for example 'scenario nominal'."),
         ("wait", "'wait': expected is 'wait <seconds>'"),
         ("wait soon", "expected is 'wait <seconds>'"),
         ("wait -1", "expected is 'wait <seconds>'"),
@@ -57,6 +59,13 @@ def test_what_is_no_script_is_said_in_a_sentence(text: str, expected: str) -> No
     with pytest.raises(UsageError) as raised:
         read_script(text)
     assert expected in str(raised.value)
+
+
+def test_a_scenario_is_for_the_testbench_as_it_was_typed() -> None:
+    assert read_script("Scenario  leak:Cup_A:2, supply:300 ; grip") == (
+        ScriptCommand(scenario="leak:Cup_A:2, supply:300"),
+        ScriptCommand(Command.GRIP),
+    )
 
 
 def test_a_reset_is_no_command_of_table_ii() -> None:

@@ -213,7 +213,7 @@ def test_stale_while_held_is_told_and_stays_told_when_it_is_over(description: De
     status = tool.status
     assert (status.ee, status.evidence[2], status.held, status.lift_allowed) == (GRIPPED, 0, True, False)
     assert status.alarms == (
-        "No reading: Top vacuum is held and not known; outputs stay as they are, only a Drop releases.",
+        "No valid reading of Top vacuum while it holds a part; outputs stay as they are, only a Drop releases.",
     )
     choose(tool, "nominal")
     tool.run(3.0)
@@ -237,7 +237,7 @@ def test_a_lost_grip_says_what_was_seen_and_what_to_do(description: Description)
     status = tool.status
     assert status.ee == GRIP_ERROR
     assert status.reason.startswith("Bottom vacuum was lost: ")
-    assert status.reason.endswith(" kPa below ambient, it takes 50.")
+    assert status.reason.endswith(" kPa below ambient, 50 kPa required.")
     kpa = float(status.reason.split()[4])
     assert kpa < 50.0
     assert status.alarms == (
@@ -256,8 +256,11 @@ def test_an_adopted_part_is_watched_as_well(description: Description) -> None:
 @pytest.mark.parametrize(
     ("scenario", "reason"),
     [
-        ("supply:395", "IL-06: the supply pressure is 395 kPa, a grip takes 400 kPa."),
-        ("supply:410", "IL-06: the supply pressure was too low and is 410 kPa, a grip takes 420 kPa again."),
+        ("supply:395", "IL-06: the supply pressure is 395 kPa, a grip requires at least 400 kPa."),
+        (
+            "supply:410",
+            "IL-06: the supply pressure was too low and is 410 kPa, a grip requires at least 420 kPa again.",
+        ),
     ],
 )
 def test_too_little_air_refuses_a_grip_and_says_how_much_it_takes(

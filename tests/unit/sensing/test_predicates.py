@@ -110,3 +110,14 @@ def test_an_actuator_that_is_not_carried_does_not_stand_in_the_way() -> None:
     for frame in range(1, 30):
         said = predicates.frame(Frame(frame * PERIOD, None, None, QUIET))
     assert said["nothing_gripped"]
+
+
+def test_a_frame_that_came_too_late_proves_nothing_and_objects(feed: Feed) -> None:
+    """The machine stood still, and meanwhile the e-stop was open: it is latched."""
+    late = dict(feed.values)
+    now = feed.at + 10 * PERIOD
+    assert feed.predicates.frame(Frame(feed.at + PERIOD, None, None, late), now) == {}
+    late["estop_ok"] = False
+    said = feed.predicates.frame(Frame(feed.at + PERIOD, None, None, late), now)
+    assert said == {"e_stop_closed": False}
+    assert feed.predicates.frame(Frame(now + PERIOD, None, None, late), now) == {}

@@ -50,8 +50,8 @@ def test_interleaved_numbers_are_no_reboot_and_a_reboot_is_that_of_one(tool: Des
     assert senses.now.evidence[0] is not Evidence.CONFIRMED
     assert senses.now.readings.get("two", at + 10 * MS) == -70_019
     assert senses.now.evidence[1] is Evidence.CONFIRMED
-    (said,) = [each for each in senses.notices(at + 10 * MS, held=True) if "anew" in each]
-    assert said == "The device on the sensor link left (/dev/a) began anew: all was read anew."
+    (said,) = [each for each in senses.notices(at + 10 * MS, held=True) if "restarted" in each]
+    assert said == "The device on the sensor link left (/dev/a) restarted; earlier readings were discarded."
 
 
 def test_one_link_is_down_and_the_other_is_judged(tool: Description) -> None:
@@ -78,6 +78,14 @@ def test_each_link_has_its_own_times(tool: Description) -> None:
     assert readings.stale(at + 200 * MS) == ("one",)
     assert [each.link for each in readings.down(at + 1500 * MS)] == ["left"]
     assert {each.link for each in readings.down(at + 2500 * MS)} == {"left", "right"}
+
+
+def test_the_age_of_a_frame_is_judged_by_its_own_link(tool: Description) -> None:
+    senses = SensorSet(tool, carrier_of(tool))
+    at = fed(senses, 0, one=1000, two=40_000)
+    now = at + 200 * MS
+    assert not senses.accepts(Frame(at + 10 * MS, 1021, 20_420, {"one": -70_000}), now)
+    assert senses.accepts(Frame(at + 10 * MS, 40_021, 800_420, {"two": -70_000}), now)
 
 
 def test_a_recording_that_begins_in_the_middle_goes_on_alike(tool: Description) -> None:

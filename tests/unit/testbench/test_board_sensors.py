@@ -93,7 +93,10 @@ def test_a_virtual_copy_has_its_chip_and_its_folder_beside_it(tool: Description,
 
 def test_where_inputs_cannot_be_played(tool: Description) -> None:
     assert open_ports(None, tool, None) == {}
-    with pytest.raises(UsageError, match="mixed has no sensor link: --port /dev/ttyS0 means nothing"):
+    with pytest.raises(
+        UsageError,
+        match=r"mixed has no sensor link: there is nothing for --port /dev/ttyS0\. Leave out --port\.",
+    ):
         open_ports("/dev/ttyS0", tool, None)
     with pytest.raises(UsageError, match=r"digital inputs .* cannot be played at 'rpi3'"):
         open_sensors("rpi3", tool)

@@ -61,6 +61,6 @@ def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     told.commands.obey("scenario nominal")
     told.commands.obey("scenario wrong")
     assert capsys.readouterr().out.splitlines() == [
-        '{"scenario":"nominal"}',
-        """{"refused": "no fault is named 'wrong'."}""",
+        '{"schema_version": 1, "scenario": "nominal"}',
+        """{"schema_version": 1, "refused": "no fault is named 'wrong'."}""",
     ]

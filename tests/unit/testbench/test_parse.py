@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Channel, Description
 from end_effector_hal.errors import UsageError
 from end_effector_lab.testbench import FAULTS, Effect, Scenario, parse_scenario
 
@@ -60,20 +60,23 @@ def test_reads(verdin: Description, text: str, expected: Scenario) -> None:
         ("never-confirm:cylinder", "Did you mean 'never-confirms'?"),
         ("fails-once:cylinda", "no actuator is named 'cylinda'. Did you mean 'cylinder'?"),
         ("fails-once", "names no actuator. There are: tool_changer, bottom_vacuum, cylinder, top_vacuum."),
-        ("leak:cylinder", "cylinder cannot have this fault"),
+        ("leak:cylinder", "cylinder cannot have this fault. It can have: fails-once,"),
         ("no-part:cylinder", "cylinder cannot have this fault"),
         ("lost-after:tool_changer:1", "tool_changer cannot have this fault"),
         ("locked-shows:cylinder:1", "cylinder cannot have this fault"),
         ("locked-shows:tool_changer", "needs a number. Expected: bit, a whole number from 0 to 1."),
-        ("locked-shows:tool_changer:0.5", "needs a number. Expected: bit, a whole number from 0 to 1."),
-        ("fails:cylinder:1.5", "Expected: times, a whole number from 1 to 1000."),
+        ("locked-shows:tool_changer:0.5", "bit must be a whole number from 0 to 1."),
+        ("fails:cylinder:1.5", "'fails:cylinder:1.5': times must be a whole number from 1 to 1000."),
         ("lost-after:cylinder", "needs a number. Expected: seconds, a number from 0.001 to 86400."),
-        ("lost-after:cylinder:soon", "needs a number"),
-        ("lost-after:cylinder:nan", "needs a number"),
-        ("noise:1.5", "Expected: rate, a number from 0 to 1."),
+        ("lost-after:cylinder:soon", "seconds must be a number from 0.001 to 86400."),
+        ("lost-after:cylinder:nan", "seconds must be a number from 0.001 to 86400."),
+        ("noise:1.5", "'noise:1.5': rate must be a number from 0 to 1."),
         ("leak:top_vacuum:4:5", "has too many parts. Expected: leak:<actuator>[:<l_min>]."),
         ("nominal:cylinder", "has too many parts. Expected: nominal."),
-        ("fails-once:cylinder,never-confirms:cylinder", "'never-confirms:cylinder' contradicts"),
+        (
+            "fails-once:cylinder,never-confirms:cylinder",
+            "'never-confirms:cylinder' contradicts 'fails-once:cylinder'. Remove one of them.",
+        ),
         ("noise:0.1,noise:0.2", "contradicts"),
         ("nominal,,", "no fault is named ''"),
     ],
@@ -88,6 +91,37 @@ def test_without_a_tool_changer_it_cannot_fail(verdin: Description) -> None:
     bare = verdin.model_copy(update={"tool_changer": None})
     with pytest.raises(UsageError, match="no actuator is named 'tool_changer'"):
         parse_scenario("never-confirms:tool_changer", bare)
+
+
+def with_alarm(verdin: Description) -> Description:
+    place = {"modbus": {"address": 1}}
+    channels = {
+        "pump": Channel.model_validate({**place, "alarm": [{"code": 8, "text": "too hot"}]}),
+        "door": Channel.model_validate({**place, "alarm": "it is open"}),
+    }
+    return verdin.model_copy(update={"channels": channels})
+
+
+def test_a_device_says_that_it_has_a_fault(verdin: Description) -> None:
+    assert parse_scenario("alarm:pump:8,alarm:door", with_alarm(verdin)).alarms == {"pump": 8, "door": 1}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("alarm", "it names no channel. There are: pump, door."),
+        ("alarm:dor", "no alarm is named 'dor'. Did you mean 'door'?"),
+        ("alarm:pump:hot", "code must be a whole number"),
+        ("alarm:pump:8:9", "has too many parts. Expected: alarm:<channel>[:<code>]."),
+        ("alarm:pump:8,alarm:pump:9", "contradicts"),
+    ],
+)
+def test_a_fault_of_a_device_that_it_cannot_have(verdin: Description, text: str, message: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_scenario(text, with_alarm(verdin))
+    assert message in str(caught.value)
+    with pytest.raises(UsageError, match="has no channel that is an alarm"):
+        parse_scenario("alarm:pump", verdin)
 
 
 def test_the_table_has_each_name_once() -> None:

@@ -108,9 +108,12 @@ def test_the_answer_of_another_device_is_none(tool: Description) -> None:
     [
         ("late-answers:jaws:20", "'late-answers:jaws:20' is a fault of a link that asks, and jaws does not."),
         ("noise:cup:0.1", "'noise:cup:0.1': no link is named 'cup'. Did you mean 'cups'?"),
-        ("no-answers:cups:2", "'no-answers:cups:2' needs a number. Expected: rate, a number from 0 to 1."),
+        ("no-answers:cups:2", "'no-answers:cups:2': rate must be a number from 0 to 1."),
         ("leak:cups", "'leak:cups': no actuator is named 'cups'. Did you mean 'cup'?"),
-        ("noise:cups:0.1,noise:cups:0.2", "contradicts what stands before it"),
+        (
+            "noise:cups:0.1,noise:cups:0.2",
+            "'noise:cups:0.2' contradicts 'noise:cups:0.1'. Remove one of them.",
+        ),
     ],
 )
 def test_what_no_link_can_have_is_one_sentence(tool: Description, scenario: str, sentence: str) -> None:

@@ -1,4 +1,4 @@
-"""docs/timed_automata.md: each example of the page runs to the letter and prints what the page says."""
+"""docs/reference/timed_automata.md: each example of the page runs to the letter and prints what the page says."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import pytest
 
 from tests.support.places import DOCS
 
-PAGE = (DOCS / "timed_automata.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "reference/timed_automata.md").read_text(encoding="utf-8")
 MODEL = re.search(r"```xml\n(.*?)```", PAGE, re.DOTALL)
 EXAMPLES = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", PAGE, re.DOTALL)
 PURPOSES = re.findall(r"^\*\*(\w+)\*\* ", PAGE, re.MULTILINE)
 
 
 def test_the_page_shows_what_the_library_is_for() -> None:
-    assert PURPOSES == ["Load", "Check", "Simulate", "Execute", "Explore", "Find", "Monitor"]
+    assert PURPOSES == ["Load", "Check", "Simulate", "Execute", "Explore", "Explain", "Find", "Monitor"]
     assert len(EXAMPLES) == len(PURPOSES) == PAGE.count("```python")
 
 
@@ -35,5 +35,5 @@ def test_the_examples_run_to_the_letter(tmp_path: Path, monkeypatch: pytest.Monk
     for code, printed in EXAMPLES:
         output = io.StringIO()
         with contextlib.redirect_stdout(output):
-            exec(compile(code, "docs/timed_automata.md", "exec"), names)  # noqa: S102 - our own page
+            exec(compile(code, "docs/reference/timed_automata.md", "exec"), names)  # noqa: S102 - our own page
         assert output.getvalue() == printed, code

@@ -237,7 +237,9 @@ def test_a_chip_that_fails_in_the_middle_is_given_back(kernel, monkeypatch, tmp_
         raise OSError(errno.EIO, "Input/output error")
 
     monkeypatch.setattr(FakeRequest, "get_values", fail)
-    with pytest.raises(WireError, match=r"gpiochip0: the lines cannot be claimed: Input/output error"):
+    with pytest.raises(
+        WireError, match=r"gpiochip0: the lines cannot be claimed: Input/output error\. `gpioinfo`"
+    ):
         make().request([A, B])
     assert [line["by"] for line in fake.chips[str(tmp_path / "gpiochip0")]] == ["", ""]
 

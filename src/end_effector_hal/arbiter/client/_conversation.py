@@ -49,7 +49,7 @@ class Conversation:
             raise ArbiterError(
                 f"the line arbiter cannot be reached: {error.strerror or error}.",
                 where=self._path,
-                todo="Start it with eehal arbiter.",
+                todo="Start it: eehal arbiter DESCRIPTION.",
             ) from error
         # Time-outs of the kernel: with those of Python each call would be preceded by a poll.
         limit = struct.pack("@ll", int(self._timeout_s), round(self._timeout_s % 1 * 1e6))

@@ -38,8 +38,9 @@ and the user (SO_PEERCRED) of the first one counts as the first one. Once the fi
 process of the same user may take the role; one of another user only when the connection has ended, which the arbiter
 does after 10 s of silence. ``tell`` counts only from the connection with this role. It is sent on change and at least
 every 50 ms, and says what was proven at ``at_us`` (monotonic clock, never ahead of now). It names only predicates
-that a line needs. It counts for 150 ms from then on. A line whose activation needs a predicate (IL-01, IL-02, IL-05,
-IL-13) is refused without it; nothing is ever deactivated because one is missing. Without an ``id`` it gets no reply
+that a line needs and that the arbiter does not prove by input lines of its own. It counts for 150 ms from then on. A
+line whose activation needs a predicate (IL-01, IL-02, IL-05, IL-07, IL-13) is refused without it;
+nothing is ever deactivated because one is missing. Without an ``id`` it gets no reply
 unless it is refused.
 
 **Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through a

@@ -101,13 +101,33 @@ class Journal:
         if self._file is None or wanted == self._asked:
             return
         self._asked = wanted
-        content: dict[str, object] = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
-        payload = write_json(content | ({"pulsed": dict(pulsed)} if pulsed else {}))
+        payload = self._payload(faults, pulsed, clean=clean)
         with self._lock:
             self._wanted = payload
             if self._since is None:
                 self._since = self._clock()
         self.changed.set()
+
+    def begin(self, entry: JournalEntry) -> JournalEntry:
+        """Another arbiter begins: ``entry`` is not the last word on pulsed outputs any more; waits for the disk.
+
+        Before the next pulse, or a loss of power a moment later would leave "inactive" on the disk of what is active by
+        then. Returns what the next arbiter may believe.
+        """
+        if self._file is None or not entry.clean or all(entry.pulsed.values()):
+            return entry
+        payload = self._payload(entry.faults, entry.pulsed, clean=False)
+        try:
+            self._file.keep(payload, synced=True)
+        except OSError:
+            return entry._replace(clean=False)
+        with self._lock:
+            self._written = payload
+        return entry
+
+    def _payload(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], *, clean: bool) -> bytes:
+        content: dict[str, object] = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
+        return write_json(content | ({"pulsed": dict(pulsed)} if pulsed else {}))
 
     def write_next(self) -> bool:
         """Write what `keep` asked for last; returns whether it is on the disk now. Waits for the disk."""
@@ -191,7 +211,7 @@ class JournalThread:
             _log.error("the line arbiter ends, and the disk of its journal does not answer")
 
     def _run(self) -> None:
-        self._entry = self._journal.read()
+        self._entry = self._journal.begin(self._journal.read())
         self._was_read.set()
         self._taken.wait()
         done = True

@@ -21,8 +21,9 @@ from end_effector_hal.vocabulary import LastWill, hint
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
-NEVER_US = 2**63 - 1
 MOST_WAITING = 64
+RETRY_US = 100_000
+"""Between two tries of a deactivation that the hardware refuses."""
 """Writes of one client."""
 DOUBT = "last wills"
 """The name of the fault that is latched when the last wills of an earlier arbiter are not executed."""
@@ -52,7 +53,7 @@ class LineArbiter:
         state = state or ArbiterState()
         needs = [need for needs in policy.needs.values() for need in needs]
         self.policy = policy
-        self.predicates = SensorPredicates(needs, policy.fresh_us, state.faults, policy.faults)
+        self.predicates = SensorPredicates(needs, policy.fresh_us, state.faults, policy.faults, policy.proven)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
@@ -76,12 +77,15 @@ class LineArbiter:
         """Whether a pulse is under way."""
         return self._lines.coils is not None and self._lines.coils.due is not None
 
-    def end_pulses(self, at: int = NEVER_US) -> None:
-        """End those that are over; by default all: no coil stays active behind an arbiter that ends."""
+    def end_pulses(self, at: int | None = None) -> None:
+        """End those that are over; None: all of them, for no coil stays active behind an arbiter that ends."""
         if self._lines.coils is None:
             return
         try:
-            self._lines.coils.advance(at)
+            if at is None:
+                self._lines.coils.cut()
+            else:
+                self._lines.coils.advance(at)
         except (WireError, OSError) as error:
             _log.error("a pulse does not end: %s", error)
 
@@ -117,7 +121,7 @@ class LineArbiter:
         Raises:
             UsageError: there is no such line, or the last will names another one.
             LastWillRunsError: the last will of the client before is being executed; try again after ``retry_us``.
-            LineBusyError: another client writes one of them, or has the same name; says which.
+            LineBusyError: another client writes one of them, or has the same name; says which. Or its last will fails.
         """
         self.advance(at)
         for line in lines:
@@ -133,6 +137,11 @@ class LineArbiter:
             shared = other.lines.intersection(lines)
             if not shared and other.client != client:
                 continue
+            if other.ended and other.stuck:
+                raise LineBusyError(
+                    f"the last will of {other.client} cannot be executed: {other.stuck}",
+                    todo="Look at the outputs, their supply and their chip.",
+                )
             if other.ended:
                 left = max(0, self._lines.last_ready_at(other.queue) - at)
                 raise LastWillRunsError(f"the last will of {other.client} is being executed.", left)
@@ -162,6 +171,8 @@ class LineArbiter:
         self.advance(at)
         self.renew(session, at)
         _check_own(session, levels)
+        if session.stuck and any(levels.values()):
+            raise LineRefusedError(f"IL-11: nothing is activated while a deactivation fails: {session.stuck}")
         for line, level in levels.items():
             queued = session.queued_level(line)
             expected = self.levels[line] if queued is None else queued
@@ -169,7 +180,8 @@ class LineArbiter:
                 self._check_activation(line, levels, at)
         if len(session.queue) >= MOST_WAITING:
             raise LineRefusedError(
-                f"IL-10: {MOST_WAITING} writes of this client wait already for their lines to settle."
+                f"IL-10: too many pending writes (at most {MOST_WAITING} of a client): they wait for their lines to "
+                "settle. Send fewer, or wait."
             )
         if will is not None:
             self._set_last_will(session, will)
@@ -261,7 +273,9 @@ class LineArbiter:
         """
         called = self.policy.called(line)
         for other, interlock, gap_us in self.policy.partners(line):
-            if levels.get(other, self._may_be_active(other)):
+            # with a pause between the two, the same write cannot end one and begin the other
+            active = self._may_be_active(other)
+            if (active or levels.get(other, False)) if gap_us else levels.get(other, active):
                 raise LineRefusedError(
                     f"{interlock}: {called} is not activated while {self.policy.called(other)} is active."
                 )
@@ -328,10 +342,11 @@ class LineArbiter:
         self.advance(at)
 
     def _end_activation(self, line: str, at: int) -> None:
-        why = f"IL-03: {self.policy.called(line)} was active for its longest time and was deactivated."
+        interlock = self.policy.bounded_by(line)
+        why = f"{interlock}: {self.policy.called(line)} was active for its longest time and was deactivated."
         _log.warning("%s", why)
         self.trips.append((at, line))
-        self.predicates.latch(f"IL-03 {line}", why)
+        self.predicates.latch(f"{interlock} {line}", why)
         try:
             self._lines.set({line: False}, at)
         except WireError as error:
@@ -340,8 +355,35 @@ class LineArbiter:
             _log.error("%s stays active: %s", line, error)
 
     def _apply_due(self, session: Session, at: int) -> None:
+        """Execute what is due. What cannot be deactivated is tried again; what cannot be activated is not.
+
+        Raises:
+            WireError: an activation failed; deactivations of the same write wait to be tried again.
+        """
         while session.queue and self._lines.ready_at(session.queue[0]) <= at:
-            self._lines.set(session.queue.popleft().levels, at)
+            write = session.queue.popleft()
+            try:
+                self._lines.set(write.levels, at)
+                session.stuck = ""
+            except WireError as error:
+                if off := {line: level for line, level in write.levels.items() if not level}:
+                    self._try_again(session, off, error, at)
+                if len(off) < len(write.levels):
+                    raise
+
+    def _try_again(self, session: Session, off: Mapping[str, bool], error: WireError, at: int) -> None:
+        """Nothing behind it happens before it: the order of an unwinding is that of the description. And nothing is
+        activated then, for the interlocks were asked when it was written, not when the hardware works again."""
+        session.forget_activations(session.lines)
+        session.queue.appendleft(Write(at + RETRY_US, off))
+        lines = ", ".join(self.policy.called(line) for line in off)
+        behind = sorted({line for write in list(session.queue)[1:] for line in write.levels} - off.keys())
+        waits = f" {', '.join(map(self.policy.called, behind))} waits for it." if behind else ""
+        name, why = f"output {lines}", f"{lines} cannot be deactivated: {error} It is tried again.{waits}"
+        session.stuck = why
+        if name not in self.predicates.faults:
+            _log.error("%s", why)
+        self.predicates.latch(name, why)
 
     def _set_last_will(self, session: Session, will: LastWill) -> None:
         _check_own(session, {step.line: False for step in will})

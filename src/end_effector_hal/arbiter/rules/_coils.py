@@ -47,13 +47,18 @@ class Coils:
         """When the pulse of a line is over, µs."""
         self.guessed = frozenset[str]()
         """Outputs of which nothing is known, and that count as active."""
+        self._undriven = frozenset[str]()
+        """Held outputs that were taken as active as they stand: no coil of theirs is active."""
 
-    def request(self, lines: Sequence[str], believed: Mapping[str, bool]) -> dict[str, bool]:
+    def request(self, lines: Sequence[str], believed: Mapping[str, bool], at: int) -> dict[str, bool]:
         """Claim all lines and adopt them; returns the levels of the outputs. A start drives no coil.
+
+        A pulse that is found under way lasts its whole length from now: nobody knows how long it has lasted.
 
         Args:
             lines: of the outputs.
             believed: how pulsed outputs stand, where a record says it.
+            at: now, µs.
         """
         found = self._backend.request([*lines, *(each.line for each in self._opposites.values())])
         levels, off = {line: found.get(line, True) for line in lines}, set[str]()
@@ -70,7 +75,8 @@ class Coils:
                 levels[line] = not found[opposite.line] and believed[line]
             if opposite.pulse_us:
                 self._pulsed[line] = levels[line]
-                off |= {each for each in (line, opposite.line) if found[each]}
+                under_way = {each for each in (line, opposite.line) if found[each]} - off
+                self._ends |= dict.fromkeys(under_way, at + opposite.pulse_us)
         if off:
             self._before_change()
             self._backend.set(dict.fromkeys(off, False))
@@ -84,11 +90,17 @@ class Coils:
         found = self._backend.levels()
         self.guessed -= found.keys() - self._opposites.keys()  # it has become known
         unread = {each.line for each in self._opposites.values()} | self.guessed
-        return {line: self._pulsed.get(line, level) for line, level in found.items() if line not in unread}
+        return {
+            line: self._pulsed.get(line, level or line in self._undriven)
+            for line, level in found.items()
+            if line not in unread
+        }
 
     def decide(self, lines: Iterable[str]) -> None:
         """Somebody who knows the sensors has written these outputs: they are no guess any more."""
-        self.guessed = self.guessed.difference(lines)
+        decided = self.guessed.intersection(lines)
+        self.guessed -= decided
+        self._undriven |= decided & self._opposites.keys() - self._pulsed.keys()
 
     def set(self, changes: Mapping[str, bool], at: int) -> None:
         """Write outputs: first what becomes inactive, then what becomes active; raises what the lines raise."""
@@ -111,6 +123,7 @@ class Coils:
         if on:
             self._backend.set(dict.fromkeys(on, True))
         self._pulsed |= {line: level for line, level in changes.items() if line in self._pulsed}
+        self._undriven -= changes.keys()
 
     @property
     def due(self) -> int | None:
@@ -139,3 +152,10 @@ class Coils:
                 del self._ends[line]
         if failed is not None:
             raise failed
+
+    def cut(self) -> None:
+        """End all pulses now; of what is cut short nobody knows how it stands. Raises what the lines raise."""
+        under_way = self._ends.keys()
+        short = {line for line, each in self._opposites.items() if {line, each.line} & under_way}
+        self.guessed |= short
+        self.advance(max(self._ends.values(), default=0))

@@ -38,15 +38,21 @@ class OutputLines:
         """Outputs of two coils, with all others; None: each output is one line, whose level can be read."""
         self._backend = backend
         self.levels = (
-            self.coils.request(policy.lines, believed) if self.coils else backend.request(policy.lines)
+            self.coils.request(policy.lines, believed, at) if self.coils else backend.request(policy.lines)
         )
         self.changed_at = dict.fromkeys(policy.lines, at)
         """The time of the last change of each line, µs."""
+        self._half_done: set[str] = set()
+        """What an activation that failed may have activated: of several chips, one may have been written."""
         self._unsure = self.remote.unsure() if self.remote else frozenset[str]()
 
     def set(self, levels: Mapping[str, bool], at: int) -> None:
         """Write those that have another level; raises WireError."""
-        changes = {line: level for line, level in levels.items() if self.levels[line] != level}
+        changes = {
+            line: level
+            for line, level in levels.items()
+            if self.levels[line] != level or line in self._half_done
+        }
         if self.coils:
             self.coils.decide(levels)
         if not changes:
@@ -61,10 +67,14 @@ class OutputLines:
                 self.coils.set(changes, at)
             else:
                 self._backend.set(changes)
-        except WireError:
-            raise
-        except OSError as error:
+        except (WireError, OSError) as error:
+            begun = {line for line, level in changes.items() if level}
+            self._half_done |= begun
+            self.changed_at |= dict.fromkeys(begun, at)
+            if isinstance(error, WireError):
+                raise
             raise WireError(f"the lines cannot be written: {error.strerror}.") from error
+        self._half_done -= changes.keys()
         self.levels |= changes
         self.changed_at |= dict.fromkeys(changes, at)
         if self.remote is not None:
@@ -87,6 +97,8 @@ class OutputLines:
 
     def may_be_active(self, line: str) -> bool:
         """Whether it is active, or nobody knows how it stands."""
+        if line in self._half_done:
+            return True
         return self.levels[line] or (self.remote is not None and line in self.remote.unsure())
 
     def troubles(self) -> dict[str, str]:
@@ -113,6 +125,7 @@ class OutputLines:
 
     def longest_end(self, line: str) -> int | None:
         """When an active line has been active for its longest time (IL-03), µs; None: it is not active."""
-        if not self.levels[line] or (self.coils and line in self.coils.guessed):
+        active = self.levels[line] or line in self._half_done
+        if not active or (self.coils and line in self.coils.guessed):
             return None
         return self.changed_at[line] + self._policy.max_active_us[line]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from end_effector_hal.arbiter.rules._coils import SecondCoil
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import LEASE_US, LastWill
+from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, LastWill
 
 
 class Exclusion(NamedTuple):
@@ -56,7 +56,7 @@ class Policy:
     Attributes:
         lines: all output lines, claimed at once.
         exclusions: pairs such as (unlock, vacuum); an `Exclusion` names its interlocks.
-        max_active_us: a line that is active for so long is made inactive (IL-03).
+        max_active_us: a line that is active for so long is made inactive (IL-03, blow-offs: IL-08).
         min_switch_us: a line stays as it is for at least so long; a write waits (IL-10).
         needs: by line, what the sensors must say for it to be activated (IL-01, IL-05, IL-13).
         fresh_us: how long a proof of the sensors counts.
@@ -65,12 +65,13 @@ class Policy:
         faults: names of the faults that clients may latch.
         labels: what the lines drive, for the sentences.
         opposites: second coils, by the line of their output; no client writes them.
+        proven: predicates that the arbiter proves by itself, by lines that it reads; nobody else is believed.
     """
 
     lines: Sequence[str]
     exclusions: Sequence[tuple[str, str] | Exclusion] = ()
     max_active_us: Mapping[str, int] = field(default_factory=dict)
-    min_switch_us: int = 50_000
+    min_switch_us: int = SETTLE_US
     needs: Mapping[str, Sequence[Need]] = field(default_factory=dict)
     fresh_us: int = 150_000
     lease_us: int = LEASE_US
@@ -78,6 +79,7 @@ class Policy:
     faults: Sequence[str] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
     opposites: Mapping[str, SecondCoil] = field(default_factory=dict)
+    proven: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         used = [line for pair in self.exclusions for line in pair[:2]] + [
@@ -108,6 +110,10 @@ class Policy:
         return [Partner(p.line_b, p.id_a, p.gap_us) for p in pairs if p.line_a == line] + [
             Partner(p.line_a, p.id_b, p.gap_us) for p in pairs if p.line_b == line
         ]
+
+    def bounded_by(self, line: str) -> str:
+        """The interlock that ends the activation of a line after its longest time."""
+        return "IL-08" if any(partner.interlock == "IL-08" for partner in self.partners(line)) else "IL-03"
 
     def called(self, line: str) -> str:
         """The line, for a sentence."""

@@ -28,6 +28,7 @@ class SensorPredicates:
         valid_us: how long a predicate stays fresh.
         faults: known from before a restart, sentence by name.
         client_faults: names of the faults that clients may latch.
+        own: predicates that the arbiter proves by itself; no message may name one.
     """
 
     def __init__(
@@ -36,13 +37,17 @@ class SensorPredicates:
         valid_us: int,
         faults: Mapping[str, str],
         client_faults: Iterable[str] = (),
+        own: frozenset[str] = frozenset(),
     ) -> None:
         needs = list(needs)
+        self._own = own
+        self.unread = ""
+        """Why the arbiter's own inputs cannot be read now, a sentence; empty: they are."""
         self.proofs: dict[str, ProvenPredicate] = {}
         self.faults = dict(faults)
         self._valid_us = valid_us
         self._names, self._client_faults = (
-            frozenset(need.predicate for need in needs),
+            frozenset(need.predicate for need in needs) - own,
             frozenset(client_faults),
         )
         self._latching = {need.predicate: need for need in needs if need.latched}
@@ -57,14 +62,20 @@ class SensorPredicates:
             _check_known(name, self._names, "predicate")
         if proven_at > at:
             raise UsageError(f"at_us is {proven_at - at} µs ahead of now.")
+        self._note(predicates, proven_at)
+
+    def read(self, predicates: Mapping[str, bool], read_at: int) -> None:
+        """Note what the arbiter's own inputs prove at ``read_at``."""
+        self._note({name: holds for name, holds in predicates.items() if name in self._own}, read_at)
+
+    def _note(self, predicates: Mapping[str, bool], proven_at: int) -> None:
         for name, holds in predicates.items():
-            known = self.proofs.get(name)
-            if known and known.at > proven_at:
-                continue
-            self.proofs[name] = ProvenPredicate(holds, proven_at)
             need = self._latching.get(name)
-            if need and not holds:
+            if need and not holds:  # however old: age makes a proof worthless, not an objection
                 self.latch(name, f"{need.interlock}: {need.latched}.")
+            known = self.proofs.get(name)
+            if not known or known.at <= proven_at:
+                self.proofs[name] = ProvenPredicate(holds, proven_at)
 
     def latch(self, name: str, why: str) -> None:
         """Keep a fault that the arbiter has found itself until a reset; the first reason stays."""
@@ -82,6 +93,10 @@ class SensorPredicates:
     def objection(self, need: Need, at: int) -> str:
         """Why an activation that needs this is refused, a clause; empty: it is not refused."""
         proof = self.proofs.get(need.predicate)
+        if need.predicate in self._own and (proof is None or at - proof.at >= self._valid_us):
+            since = f"for {(at - proof.at) / 1e6:.3g} s" if proof else "so far"
+            why = f" ({self.unread.rstrip('.')})" if self.unread else ""
+            return f"{since} the line arbiter could not read whether {need.means}{why}"
         if proof is None:
             return f"no process that reads the sensors has reported yet whether {need.means}"
         if at - proof.at >= self._valid_us:

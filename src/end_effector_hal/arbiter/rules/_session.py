@@ -139,6 +139,8 @@ class Session:
         absent: an earlier arbiter knew it, and it has not connected since; it has the time of a lease to do so.
         declared_dead: its lease had expired, or its connection was lost, before it connected again.
         queue: writes that are not applied yet, in order.
+        stuck: why the first of them, a deactivation, cannot be applied; it is tried again, and nothing is activated
+            behind it.
     """
 
     client: str
@@ -152,6 +154,7 @@ class Session:
     absent: bool = False
     declared_dead: bool = False
     queue: deque[Write] = field(default_factory=deque)
+    stuck: str = ""
 
     def forget_activations(self, lines: Iterable[str]) -> None:
         """Remove from the queue what would activate one of these lines."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 
 from end_effector_hal.arbiter.protocol import LONGEST, write_message
 from end_effector_hal.arbiter.rules import Session, process_words
-from end_effector_hal.wires import now_us, program_name
+from end_effector_hal.wires import Acceptor, now_us, program_name
 
 
 class Connection:
@@ -109,7 +109,7 @@ class Connections:
     """
 
     def __init__(self, listener: socket.socket, selector: selectors.BaseSelector) -> None:
-        self._listener, self._selector = listener, selector
+        self._acceptor, self._selector = Acceptor(listener, "the line arbiter"), selector
         self._open: dict[Connection, None] = {}  # in the order in which they came
         selector.register(listener, selectors.EVENT_READ)
 
@@ -119,13 +119,13 @@ class Connections:
     def accept(self) -> list[Connection]:
         """Accept those that wait; returns connections to be closed for them: the oldest of the user that has most."""
         for _ in range(ACCEPTED):
-            try:
-                sock, _ = self._listener.accept()
-                connection = Connection(sock, now_us())
-            except BlockingIOError:
+            if (sock := self._acceptor.accept()) is None:
                 break
+            try:
+                connection = Connection(sock, now_us())
             except OSError as error:
                 _log.warning("a client could not be accepted: %s", error)
+                sock.close()
                 break
             self._selector.register(connection.sock, selectors.EVENT_READ, connection)
             self._open[connection] = None
@@ -164,4 +164,4 @@ class Connections:
         """All of them, and the listener."""
         for connection in self:
             self.drop(connection)
-        self._listener.close()
+        self._acceptor.close()

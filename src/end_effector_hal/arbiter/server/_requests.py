@@ -167,7 +167,10 @@ def status_report(arbiter: LineArbiter, at: int) -> dict[str, Any]:
             }
             for session in arbiter.sessions
         ],
-        "trips": [{"at": when, "line": line, "interlock": "IL-03"} for when, line in arbiter.trips],
+        "trips": [
+            {"at": when, "line": line, "interlock": arbiter.policy.bounded_by(line)}
+            for when, line in arbiter.trips
+        ],
         "needs": sorted({need.predicate for need in needs}),
         "told": {
             name: {"holds": proof.holds, "age_us": at - proof.at}

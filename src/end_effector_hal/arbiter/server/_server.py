@@ -7,8 +7,9 @@ import os
 import selectors
 import signal
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Protocol
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.arbiter.records import (
@@ -30,6 +31,23 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 LONGEST_PULSE_US = 2_000_000
 
 
+class OwnInputs(Protocol):
+    """Input lines that the arbiter reads itself."""
+
+    def fileno(self) -> int:
+        """Readable when there is something new."""
+
+    def read(self) -> Iterator[tuple[Mapping[str, bool], int]]:
+        """What they have proven since the last call, each with its time, µs."""
+
+    @property
+    def error(self) -> str:
+        """Why they cannot be read now, a sentence; empty: they are."""
+
+    def close(self) -> None:
+        """End."""
+
+
 class ArbiterServer(Closing):
     """Owns the lines of a back-end and serves them; `protocol` describes the messages.
 
@@ -40,6 +58,7 @@ class ArbiterServer(Closing):
         journal: file that keeps latched faults through a loss of power; None: there is none. The session record stands
             beside the socket.
         group: whose members may open the socket; default: that of the process.
+        inputs: makes those that it reads itself, once nobody else serves this path.
 
     Raises:
         LineBusyError: another arbiter serves this path, or another process has the lines; says which.
@@ -54,8 +73,10 @@ class ArbiterServer(Closing):
         journal: str | Path | None = None,
         *,
         group: str | None = None,
+        inputs: Callable[[], OwnInputs] | None = None,
     ) -> None:
         self._path, self._backend = Path(socket_path), backend
+        self._inputs: OwnInputs | None = None
         self._stops, self._stopped_at, self._grace_us = 0, 0, policy.lease_us
         self._wake_read, self._wake = os.pipe()
         self._selector = selectors.DefaultSelector()
@@ -75,8 +96,11 @@ class ArbiterServer(Closing):
                 _log.warning("the line arbiter before this one did not end in order")
             self._arbiter = LineArbiter(backend, policy, now_us(), before, self._records.before_change)
             self._records.keep(self._arbiter)
+            self._inputs = inputs() if inputs else None
             listener = listen(self._path, group)
         except BaseException:
+            if self._inputs is not None:
+                self._inputs.close()
             backend.close()
             self._claim.release()
             self._close_ends()
@@ -84,6 +108,8 @@ class ArbiterServer(Closing):
         if isinstance(backend, RemoteLines):
             for fd in backend.filenos():
                 self._selector.register(fd, selectors.EVENT_READ, backend)
+        if self._inputs is not None:
+            self._selector.register(self._inputs.fileno(), selectors.EVENT_READ, self._inputs)
         self._connections = Connections(listener, self._selector)
         self._requests = RequestHandler(
             self._arbiter,
@@ -125,10 +151,18 @@ class ArbiterServer(Closing):
                 ready.add(key.data)
             elif isinstance(key.data, RemoteLines):
                 key.data.heard()
-            else:
+            elif key.data is None:
                 self._end(self._connections.accept(), "there are too many connections")
+        self._read_inputs()
         for connection in self._connections.round(ready):
             self._answer(connection)
+
+    def _read_inputs(self) -> None:
+        """Before any message is answered: a write rests on what they show by then."""
+        if self._inputs is not None:
+            for proven, at in self._inputs.read():
+                self._arbiter.predicates.read(proven, at)
+            self._arbiter.predicates.unread = self._inputs.error
 
     def _is_over(self) -> bool:
         if not self._stops:
@@ -136,7 +170,10 @@ class ArbiterServer(Closing):
         # a shutdown ends the clients a moment later: their last wills are still executed
         dying = now_us() < self._stopped_at + self._grace_us
         pulses = self._arbiter.pulses and now_us() < self._stopped_at + self._grace_us + LONGEST_PULSE_US
-        waits = pulses or any(session.ended or (dying and session.will) for session in self._arbiter.sessions)
+        waits = pulses or any(
+            (session.ended and not session.stuck) or (dying and (session.ended or session.will))
+            for session in self._arbiter.sessions
+        )  # a will that cannot be executed is that of the next arbiter
         return self._stops > 1 or not waits
 
     def _wait_s(self) -> float | None:
@@ -158,6 +195,8 @@ class ArbiterServer(Closing):
         self._path.unlink(missing_ok=True)
         self._arbiter.end_pulses()
         state = self._arbiter.state
+        if self._inputs is not None:
+            self._inputs.close()
         self._backend.close()
         self._records.close(state)
         self._claim.release()
@@ -230,15 +269,16 @@ def serve(
     *,
     journal: str | Path | None = None,
     group: str | None = None,
+    inputs: Callable[[], OwnInputs] | None = None,
     on_ready: Callable[[ArbiterServer], None] | None = None,
 ) -> None:
     """Run the line arbiter until SIGTERM, SIGINT or `ArbiterServer.stop`; the lines stay as they are.
 
     Args:
-        backend, socket_path, policy, journal, group: see `ArbiterServer`, also for the errors.
+        backend, socket_path, policy, journal, group, inputs: see `ArbiterServer`, also for the errors.
         on_ready: called once, when clients can come.
     """
-    with ArbiterServer(backend, socket_path, policy, journal, group=group) as server:
+    with ArbiterServer(backend, socket_path, policy, journal, group=group, inputs=inputs) as server:
         before = {}
         if threading.current_thread() is threading.main_thread():
             before = {s: signal.signal(s, lambda *_: server.stop()) for s in (signal.SIGTERM, signal.SIGINT)}

@@ -49,8 +49,8 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
     yield from _sensed(status)
     if trips := status.get("trips"):
         yield _say.warning(
-            f"IL-03 ended {len(trips)} activations, the last of {trips[-1].get('line')}",
-            "The program that unlocks should end it earlier; see the log of the arbiter.",
+            f"{len(trips)} activations were ended after their longest time, the last of {trips[-1].get('line')}",
+            "The program that began it should end it earlier; see the log of the arbiter.",
         )
 
 

@@ -32,6 +32,16 @@ class CheckResult(NamedTuple):
     what: str
     todo: str = ""
 
+    def as_json(self) -> dict[str, str]:
+        """For ``--json``."""
+        return {"part": self.part, "status": self.level.value, "what": self.what, "todo": self.todo}
+
+    @property
+    def lines(self) -> list[str]:
+        """For people: how it is, and below it what to do."""
+        more = [f"{'':21} → {self.todo}"] if self.todo else []
+        return [f"{self.level.value:8} {self.part:12} {self.what}", *more]
+
 
 CheckResults = Iterator[CheckResult]
 

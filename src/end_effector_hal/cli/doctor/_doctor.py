@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import click
 
+from end_effector_hal.cli._completion import completed
+from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
-from end_effector_hal.description import Description, examine, profile_path
+from end_effector_hal.cli._progress import Progress
+from end_effector_hal.description import Description, did_you_mean, examine, profile_path
 
 from ._check_result import CheckedPart, CheckResult, CheckResults, Level
 
@@ -22,16 +24,32 @@ BAD_DESCRIPTION, UNREACHABLE = 2, 3
 def _parts(_context: click.Context, _parameter: click.Parameter, value: str | None) -> tuple[str, ...]:
     chosen = tuple(name.strip() for name in value.split(",")) if value else PARTS
     if unknown := [name for name in chosen if name not in PARTS]:
-        raise click.BadParameter(f"{', '.join(unknown)}; there are {', '.join(PARTS)}.")
+        guesses = [f"{name} ({hint})" if (hint := did_you_mean(name, PARTS)) else name for name in unknown]
+        raise click.BadParameter(f"{', '.join(guesses)}; there are {', '.join(PARTS)}.")
     return chosen
 
 
 @click.command(name="doctor")
 @click.argument("file", metavar="[DESCRIPTION]", type=PathName(), required=False)
-@click.option("--only", callback=_parts, metavar="PART,...", help=f"Of {', '.join(PARTS)}.")
+@click.option(
+    "--only",
+    callback=_parts,
+    shell_complete=completed(lambda _: PARTS, separator=","),
+    metavar="PART,...",
+    help=f"Of {', '.join(PARTS)}.",
+)
 @click.option("--passive", is_flag=True, help="Do not listen to the sensor port, even if nobody has it.")
+@click.option(
+    "--report",
+    metavar="FILE.(txt|json)",
+    type=PathName(),
+    help="Also write all that a bug report needs into FILE: findings, versions, the text of DESCRIPTION. Names of "
+    "users and machines, home folders and what looks like a secret are taken out.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print {ok, exit_code, findings} as JSON.")
-def command(file: Path | None, only: tuple[str, ...], passive: bool, as_json: bool) -> None:
+def command(
+    file: Path | None, only: tuple[str, ...], passive: bool, report: Path | None, as_json: bool
+) -> None:
     """Look at this machine and say what is missing to run the tool.
 
     Each line is ok, warning or missing, with what to do. Nothing is written, requested or stolen: lines are
@@ -39,18 +57,23 @@ def command(file: Path | None, only: tuple[str, ...], passive: bool, as_json: bo
 
     Exit codes: 0 nothing is missing, 2 the description is bad, 3 something is missing or not reachable.
     """
+    path = file or profile_path()
     findings: list[CheckResult] = []
-    for finding in _examined(file or profile_path(), only, listen=not passive):
-        findings.append(finding)
-        if not as_json:
-            _print(finding)
+    with Progress("Looking at this machine", shown=not as_json) as progress:
+        for finding in _examined(path, only, listen=not passive):
+            findings.append(finding)
+            if not as_json:
+                progress.clear()
+                _print(finding)
     code = _exit_code(findings)
+    answer = {"ok": not code, "exit_code": code, "findings": [each.as_json() for each in findings]}
     if as_json:
-        told = [
-            {"part": part, "status": level.value, "what": what, "todo": todo}
-            for part, level, what, todo in findings
-        ]
-        click.echo(json.dumps({"ok": not code, "exit_code": code, "findings": told}, indent=2))
+        print_document(answer)
+    if report is not None:
+        from ._report import write_report
+
+        write_report(report, path, answer, findings)
+        click.echo(f"{report}: look through it before you pass it on.", err=True)
     sys.exit(code)
 
 
@@ -94,7 +117,7 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
 
 def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[CheckResult]]:
     """The description if nothing is wrong with it, and what is; ``wholly``: with its codec and its automata."""
-    from end_effector_hal.cli._check import check
+    from end_effector_hal.cli.check import check
 
     say = CheckedPart("description")
     examination = examine(path)
@@ -128,7 +151,6 @@ def _exit_code(findings: list[CheckResult]) -> int:
 
 
 def _print(finding: CheckResult) -> None:
-    level = click.style(f"{finding.level.value:8}", fg=_STYLE[finding.level])
-    click.echo(f"{level} {finding.part:12} {finding.what}")
-    if finding.todo:
-        click.echo(f"{'':21} → {finding.todo}")
+    first, *more = finding.lines
+    level = click.style(first[:8], fg=_STYLE[finding.level])
+    click.echo("\n".join([level + first[8:], *more]))

@@ -9,7 +9,7 @@ from end_effector_hal.errors import WireError
 from end_effector_hal.wires import holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
-from ._lines import CHIPS, look_for_lines
+from ._lines import CHIPS, RESTART, look_for_lines
 
 _say = CheckedPart("inputs")
 
@@ -39,8 +39,9 @@ def _virtual(path: Path, lines: tuple[str, ...]) -> CheckResult:
     except WireError as error:
         return _say.missing(f"{path}: {error.what}", "Start eehal testbench, which makes it.")
     if absent := [name for name in lines if name not in chip.lines]:
-        return _say.missing(f"{path} has no line {', '.join(absent)}", "Make the chip anew.")
-    held = " and ".join(map(str, holders_of(f"{path}.inputs.lock")))
+        return _say.missing(f"{path} has no line {', '.join(absent)}", RESTART)
+    holders = (each for reader in ("inputs", "arbiter") for each in holders_of(f"{path}.{reader}.lock"))
+    held = " and ".join(map(str, holders))
     high = [name for name in lines if chip.lines[name].level]
     return _say.ok(f"virtual chip {path}; high: {', '.join(high) or 'none'}; read by {held or 'nobody'}")
 

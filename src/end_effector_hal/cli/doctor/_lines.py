@@ -12,6 +12,7 @@ from end_effector_hal.wires import holders_of
 from ._check_result import CheckedPart, CheckResult, CheckResults
 
 CHIPS = "/dev/gpiochip*"
+RESTART = "Make it again: `eehal testbench DESCRIPTION --power-cycle`."
 _say = CheckedPart("lines")
 
 
@@ -43,7 +44,7 @@ def _virtual(description: Description, lines: tuple[str, ...]) -> CheckResult:
         return _say.missing(f"{path}: {error.what}", "Start eehal testbench, which makes it.")
     absent = [name for name in lines if name not in chip.lines]
     if absent:
-        return _say.missing(f"{path} has no line {_named(absent, list(chip.lines))}", "Make the chip anew.")
+        return _say.missing(f"{path} has no line {_named(absent, list(chip.lines))}", RESTART)
     held = " and ".join(map(str, holders_of(f"{path}.lock")))
     active = [name for name in lines if chip.lines[name] == ("out", True)]
     text = f"virtual chip {path}; active: {', '.join(active) or 'none'}; held by {held or 'nobody'}"

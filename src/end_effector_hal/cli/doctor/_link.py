@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from end_effector_hal.cli._hearing import OpenLink, open_link, why_no_frame
+from end_effector_hal.cli.listen import OpenLink, open_link, why_no_frame
 from end_effector_hal.description import Description, Link, used_channels
 from end_effector_hal.errors import LinkError, ReportedError
 from end_effector_hal.wires import Holder, holders_of

@@ -11,7 +11,12 @@ from end_effector_hal._extras import DISTRIBUTION, command_for, extras
 
 from ._check_result import CheckedPart, CheckResults
 
-_NEEDED_BY = {"bags": "`eehal import`", "lab": "figures", "modbus": "the codecs modbus-rtu-*"}
+_NEEDED_BY = {
+    "bags": "`eehal import`",
+    "lab": "figures",
+    "modbus": "the codecs modbus-rtu-*",
+    "page": "`eehal page`",
+}
 _DEBIAN = "/usr/lib/python3/dist-packages"
 _say = CheckedPart("python")
 

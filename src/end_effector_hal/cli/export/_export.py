@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from ._foxglove import export_foxglove
 from ._sros2 import export_sros2
 from ._urdf import export_urdf
 
@@ -13,5 +14,6 @@ def command() -> None:
     """Write what other programs need to know of a tool."""
 
 
+command.add_command(export_foxglove)
 command.add_command(export_sros2)
 command.add_command(export_urdf)

@@ -72,7 +72,7 @@ _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ012345678
     show_default=True,
     help="Of the HAL, as the launch file has them.",
 )
-@click.option("--namespace", metavar="NS", default="", help="Of the tool.")
+@click.option("--namespace", metavar="NS", default="", help="ROS namespace of the tool, such as /left.")
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
 def export_sros2(file: Path | None, processes: str, namespace: str, output: Path | None) -> None:
     """Write policy.xml for the tool that the description FILE says; default: the shipped one.

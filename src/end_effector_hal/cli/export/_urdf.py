@@ -80,8 +80,8 @@ _MOVES = """
       <axis xyz="0 0 1"/>  <!-- EDIT -->
       <limit lower="0" upper="{upper:.10g}" effort="0" velocity="{velocity:.6g}"/>"""
 _HARDWARE = """
-    <!-- What a hardware component of ros2_control would offer (docs/ros2.md). The plugin named here drives nothing: it
-         is the stand-in of ros2_control. The nodes of the tool do not need this element. -->
+    <!-- What a hardware component of ros2_control would offer (docs/reference/ros2.md). The plugin named here drives
+         nothing: it is the stand-in of ros2_control. The nodes of the tool do not need this element. -->
     <ros2_control name="{tool}" type="system">
       <hardware>
         <plugin>${{plugin}}</plugin>

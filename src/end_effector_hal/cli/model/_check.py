@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.errors import ReportedError
 
@@ -39,7 +39,7 @@ def check(file: Path | None, as_json: bool) -> None:
         _tell_faults(path, faults, as_json)
         sys.exit(2)
     if as_json:
-        click.echo(json.dumps(_document(path, network), indent=2, ensure_ascii=False))
+        print_document(_document(path, network))
     else:
         for line in _lines(path, network):
             click.echo(line)
@@ -68,7 +68,7 @@ def _tell_faults(path: Path, faults: list[ReportedError], as_json: bool) -> None
     if as_json:
         found = [each.as_json() for each in told]
         document = {"file": str(path), "ok": False, "exit_code": 2, "faults": found}
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_document(document)
     for each in told if not as_json else ():
         click.echo(str(each), err=True)
 
@@ -81,6 +81,7 @@ def _document(path: Path, network: Network) -> dict[str, object]:
         "ok": True,
         "exit_code": 0,
         "faults": [],
+        "notes": [asdict(note) for note in network.document.notes],
         "processes": [{"name": each.name, "template": each.template} for each in network.processes],
         "clocks": list(network.clocks[1:]),
         "channels": [asdict(each) for each in channel_ends(network)],
@@ -110,6 +111,8 @@ def _lines(path: Path, network: Network) -> Iterator[str]:
         )
     for each in ends:
         yield from _open_ends(each)
+    for note in network.document.notes:
+        yield f"note       {note}"
     for query in network.document.queries:
         sentence = f"   {_one_line(query.comment)}" if query.comment else ""
         yield f"query      {_one_line(query.formula.content)}{sentence}"

@@ -2,53 +2,105 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import click
 
-from end_effector_hal.cli._figures import figures, save_all
+from end_effector_hal.cli._completion import completed
+from end_effector_hal.cli._figures import figures, is_figure, save_all
+from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
+from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._check import check
+from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.cli.model._simulate import simulate
-from end_effector_hal.cli.model._source import DESCRIPTION, MODEL, open_source
+from end_effector_hal.cli.model._source import COILS, DESCRIPTION, MODEL, open_source
+from end_effector_hal.errors import UsageError
+from timed_automata.document import Template, did_you_mean
+
+
+def _template_names(context: click.Context) -> Iterable[str]:
+    source = open_source(
+        context.params.get("description"), context.params.get("model"), context.params.get("coils")
+    )
+    return [_name(each) for each in source.network.document.templates]
 
 
 @click.group(name="model")
 def command() -> None:
-    """Look at the automata: simulate, draw, export for UPPAAL, check a file."""
+    """Look at the automata: simulate, draw, export for UPPAAL, check a file, ask what binds them."""
 
 
 @command.command(short_help="Draw each template as UPPAAL shows it.")
 @DESCRIPTION
 @MODEL
+@COILS
 @click.option(
     "-o",
     "--output",
     default="runs/model",
     show_default=True,
+    metavar="DIR|FILE.(png|svg)",
     type=PathName(),
-    help="Folder of the drawings.",
+    help="Folder of the drawings, or the file of one.",
+)
+@click.option(
+    "--template",
+    metavar="NAME",
+    shell_complete=completed(_template_names),
+    help="Draw only this one.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
-def show(description: Path | None, model: Path | None, output: Path, as_json: bool) -> None:
+def show(
+    description: Path | None,
+    model: Path | None,
+    coils: str | None,
+    output: Path,
+    template: str | None,
+    as_json: bool,
+) -> None:
     """Draw each template as UPPAAL shows it (Fig. 5), as PNG and as SVG.
 
     Locations, edges and labels stand where the file says; the constants of the description that a template
-    mentions are told under its name.
+    mentions are listed under its name.
     """
-    import json
-
-    draw, source = figures().draw_template, open_source(description, model)
-    folder = the_folder(output)
-    names = _file_names([template.name.content.strip() for template in source.network.document.templates])
+    draw, source = figures().draw_template, open_source(description, model, coils)
+    templates = _wanted(source.network.document.templates, template)
+    one = is_figure(output)
+    if one and len(templates) > 1:
+        known = ", ".join(_name(each) for each in templates)
+        what = f"{len(templates)} drawings do not fit into one file."
+        raise UsageError(
+            what, where=str(output), todo=f"Name a folder, or one of them with --template: {known}."
+        )
+    folder = output if one else the_folder(output)
     drawn: dict[str, list[str]] = {}
-    for template, name in zip(source.network.document.templates, names, strict=True):
-        figure = draw(template, source.told)
-        drawn[template.name.content.strip()] = [str(path) for path in save_all(figure, folder, name)]
-        if not as_json:
-            click.echo(f"{template.name.content.strip()}: {folder / name}.png, .svg")
+    files = _file_names([_name(each) for each in templates])
+    with Progress("Drawing", shown=not as_json) as progress:
+        for each, file in zip(templates, files, strict=True):
+            progress(f"Drawing {_name(each)}")
+            figure = draw(each, source.told)
+            paths = [figures().save(figure, output)] if one else save_all(figure, folder, file)
+            drawn[_name(each)] = [str(path) for path in paths]
+            if not as_json:
+                progress.clear()
+                click.echo(f"{_name(each)}: {output if one else f'{folder / file}.png, .svg'}")
     if as_json:
-        click.echo(json.dumps({"source": source.name, "templates": drawn}, indent=2, ensure_ascii=False))
+        print_document({"source": source.name, "templates": drawn})
+
+
+def _name(template: Template) -> str:
+    return template.name.content.strip()
+
+
+def _wanted(templates: Sequence[Template], name: str | None) -> list[Template]:
+    found = [each for each in templates if name in (None, _name(each))]
+    if not found:
+        names = [_name(each) for each in templates]
+        todo = did_you_mean(name or "", names) or f"There are: {', '.join(names)}."
+        raise UsageError(f"There is no template {name!r}.", todo=todo)
+    return found
 
 
 def _file_names(names: list[str]) -> list[str]:
@@ -64,8 +116,9 @@ def _file_names(names: list[str]) -> list[str]:
 
 @command.command(name="export", short_help="Write the network with the constants of a description.")
 @DESCRIPTION
+@COILS
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
-def export_network(description: Path | None, output: Path | None) -> None:
+def export_network(description: Path | None, coils: str | None, output: Path | None) -> None:
     """Write the network with the constants of a description, for UPPAAL.
 
     Layout, comments and queries are those of the file; only the values of constants differ. The same
@@ -73,7 +126,7 @@ def export_network(description: Path | None, output: Path | None) -> None:
     """
     from timed_automata import export
 
-    data = export(open_source(description, None).network)
+    data = export(open_source(description, None, coils).network)
     if output is None:
         click.echo(data, nl=False)
     else:
@@ -82,4 +135,5 @@ def export_network(description: Path | None, output: Path | None) -> None:
 
 
 command.add_command(check)
+command.add_command(mutants)
 command.add_command(simulate)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from math import isnan
 from pathlib import Path
@@ -10,22 +9,26 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import Drawing
+from end_effector_hal.cli._figures import Drawing, draw_run, figures, is_figure
+from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
-from end_effector_hal.cli.model._source import DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli.model._source import COILS, DESCRIPTION, MODEL, Source, open_source
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
     from timed_automata import Trace, TraceStep
 
 _LONGEST_S = 1e7
+NO_STATES = "The model has no variables ee, command and actuator[], so there is no figure."
 
 
-@click.command(short_help="Play runs of the network, by chance or guided.")
+@click.command(short_help="Play runs of the network, at random or guided.")
 @DESCRIPTION
 @MODEL
+@COILS
 @click.option("--seed", default=0, show_default=True, help="The same seed, the same run.")
-@click.option("--steps", type=click.IntRange(0), help="At most so many transitions; by default 100.")
+@click.option("--steps", type=click.IntRange(0), help="Largest number of transitions; by default 100.")
 @click.option(
     "--for", "seconds", type=click.FloatRange(0, _LONGEST_S), metavar="SECONDS", help="Length of the run."
 )
@@ -33,13 +36,15 @@ _LONGEST_S = 1e7
 @click.option(
     "-o",
     "--output",
+    metavar="DIR|FILE.(png|svg)",
     type=PathName(),
-    help="Folder for run.txt, states.csv, run.json and the timeline figure.",
+    help="Folder for run.txt, states.csv, run.json and the timeline; or the file of the timeline alone.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the run as JSON.")
 def simulate(
     description: Path | None,
     model: Path | None,
+    coils: str | None,
     seed: int,
     steps: int | None,
     seconds: float | None,
@@ -47,27 +52,30 @@ def simulate(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Play the whole network by chance, or as --choose says: a line per transition, time in ms.
+    """Play the whole network at random, or as --choose says: a line per transition, time in ms.
 
     --choose "world == IN_TIME; adopt; grip @ 1000; confirmed[0] + 350": each is the name of a channel, or a
     condition that the next transition makes true, and when: @ after the start, + after the step before, in ms;
     without, as soon as possible. What cannot wait happens in between by itself. The run ends after the last one
-    unless --steps or --for lets it go on by chance.
+    unless --steps or --for lets it go on at random.
     """
     from random import Random
 
     from timed_automata.simulate import parse_choices
     from timed_automata.simulate import simulate as play
 
-    source = open_source(description, model)
+    if output is not None and is_figure(output):
+        figures()  # without what draws them nothing is played
+    source = open_source(description, model, coils)
     choices = parse_choices(source.network, choose)
     if seconds is not None and isnan(seconds):  # what a range of click lets through
         raise UsageError("--for nan is no length of time.")
     until = None if seconds is None else round(seconds * 1_000_000)
-    run = play(source.network, Random(seed), choices, steps=steps, until=until)
+    with Progress("Playing the run", shown=not as_json):
+        run = play(source.network, Random(seed), choices, steps=steps, until=until)
     files, note = ([], "") if output is None else _written(source, run.trace, seed, output)
     if as_json:
-        click.echo(json.dumps(_document(source, run.trace, seed, files, note), indent=2, ensure_ascii=False))
+        print_document(_document(source, run.trace, seed, files, note))
     else:
         click.echo("\n".join(run.trace.lines))
         for file in files:
@@ -84,14 +92,20 @@ def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[lis
     from end_effector_hal.recording import StatesWriter
     from end_effector_hal.verification import has_states, states_of
 
+    names = source.description.sequence if source.description is not None else ()
+    scenario = f"run of the model, seed {seed}"
+    if is_figure(output):
+        if not has_states(source.network):
+            raise UsageError(NO_STATES, where=str(output), todo="Name a folder: it gets the run as text.")
+        log, info = states_of(trace, names), source.run_info(scenario)
+        return [draw_run(log, info, output)], ""
     folder = the_folder(output)
     text = folder / "run.txt"
     write_whole(text, ("\n".join(trace.lines) + "\n").encode())
     files = [text]
     if not has_states(source.network):
-        return files, "The model has no variables ee, command and actuator[], so there is no figure."
-    names = source.description.sequence if source.description is not None else ()
-    log, info = states_of(trace, names), source.run_info(f"run of the model, seed {seed}")
+        return files, NO_STATES
+    log, info = states_of(trace, names), source.run_info(scenario)
     states = folder / "states.csv"
     states.unlink(missing_ok=True)
     with StatesWriter(states, log.actuators) as writer:
@@ -115,7 +129,14 @@ def _document(source: Source, trace: Trace, seed: int, files: list[Path], note: 
 
 
 def _step(source: Source, step: TraceStep) -> dict[str, object]:
-    processes = source.network.processes
+    from end_effector_hal.control import word_of
+
+    processes, tool = source.network.processes, source.description
+    words = {
+        change.name: [word_of(tool, change.name, change.old), new]
+        for change in step.changes
+        if tool is not None and (new := word_of(tool, change.name, change.new)) is not None
+    }
     return {
         "at_ms": float(step.at),
         "channel": step.channel,
@@ -129,4 +150,5 @@ def _step(source: Source, step: TraceStep) -> dict[str, object]:
             for edge in step.edges
         ],
         "changes": {change.name: [change.old, change.new] for change in step.changes},
+        "words": words,
     }

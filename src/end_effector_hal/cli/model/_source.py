@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from timed_automata import Network
 
 DESCRIPTION = click.argument("description", type=PathName(), required=False)
-MODEL = click.option("--model", metavar="FILE", type=PathName(), help="A UPPAAL file as it stands.")
+MODEL = click.option(
+    "--model", metavar="FILE", type=PathName(), help="A UPPAAL file, with its own constants."
+)
+COILS = click.option(
+    "--coils",
+    metavar="NAME",
+    help="Instead: the network of the two coils of an actuator, or of tool_changer.",
+)
 
 
 @dataclass(frozen=True)
@@ -38,12 +45,16 @@ class Source:
         return replace(run_info(self.description, scenario=scenario), simulated=True)
 
 
-def open_source(description: Path | None, model: Path | None) -> Source:
+def open_source(description: Path | None, model: Path | None, coils: str | None = None) -> Source:
     """The network of a description (by default the shipped one), or of a UPPAAL file.
+
+    Args:
+        description, model: the file.
+        coils: instead of the automata of a description: an output of two coils.
 
     Raises:
         DescriptionError, ModelError: it is not valid.
-        UsageError: both are named.
+        UsageError: both are named, or there is no such output.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import model_constants
@@ -52,7 +63,7 @@ def open_source(description: Path | None, model: Path | None) -> Source:
     from timed_automata import load_network
 
     if model is not None:
-        if description is not None:
+        if description is not None or coils is not None:
             raise UsageError("A description and a model are named.", todo="Leave one of them out.")
         network = load_network(model)
         return Source(str(model), network, None, _told(network))
@@ -61,9 +72,24 @@ def open_source(description: Path | None, model: Path | None) -> Source:
         todo = f"Write '--model {path}'."
         raise UsageError("This is a UPPAAL file, not a description.", where=str(path), todo=todo)
     loaded = load_tool(path)
+    if coils is not None:
+        return _coils_of(loaded, coils)
     constants, network = model_constants(loaded), load_automata(loaded)
     told = {name: value for name, value in _told(network).items() if name in constants}
     return Source(str(path), network, loaded, told)
+
+
+def _coils_of(description: Description, output: str) -> Source:
+    from end_effector_hal.verification.coils import coil_networks
+
+    networks = coil_networks(description)
+    if output not in networks:
+        has = f"Those with two coils are {', '.join(networks)}" if networks else "None has two coils"
+        raise UsageError(
+            f"There is no output {output!r} with two coils. {has}.", where=str(description.source)
+        )
+    network = networks[output]
+    return Source(f"{description.source}: the coils of {output}", network, None, _told(network))
 
 
 def _told(network: Network) -> dict[str, object]:

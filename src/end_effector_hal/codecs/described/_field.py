@@ -48,6 +48,7 @@ class Field:
             (value,) = wanted.values()
             return self._nearest(first, value or 0)
         candidates = [0, 1, *(raw for each in self.channels.values() for raw in each.on or ())]
+        candidates += [value for value in wanted.values() if type(value) is int]  # a code
         candidates += range(len(candidates))
 
         def agree(raw: float) -> int:

@@ -12,6 +12,8 @@ from end_effector_hal.signals import Frame, Value
 
 MIX_UP_US = 1_000_000
 """An answer that comes later than this is lost."""
+STANDSTILL_US = 500_000
+"""Who asks or reads so late stood still: nobody knows how old an answer is that waited."""
 
 
 class ReadCycle:
@@ -99,6 +101,9 @@ class ModbusMaster(ReadCycle):
             frames = self._end(at)
             if self.due > at:
                 return Polled(b"", frames)
+        elif self._next and at - self.due > STANDSTILL_US:
+            self.errors["late"] += 1
+            self._next = 0
         if self._next == 0:
             self._cycle_at, self._values, self._heard_at = at, {}, None
             self._heard = [b""] * len(self._reads)
@@ -119,6 +124,9 @@ class ModbusMaster(ReadCycle):
         answer = self._answer(self._pending)
         if answer is None:
             return []
+        if at - self.due > STANDSTILL_US:
+            self.errors["late"] += 1
+            return list(self._end(at))
         self._values |= self._taken(self._pending, answer)
         self._heard_at = at
         return list(self._end(at, answer))

@@ -6,11 +6,11 @@ The keys are those that users of ESPHome, Home Assistant and Telegraf know: ``ad
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from end_effector_hal.kinds.stanza import LineName, Name, Part, Word
+from end_effector_hal.kinds.stanza import LineName, Name, Names, Part, Word
 from end_effector_hal.signals import Kind, Value
 
 Unit = Literal["Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi", "inHg"]
@@ -133,13 +133,49 @@ class AnalogInput(Part):
 class CodecValue(Part):
     """A channel of the codec that a link names; what it means is the codec's."""
 
-    channel: Name = Field(description="its name there; docs/codecs.md lists them")
+    channel: Name = Field(description="its name there; docs/reference/codecs.md lists them")
+
+
+class DeviceAlarm(Part):
+    """What a device says is wrong with it: while a bit is on, or while a channel has a code."""
+
+    text: Annotated[Word, Field(min_length=1, max_length=200)] = Field(
+        description="what an operator reads: what has happened, and what to do"
+    )
+    code: Annotated[int | None, Field(ge=-(2**31), le=2**31 - 1)] = Field(
+        default=None,
+        description="raw value that means this; null: the bit is on, or any code that has no text",
+    )
+    severity: Literal["error", "warning"] = Field(
+        default="error",
+        description="error: no new grip begins while it stands or is latched (IL-07); warning: it is reported, no more",
+    )
+    latches: bool = Field(
+        default=True, description="it stays until a reset, also when the device no longer says it"
+    )
+    unproven: Names = Field(
+        default=(),
+        description="actuators whose sensors prove nothing while it stands, or while the channel has no reading",
+    )
+
+
+def _listed(given: Any) -> Any:
+    """A text alone, or one alarm, is a list of it."""
+    given = {"text": given} if isinstance(given, str) else given
+    return [given] if isinstance(given, dict) else given
+
+
+DeviceAlarms = Annotated[
+    tuple[DeviceAlarm, ...],
+    Field(strict=False, max_length=64),
+    BeforeValidator(_listed, json_schema_input_type=str | DeviceAlarm | tuple[DeviceAlarm, ...]),
+]
 
 
 class Channel(Part):
     """One signal: where it comes from (one of text, record, modbus, codec, digital, analog), and what it means."""
 
-    LATER = ("link", "codec")
+    LATER = ("link", "codec", "alarm")
 
     link: Name | None = Field(
         default=None, description="name under `links` of the one that it comes over, where there are several"
@@ -167,6 +203,10 @@ class Channel(Part):
     invalid: Raws = Field(default=(), description="raw values with which the device says that it has none")
     on: Raws | None = Field(default=None, description="of a bit: raw values that are on; default: all but 0")
     invert: bool = Field(default=False, description="of a bit: on is off (active low, normally closed)")
+    alarm: DeviceAlarms = Field(
+        default=(),
+        description="what a device says is wrong: a text, where a bit is on; or a list with a text for each code",
+    )
 
     OVER_LINK: ClassVar = ("text", "record", "modbus", "codec")
     SOURCES: ClassVar = (*OVER_LINK, "digital", "analog")
@@ -184,7 +224,16 @@ class Channel(Part):
     @property
     def kind(self) -> Kind:
         """What it carries; of `codec` its codec knows it."""
+        if any(each.code is not None for each in self.alarm):
+            return Kind.CODE
         return Kind.BIT if self.unit is None else Kind.PRESSURE
+
+    def alarm_of(self, value: Value) -> DeviceAlarm | None:
+        """What is wrong by a value; None: nothing, or nobody knows."""
+        if not value:
+            return None
+        own = (each for each in self.alarm if each.code is not None and each.code == value)
+        return next(own, next((each for each in self.alarm if each.code is None), None))
 
     @property
     def step_pa(self) -> float:
@@ -196,9 +245,12 @@ class Channel(Part):
         return 1.0 if place is not None and place.value_type == "float32" else step
 
     def value(self, raw: float) -> Value:
-        """What a raw value means: gauge Pa, a bit, or None: nothing that the sensor can mean."""
+        """What a raw value means: gauge Pa, a bit, a code, or None: nothing that the sensor can mean."""
         if raw != raw or raw in self.invalid:
             return None
+        if self.kind is Kind.CODE:
+            code = int(raw) if abs(raw) <= HIGHEST_PA and raw == int(raw) else None
+            return code if code is None or self.on is None or code in self.on else 0
         if self.unit is None:
             return (raw != 0 if self.on is None else raw in self.on) is not self.invert
         scaled = raw * self.scale + self.offset
@@ -208,7 +260,9 @@ class Channel(Part):
         return round(pascal) if abs(pascal) <= HIGHEST_PA else None
 
     def raw(self, value: int | bool) -> float:
-        """A raw value that means this (Pa, bit): what a simulated sensor sends."""
+        """A raw value that means this (Pa, bit, code): what a simulated sensor sends."""
+        if self.kind is Kind.CODE:
+            return float(value)
         if self.unit is None:
             on = bool(value) is not self.invert
             if self.on is None:

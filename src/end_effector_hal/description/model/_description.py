@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import reduce
 from operator import or_
 from pathlib import Path
@@ -31,7 +31,8 @@ from end_effector_hal.kinds.stanza import (
 )
 
 from ._channels import Channel, Channels, Inputs
-from ._durations import Durations, durations
+from ._durations import BlowOffTimes, Durations, blow_off_of, durations
+from ._plain_output import PlainOutput
 from ._stanzas import (
     Automata,
     Bounds,
@@ -76,10 +77,13 @@ AnyActuator = Annotated[Actuator, _ByKind()]
 class Description(Part):
     """A whole end-effector."""
 
-    LATER = ("named_links", "channels", "inputs")
+    LATER = ("named_links", "channels", "inputs", "outputs")
 
     schema_version: Literal[1, 2] = Field(
-        default=2, alias="schema", exclude=True, description="of these keys; 1: without channels of one's own"
+        default=2,
+        alias="schema",
+        exclude=True,
+        description="version of this schema; 1: without channels of one's own",
     )
     name: Name = Field(description="of the tool; names its socket and its recordings")
     summary: Word = Field(default="", description="one sentence, for people")
@@ -100,6 +104,9 @@ class Description(Part):
     sequence: Names = Field(min_length=1, description="actuators in the order of a grip")
     release_order: Names | None = Field(default=None, description="default: the sequence reversed")
     actuators: dict[Name, AnyActuator] = Field(description="by name")
+    outputs: dict[Name, PlainOutput] = Field(
+        default={}, description="beside the grip, by name: lamps, fans, air knives; no step drives them"
+    )
     tool_changer: ToolChanger | None = Field(default=None, description="absent: none is fitted")
     e_stop: EStop | None = Field(default=None, description="absent: none is fitted")
     supply: Supply = Field(default=Supply(), description="the compressed air")
@@ -177,6 +184,23 @@ class Description(Part):
         return f"inputs of the board are {what}" if link is None else f"{self.link_name(link)} is {what}"
 
     @property
+    def arbiter_inputs(self) -> frozenset[str]:
+        """Channels on which interlocks rest and that are input lines of the board: the line arbiter reads them itself.
+
+        The e-stop, the sensors of the tool changer and of the tool's stand.
+        """
+        changer, stop = self.tool_changer, self.e_stop
+        asked = {stop.channel} if stop else set()
+        if changer:
+            asked |= {changer.locked_bit, changer.unlocked_bit, changer.stand_bit, changer.present_bit}
+        return frozenset(name for name in asked & self.channels.keys() if self.channels[name].digital)
+
+    def with_inputs(self, names: Collection[str]) -> Description:
+        """The same tool with these channels of its board only, and all that come over links."""
+        kept = {name: each for name, each in self.channels.items() if name in names or not each.on_board}
+        return self.model_copy(update={"channels": kept})
+
+    @property
     def ordered(self) -> tuple[tuple[str, Actuator], ...]:
         """Name and actuator of each step, in the order of a grip."""
         return tuple((name, self.actuators[name]) for name in self.sequence)
@@ -202,6 +226,12 @@ class Description(Part):
         return {name: output.line for name, output in found if output}
 
     @property
+    def blow_offs(self) -> dict[str, BlowOffTimes]:
+        """Those that a release drives, by actuator, in the order of a grip."""
+        found = ((name, blow_off_of(part, self.bounds)) for name, part in self.ordered)
+        return {name: times for name, times in found if times}
+
+    @property
     def opposites(self) -> dict[str, Opposite]:
         """Second coils, by the line of their output."""
         parts: list[Actuator | ToolChanger] = [part for _, part in self.ordered]
@@ -209,14 +239,18 @@ class Description(Part):
         return {part.line: part.opposite for part in parts if part.opposite is not None}
 
     @property
-    def bus(self) -> str | None:
-        """Name of the link whose devices are commanded; None: none is. A rule holds that it is one."""
+    def buses(self) -> dict[str, dict[str, RegisterOutput]]:
+        """Outputs on each bus that is commanded, by the name of its link; a rule holds that each output has one."""
         over = [name for name, link in self.links.items() if link.frame and link.frame.modbus]
-        return over[0] if over and self.register_outputs else None
+        of_each: dict[str, dict[str, RegisterOutput]] = {name: {} for name in over}
+        for line, output in self.register_outputs.items():
+            name = output.link if output.link is not None else over[0] if over else ""
+            of_each.setdefault(name, {})[line] = output
+        return {name: outputs for name, outputs in of_each.items() if outputs}
 
     @property
     def register_outputs(self) -> dict[str, RegisterOutput]:
-        """Outputs on the bus, by the name that stands as `line`, in the order of a grip."""
+        """Outputs on all buses, by the name that stands as `line`, in the order of a grip."""
         return {part.line: part.modbus for _, part in self.ordered if part.modbus is not None}
 
     @property
@@ -227,6 +261,10 @@ class Description(Part):
     def service_of(self, name: str) -> str:
         """ROS service of an actuator (relative name); raises KeyError for an unknown one."""
         return self.actuators[name].service or "Set" + camel_case(name)
+
+    def output_service_of(self, name: str) -> str:
+        """ROS service of a plain output (relative name); raises KeyError for an unknown one."""
+        return self.outputs[name].service or "Set" + camel_case(name)
 
     def topic_of(self, name: str) -> str:
         """ROS topic of an actuator's pressure (relative name); raises KeyError for an unknown one."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.vocabulary import SETTLE_US
 
 from ._stanzas import Bounds
 
@@ -30,15 +32,64 @@ class Durations:
         return found / 1000
 
 
+@dataclass(frozen=True, slots=True)
+class BlowOffTimes:
+    """How a release blows a part off, ms.
+
+    Attributes:
+        line: of the blow-off valve.
+        gap_ms: that the line arbiter enforces.
+        rest_ms: before and after, with neither suction nor blowing.
+        blow_ms: at the longest.
+        until_gone: it ends as soon as the feedback is gone.
+        late_ms: each of its three deadlines may be late by.
+    """
+
+    line: str
+    gap_ms: int
+    rest_ms: int
+    blow_ms: int
+    until_gone: bool
+    late_ms: int
+
+    @property
+    def whole_ms(self) -> int:
+        """What it adds to a release at the longest."""
+        return 2 * self.rest_ms + self.blow_ms + 3 * self.late_ms
+
+    @property
+    def most_ms(self) -> int:
+        """After so long the line arbiter ends it, whatever its program does."""
+        return self.blow_ms + 2 * self.late_ms
+
+
+def blow_off_of(part: Actuator, bounds: Bounds) -> BlowOffTimes | None:
+    """How a release of an actuator blows; None: it does not.
+
+    The line arbiter refuses what comes within the gap and does not wait, so the automata leave more: a write may wait
+    for its line to settle (IL-10), and be late.
+    """
+    output = kind_of(part).opposing_output(part)
+    duration_s: float | None = getattr(output, "duration_s", None)
+    if duration_s is None:
+        return None
+    gap_ms, late_ms = _ms(output.gap_s), bounds.reaction_ms
+    rest_ms = gap_ms + SETTLE_US // 1000 + late_ms
+    return BlowOffTimes(output.line, gap_ms, rest_ms, _ms(duration_s), output.until_gone, late_ms)
+
+
 def durations(steps: Sequence[Actuator], bounds: Bounds) -> Durations:
-    """Those of a tool with these steps (`docs/verification.md`, worst cases).
+    """Those of a tool with these steps (`docs/explanation/verification.md`, worst cases).
 
     A grip takes longest when every attempt but the last of each step times out, is followed by its pause, and the last
-    step fails as well; a release, when no feedback goes away in time. Each deadline is late by D. An ending that
-    holds, or goes on without a pause, only makes it shorter.
+    step fails as well; a release, when each blow-off takes its time and no feedback goes away in time after it. Each
+    deadline is late by D. An ending that holds, or goes on without a pause, only makes it shorter.
     """
     late = bounds.reaction_ms
-    released = sum(_ms(step.release_s) + late for step in steps)
+    blown = (blow_off_of(step, bounds) for step in steps)
+    released = sum(_ms(step.release_s) + late for step in steps) + sum(
+        each.whole_ms for each in blown if each
+    )
     decided = sum(
         step.attempts * (_ms(step.timeout_s) + late) + (step.attempts - 1) * (_ms(step.reset_s) + late)
         for step in steps

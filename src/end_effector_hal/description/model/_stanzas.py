@@ -24,7 +24,7 @@ from ._channels import LinkFrame
 
 
 class ToolChanger(Part):
-    """The tool changer; an inactive line is locked (ISO 11593)."""
+    """The tool changer: its line active unlocks, inactive locks. The words are those of ISO 11593, a vocabulary."""
 
     LATER = ("opposite",)
 
@@ -121,7 +121,7 @@ class Link(Freshness):
         default=None, description="of each byte: none, even, odd; default: that of the codec, of a frame N"
     )
     codec: str = Field(
-        default="ees1-ascii", min_length=1, description="format of the frames; docs/codecs.md lists them"
+        default="ees1-ascii", min_length=1, description="format of the frames: docs/reference/codecs.md"
     )
     frame: LinkFrame | None = Field(
         default=None, description="format of the frames, declared here instead of `codec`, with `channels`"
@@ -168,7 +168,7 @@ class Interlocks(Part):
 class Bounds(Part):
     """What the environment keeps and what the integrator requires; the proof covers it."""
 
-    reaction_ms: Milliseconds = Field(default=50, description="D: longest lateness")
+    reaction_ms: Milliseconds = Field(default=50, description="D: longest allowed reaction delay")
     sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
     command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
     message_ms: Milliseconds = Field(default=100, description="the programs hear of each other within")

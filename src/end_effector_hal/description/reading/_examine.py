@@ -12,6 +12,7 @@ from end_effector_hal.description._fault import Fault, Keys, Places, did_you_mea
 from end_effector_hal.description._shape import Facts, actuator_stanzas, fields_of
 from end_effector_hal.description.model import Description
 from end_effector_hal.description.rules import (
+    channel_faults,
     frame_faults,
     order_faults,
     output_faults,
@@ -96,7 +97,7 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
         *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed)),
     ]
     facts = Facts(tree, places, broken)
-    rules = (order_faults, rule_faults, shared_faults, frame_faults, output_faults)
+    rules = (order_faults, rule_faults, shared_faults, frame_faults, channel_faults, output_faults)
     faults += [fault for rule in rules for fault in rule(facts)]
     broken |= {("actuators", name) for name in guessed}
     return likely(tree, places, broken) if faults else description, faults, broken
@@ -170,6 +171,10 @@ NAME = "end_effector.yaml"
 def read_text(path: Path) -> str | Fault:
     """The text of a file, or why there is none."""
     try:
+        if path.is_fifo() and not str(path).startswith(
+            ("/dev/", "/proc/")
+        ):  # there a shell has put it, with a writer
+            return _unread("this is a named pipe, not a file", "the path of a description")
         with path.open("rb") as stream:
             data = stream.read(LIMIT + 1)
     except FileNotFoundError:

@@ -2,6 +2,7 @@
 
 from ._channels import CodecChannels, used_channels
 from ._codec import not_fitted, slow, unproven
+from ._declared import channel_faults
 from ._frames import frame_faults
 from ._order import order_faults
 from ._outputs import lost_by_silence, output_faults
@@ -10,6 +11,7 @@ from ._stanzas import rule_faults
 
 __all__ = [
     "CodecChannels",
+    "channel_faults",
     "frame_faults",
     "lost_by_silence",
     "not_fitted",

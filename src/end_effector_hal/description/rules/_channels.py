@@ -60,6 +60,9 @@ def _uses(description: Description) -> Iterator[Use]:
     if description.e_stop:
         yield from _of(("e_stop",), description.e_stop, "channel", bit=True)
     yield from _of(("supply",), description.supply, "channel", bit=False)
+    for name, channel in description.channels.items():
+        if channel.alarm and channel.unit is None:
+            yield Use(("channels", name), "alarm", name, bit=True, written=True)
 
 
 def _of(stanza: tuple[str | int, ...], part: Part, key: str, *, bit: bool) -> Iterator[Use]:
@@ -179,11 +182,12 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
 def no_bits(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     """Pressures where something that says yes or no is named."""
     for use in uses(description):
-        if use.bit and codec.channels.get(use.channel) is Kind.PRESSURE:
-            place, found = description.place(*use.stanza, use.key), f"{use.key}: {use.channel}"
-            yield Fault.at(place, "EE-225", f"{use.channel!r} is a pressure", found=found, expected="a bit")
-        elif use.condition and not use.bit and codec.channels.get(use.channel) is Kind.BIT:
-            place, hint = description.place(*use.stanza, use.key), f"write {{on: {use.channel}}}"
+        carries, place = codec.channels.get(use.channel), description.place(*use.stanza, use.key)
+        if use.bit and (carries is Kind.PRESSURE or (carries is Kind.CODE and use.key != "alarm")):
+            what, found = f"{use.channel!r} is a {carries.value}", f"{use.key}: {use.channel}"
+            yield Fault.at(place, "EE-225", what, found=found, expected="a bit")
+        elif use.condition and not use.bit and carries is Kind.BIT:
+            hint = f"write {{on: {use.channel}}}"
             yield Fault.at(place, "EE-225", f"{use.channel!r} is a bit", expected="a pressure", hint=hint)
 
 

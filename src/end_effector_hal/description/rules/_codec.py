@@ -127,11 +127,23 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
         elif changer.present_bit not in channels:
             yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02)"
     for name, line in description.blow_off_lines.items():
-        yield f"{name}: its blow-off {line} is guarded by the line arbiter (IL-08), but no command drives it"
+        if name not in description.blow_offs:
+            guarded = "is guarded by the line arbiter (IL-08)"
+            yield f"{name}: blow_off: its line {line} {guarded}, but without duration_s nothing drives it"
+    yield from _blown_while_others_suck(description)
     if e_stop is None:
         yield "e-stop: none in the description: IL-13 is off"
     elif e_stop.channel not in channels:
         yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 is off"
+
+
+def _blown_while_others_suck(description: Description) -> Iterator[str]:
+    """The order of a release decides what is still active while a cup is blown off."""
+    order = description.releasing
+    for at, name in enumerate(order):
+        if name in description.blow_offs and at + 1 < len(order):
+            others = ", ".join(order[at + 1 :])
+            yield f"{name}: blow_off: a release blows it off while {others} may still hold (release_order)"
 
 
 def slow(description: Description, codec: CodecChannels) -> list[str]:

@@ -10,13 +10,14 @@ from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model import Description
 
 from ._channels import CodecChannels
+from ._frames import link_of
 
 CODE = "EE-229"
 
 
 def output_faults(facts: Facts) -> Iterator[Fault]:
     """Every fault of an output on the bus."""
-    taken: dict[tuple[int, str, int], str] = {}
+    taken: dict[tuple[str | None, int, str, int], str] = {}
     for name, _ in facts.actuators():
         path = ("actuators", name, "modbus")
         if not facts.written(*path) or not isinstance(facts.get(*path), dict):
@@ -38,13 +39,38 @@ def _one_output(facts: Facts, name: str) -> Iterator[Fault]:
             yield Fault.at(place, CODE, what, found=key, expected="one output: a line, or registers")
     if any(path[:1] in (("link",), ("links",)) for path in facts.broken):
         return
-    links: list[Keys] = [("links", each) for each in facts.names("links")] or [("link",)]
-    buses = [path for path in links if (facts.get(*path, "frame") or {}).get("modbus") is not None]
-    if len(buses) != 1:
-        place = facts.places.key("actuators", name, "modbus")
-        what = f"registers need one Modbus link, of {len(buses)}" if buses else "registers need a Modbus link"
-        expected = "link: {port: …, frame: {modbus: {}}}"
+    buses = _buses(facts)
+    place = facts.places.key("actuators", name, "modbus")
+    if not buses:
+        what, expected = "registers need a Modbus link", "link: {port: …, frame: {modbus: {}}}"
         yield Fault.at(place, CODE, what, found="modbus", expected=expected)
+        return
+    link, known = facts.get("actuators", name, "modbus", "link"), [str(each[-1]) for each in buses]
+    if ("actuators", name, "modbus", "link") in facts.broken:
+        return
+    if link is None and len(buses) > 1:
+        what, expected = "it is not said on which bus", f"link: {' or '.join(known)}"
+        yield Fault.at(place, "EE-206", what, found="", expected=expected)
+    elif link is not None and ("links", link) not in buses:
+        place = facts.places.value("actuators", name, "modbus", "link")
+        one = buses == [("link",)]
+        what = "there is one link, and it has no name" if one else "there is no such Modbus link"
+        expected = "no link" if one else f"one of {', '.join(known)}"
+        hint = "" if one else did_you_mean(str(link), known)
+        yield Fault.at(place, CODE, what, expected=expected, hint=hint)
+
+
+def _buses(facts: Facts) -> list[Keys]:
+    """The keys of each Modbus link."""
+    links: list[Keys] = [("links", each) for each in facts.names("links")] or [("link",)]
+    return [path for path in links if (facts.get(*path, "frame") or {}).get("modbus") is not None]
+
+
+def _bus_of(facts: Facts, output: Keys) -> Keys | None:
+    """The keys of the link that an output is on; None: that is not known."""
+    buses, link = _buses(facts), facts.get(*output, "link")
+    named = [path for path in buses if link is None or path == ("links", link)]
+    return named[0] if len(named) == 1 else None
 
 
 def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -65,14 +91,14 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
             what = f"{where[-1]!r} is empty"
             yield Fault.at(facts.places.value(*where), "EE-211", what, expected="at least one register")
     for where, row in rows:
-        if _broken_within(facts, where):
+        if facts.broken_within(*where):
             continue
         if coils and set(row) - {0, 1}:
             yield Fault.at(facts.places.value(*where), "EE-208", "a coil is 0 or 1", expected="[0] or [1]")
         if address is not None and address + len(row) > 0x10000:
             what, expected = "the last of these registers does not exist", "less than 65536 with address"
             yield Fault.at(facts.places.value(*where), "EE-208", what, expected=expected)
-    if not on or not off or any(_broken_within(facts, each) for each, _ in rows):
+    if not on or not off or any(facts.broken_within(*each) for each, _ in rows):
         return
     place = facts.places.value(*path, "command_off")
     if len(on) != len(off):
@@ -95,8 +121,9 @@ def _activation(facts: Facts, name: str) -> Iterator[Fault]:
 
 def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
     """What keeps a device alive is that it is read."""
-    unit = facts.get(*path, "unit")
-    read = [facts.get("channels", name, "modbus", "unit") for name in facts.names("channels")]
+    unit, bus = facts.get(*path, "unit"), _bus_of(facts, path)
+    over = [name for name in facts.names("channels") if bus is None or link_of(facts, name) == bus]
+    read = [facts.get("channels", name, "modbus", "unit") for name in over]
     if facts.get(*path, "keep_alive_ms") is not None and unit is not None and unit not in read:
         place, what = facts.places.value(*path, "keep_alive_ms"), f"nothing is read from unit {unit}"
         expected = f"a channel: {{modbus: {{unit: {unit}, address: …}}}}"
@@ -108,10 +135,13 @@ def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
     channel = facts.get(*path) if facts.written(*path) else None
     if channel is None or path in facts.broken:
         return
+    bus = _bus_of(facts, path[:3])
     channels = [
         name
         for name in facts.names("channels")
-        if facts.get("channels", name, "modbus") is not None and facts.get("channels", name, "unit") is None
+        if facts.get("channels", name, "modbus") is not None
+        and facts.get("channels", name, "unit") is None
+        and (bus is None or link_of(facts, name) == bus)
     ]
     if channel not in channels:
         place, expected = facts.places.value(*path), f"one of {', '.join(channels)}"
@@ -124,22 +154,19 @@ def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
         )
 
 
-def _shared(facts: Facts, name: str, taken: dict[tuple[int, str, int], str]) -> Iterator[Fault]:
+def _shared(facts: Facts, name: str, taken: dict[tuple[str | None, int, str, int], str]) -> Iterator[Fault]:
     path = ("actuators", name, "modbus")
     unit, table = facts.get(*path, "unit"), facts.get(*path, "register_type")
     address, row = facts.get(*path, "address"), facts.get(*path, "command_on")
-    if None in (unit, table, address) or not row or _broken_within(facts, path):
+    if None in (unit, table, address) or not row or facts.broken_within(*path):
         return
-    mine = [(unit, table, address + index) for index in range(len(row))]
+    link = facts.get(*path, "link")
+    mine = [(link, unit, table, address + index) for index in range(len(row))]
     if owner := next((taken[each] for each in mine if each in taken), None):
         place = facts.places.value(*path, "address")
         what = f"these registers already belong to {owner!r}"
         yield Fault.at(place, "EE-221", what, expected="registers of its own")
     taken |= {each: taken.get(each, name) for each in mine}
-
-
-def _broken_within(facts: Facts, path: Keys) -> bool:
-    return any(each[: len(path)] == path for each in facts.broken)
 
 
 def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[str]:

@@ -28,11 +28,24 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     opposing = [each for each in opposing if facts.written(*each)]
     digital: list[Keys] = [("channels", name, "digital") for name in facts.names("channels")]
     digital = [each for each in digital if isinstance(facts.get(*each), dict)]
-    yield from _second(facts, "line", _claims([*changer, *actuators, *opposing, *digital], "line"))
+    outputs: list[Keys] = [("outputs", name) for name in facts.names("outputs")]
+    outputs = [each for each in outputs if isinstance(facts.get(*each), dict)]
+    yield from _called_like_an_actuator(facts)
+    yield from _second(facts, "line", _claims([*changer, *actuators, *opposing, *outputs, *digital], "line"))
     yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))
     yield from _second(facts, "bit", tuple(bits))
     yield from _second(facts, "service", _claims([*changer, *actuators], "service"))
     yield from _second(facts, "topic", _claims(actuators, "topic"))
+
+
+def _called_like_an_actuator(facts: Facts) -> Iterator[Fault]:
+    taken = {name for name, _ in facts.actuators()}
+    for name in facts.names("outputs"):
+        if name in taken:
+            what = f"the output is called like the actuator {name!r}"
+            yield Fault.at(
+                facts.places.key("outputs", name), "EE-221", what, found=name, expected="another name"
+            )
 
 
 def _claims(stanzas: list[Keys], *keys: str) -> tuple[Keys, ...]:
@@ -49,7 +62,7 @@ def _second(facts: Facts, what: str, claims: tuple[Keys, ...]) -> Iterator[Fault
             owners[value] = path
             continue
         owner = owners[value]
-        device = owner[1] if owner[0] in ("actuators", "channels") else owner[0]
+        device = owner[1] if owner[0] in ("actuators", "channels", "outputs") else owner[0]
         written = f"{path[-1]}: {value}" + ("" if facts.written(*path) else " (default)")
         place, sentence = facts.places.value(*path), f"{what} {value!r} already belongs to {str(device)!r}"
         yield Fault.at(place, "EE-221", sentence, found=written, expected=f"a {what} of its own")

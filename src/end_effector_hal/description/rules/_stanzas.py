@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from end_effector_hal.description._fault import Fault, Keys, closest, did_you_mean
 from end_effector_hal.description._shape import Facts
+from end_effector_hal.kinds import get_kind
 
 # Columns of states.csv, and the tool changer's place among the devices.
 RESERVED = ("time_s", "end_effector", "command", "tool_changer")
@@ -24,6 +25,7 @@ def rule_faults(facts: Facts) -> Iterator[Fault]:
     yield from _board_units(facts)
     yield from _reserved(facts)
     yield from _pulses(facts)
+    yield from _blow_offs(facts)
     yield from _endings(facts)
     yield from _files(facts)
 
@@ -75,6 +77,21 @@ def _pulses(facts: Facts) -> Iterator[Fault]:
                 yield Fault.at(
                     facts.places.value(*path), "EE-222", what, expected=f"less than {key} = {limit_s:g}"
                 )
+
+
+def _blow_offs(facts: Facts) -> Iterator[Fault]:
+    """What ends a blow-off early is said of one that is driven."""
+    for name, kind in facts.actuators():
+        opposing = get_kind(kind).opposing
+        path = ("actuators", name, opposing)
+        if not opposing or not _given(facts, *path) or not facts.get(*path, "until_gone"):
+            continue
+        if facts.get(*path, "duration_s") is None and (*path, "duration_s") not in facts.broken:
+            place, what = (
+                facts.places.value(*path, "until_gone"),
+                f"nothing drives the {opposing} of {name!r}",
+            )
+            yield Fault.at(place, "EE-222", what, expected="duration_s, how long it lasts at the most")
 
 
 def _names(facts: Facts, key: str) -> Iterator[Fault]:

@@ -59,7 +59,7 @@ class Cylinder(DeviceKind[CylinderActuator]):
         value = readings.get(part.channel, at)
         if value is None or isinstance(value, bool):
             return super().lost(part, readings, at)
-        return f"{value / 1000:.0f} kPa, it takes {part.extended_fraction:.0%} of the supply pressure"
+        return f"{value / 1000:.0f} kPa, {part.extended_fraction:.0%} of the supply pressure required"
 
     def not_fitted(self, part: CylinderActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Which sensor proves a position alone, and what is not seen then."""
@@ -73,7 +73,8 @@ class Cylinder(DeviceKind[CylinderActuator]):
     def limits(self, part: CylinderActuator, supply: Supply) -> dict[str, float]:
         """At the nominal pressure of the supply."""
         extended_kpa = part.extended_fraction * supply.nominal_kpa
-        return {"confirmed_kpa": extended_kpa, "gone_kpa": part.retracted_kpa}
+        lost_kpa = extended_kpa - supply.hysteresis_kpa
+        return {"confirmed_kpa": extended_kpa, "gone_kpa": part.retracted_kpa, "lost_kpa": lost_kpa}
 
     def travel(self, part: CylinderActuator) -> Travel | None:
         """Its stroke."""

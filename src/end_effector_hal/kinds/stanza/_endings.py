@@ -19,7 +19,7 @@ _CANCEL = "a grip is cancelled; hold: stays active, latched GRIP_ERROR"
 _TIMEOUT = "between two attempts; hold: stays active"
 _ABORT = "a grip is given up; hold: stays active, latched GRIP_ERROR"
 _LOST = "one actuator's feedback is lost; hold: latched GRIP_ERROR, this one stays active"
-_SIGTERM = "the program is told to end"
+_SIGTERM = "the program receives SIGTERM"
 _DEATH = "the program dies; the line arbiter does this"
 _POWER_UP = "found active at the start; hold: stays and is judged; release: deactivated"
 
@@ -92,7 +92,7 @@ class ChangerEndings(Part):
     """What an ending does to the unlock output; inactive is locked, by a spring."""
 
     sigterm: ProgramEnding = Field(
-        default="release", description="the program is told to end; hold: active until IL-03 ends it"
+        default="release", description="the program receives SIGTERM; hold: active until IL-03 ends it"
     )
     process_death: ProgramEnding = Field(
         default="release", description="the program dies; hold: active until IL-03 ends it"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -32,6 +32,11 @@ class Activation(Part):
 class RegisterOutput(Part):
     """Registers, or a coil, of a Modbus device on the link, written by the line arbiter, which masters the bus."""
 
+    LATER: ClassVar[tuple[str, ...]] = ("link",)
+
+    link: Name | None = Field(
+        default=None, description="name under `links` of the bus, where several of them are Modbus"
+    )
     unit: Annotated[int, Field(ge=1, le=247)] = Field(
         default=1, description="address of the device on the bus"
     )
@@ -62,12 +67,12 @@ class RegisterOutput(Part):
     @property
     def output(self) -> str:
         """Its name among the outputs of a tool: where it is."""
-        return output_name(self.unit, self.address)
+        return output_name(self.unit, self.address, self.link)
 
 
-def output_name(unit: int, address: int) -> str:
-    """How an output on the bus is called."""
-    return f"modbus:{unit}/0x{address:04X}"
+def output_name(unit: int, address: int, link: str | None = None) -> str:
+    """How an output on a bus is called; ``link``: the bus, where the description says which."""
+    return f"modbus:{link + ':' if link else ''}{unit}/0x{address:04X}"
 
 
 def with_line(given: Any) -> Any:
@@ -75,5 +80,7 @@ def with_line(given: Any) -> Any:
     if not isinstance(given, dict) or not isinstance(given.get("modbus"), dict):
         return given
     unit, address = given["modbus"].get("unit", 1), given["modbus"].get("address", 0)
-    name = output_name(unit, address) if type(unit) is int and type(address) is int else "modbus"
+    link = given["modbus"].get("link")
+    known = type(unit) is int and type(address) is int and (link is None or isinstance(link, str))
+    name = output_name(unit, address, link) if known else "modbus"
     return {**given, "line": name[:64]}

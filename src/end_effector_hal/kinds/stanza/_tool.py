@@ -54,9 +54,13 @@ class Actuator(Part):
         description="without power, by its manual; hold: what is held stays held; keep: it stays as it was",
     )
     channel: Name = Field(description="pressure that proves it; none, where a bit proves it: no such sensor")
-    timeout_s: Seconds = Field(default=5.0, description="not confirmed within: one failed attempt")
+    timeout_s: Seconds = Field(
+        default=5.0, description="time limit for confirmation; exceeding it is one failed attempt"
+    )
     reset_s: Seconds = Field(default=1.0, description="inactive between two attempts")
-    attempts: Annotated[int, Field(ge=1, le=20)] = Field(default=3, description="failed attempts that abort")
+    attempts: Annotated[int, Field(ge=1, le=20)] = Field(
+        default=3, description="failed attempts after which the grip aborts"
+    )
     release_s: Seconds = Field(default=2.0, description="longest wait for the feedback to be gone")
     frozen_s: MaybeSeconds = Field(
         default=None,

@@ -90,7 +90,7 @@ class VacuumWatch:
             yield HoldFinding(AlarmKind.WEAK, text, over=True)
         elif self.was_secure:
             least_kpa = self._detector.least_kpa
-            text = f"Weak grip: {who} fell to {kpa:.1f} kPa, secure down to {least_kpa:g} kPa."
+            text = f"Weak grip: {who} fell to {kpa:.1f} kPa; minimum for a secure grip: {least_kpa:g} kPa."
             yield HoldFinding(AlarmKind.WEAK, text)
         elif at - since >= to_us(within_s):
             missed = f"did not reach {self._part.secure_kpa:g} kPa within {within_s:g} s"

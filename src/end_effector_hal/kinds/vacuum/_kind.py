@@ -32,6 +32,8 @@ class VacuumState(TableState):
     ON = 2
 
 
+_THRESHOLDS = ("confirmed_kpa", "gone_kpa", "lost_kpa", "secure_kpa")
+
 # Ambient pressure is 101 kPa at most at sea level; a transmitter may be a few kPa off. What is left of a vacuum that
 # is no longer "gone" must not pass for compressed air: then exchanged sensors would be believed.
 LOWEST_KPA, HIGHEST_KPA = -110.0, 50.0
@@ -96,7 +98,7 @@ class Vacuum(DeviceKind[VacuumActuator]):
         value = readings.get(part.channel, at)
         if value is None or isinstance(value, bool) or self.preset(part):
             return super().lost(part, readings, at)
-        return f"{-value / 1000:.1f} kPa below ambient, it takes {part.lost_kpa:g}"
+        return f"{-value / 1000:.1f} kPa below ambient, {part.lost_kpa:g} kPa required"
 
     def not_fitted(self, part: VacuumActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """What a switch does not show."""
@@ -110,4 +112,4 @@ class Vacuum(DeviceKind[VacuumActuator]):
 
     def limits(self, part: VacuumActuator, supply: Supply) -> dict[str, float]:
         """Below ambient."""
-        return {name: getattr(part, name) for name in ("confirmed_kpa", "gone_kpa", "lost_kpa")}
+        return {name: getattr(part, name) for name in _THRESHOLDS}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -19,11 +19,24 @@ from end_effector_hal.kinds.stanza import (
 
 
 class BlowOff(Part):
-    """A blow-off valve on a vacuum circuit (IL-08). The line arbiter guards it; no automaton drives it."""
+    """A blow-off valve on a vacuum circuit, never active together with its suction (IL-08).
+
+    With `duration_s` a release blows: after the gap for so long, and goes on after another one.
+    """
+
+    LATER = ("duration_s", "until_gone")
 
     line: LineName = Field(description="name of the GPIO line; active means blowing")
     gap_s: Seconds = Field(
         default=0.05, description="IL-08: between the end of suction and blowing, and back"
+    )
+    duration_s: Annotated[float | None, Field(ge=0.05, le=10)] = Field(
+        default=None,
+        description="a release blows for so long; null: nothing drives it, the line arbiter guards it",
+    )
+    until_gone: bool = Field(
+        default=False,
+        description="it ends earlier, as soon as the feedback is gone, and does not begin if it is; with duration_s",
     )
 
 
@@ -40,7 +53,9 @@ class VacuumActuator(Actuator):
     confirmed_samples: Samples = Field(default=3, description="consecutive samples that confirm")
     gone_kpa: BelowAmbient = Field(default=10.0, description="less than this: gone")
     lost_kpa: BelowAmbient = Field(default=50.0, description="less than this, once confirmed: lost")
-    lost_samples: Samples = Field(default=2, description="consecutive samples that lose")
+    lost_samples: Samples = Field(
+        default=2, description="consecutive samples below lost_kpa that count as lost"
+    )
     lost_at_once_kpa: BelowAmbient = Field(
         default=20.0, description="less than this, once confirmed: lost at once"
     )

@@ -31,7 +31,7 @@ class DataLogger:
     def __init__(self, node: NodeTransport) -> None:
         description, self._log = node.description(), node.log
         folder = Path(node.parameter(DIRECTORY) or f"runs/{datetime.now():%Y%m%d-%H%M%S}").expanduser()
-        self._recording = Recording(folder, description, ros=True, limits=recording_limits(node))
+        self._recording = Recording(folder, description, ros=node.generation, limits=recording_limits(node))
         node.on_end(self._recording.close)
         self._commands = CommandsLog(folder, self._recording.seconds)
         node.on_end(self._commands.close)

@@ -9,6 +9,7 @@ from end_effector_hal.recording import Recording
 def write_state(recording: Recording, message: StateMessage) -> None:
     """Raises ReportedError when it cannot be written now."""
     recording.state(message.at_us, message.state, message.command, message.actuators)
+    recording.tool_changer(message.at_us, message.tool_changer)
     recording.alarms(message.at_us, message.alarms)
 
 

@@ -8,7 +8,7 @@ from math import nan
 
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.nodes.interface import GRIP, TOOL_CHANGE, actuator_joints
+from end_effector_hal.nodes.interface import GRIP, STARTING_S, TOOL_CHANGE, actuator_joints
 from end_effector_hal.nodes.transport import StateMessage, StatusMessage
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
 
@@ -26,7 +26,8 @@ class Aggregate:
     """Puts the latest statuses of both programs together.
 
     While the node Grip is silent the state is OFF, the evidence UNKNOWN, and nothing may be lifted. Its outputs and
-    ``held`` stay as they were last known: the line arbiter holds what was held.
+    ``held`` stay as they were last known: the line arbiter holds what was held. That a node is silent is an
+    alarm; that one has never reported, only when HALMain itself has been there for `STARTING_S`.
     """
 
     def __init__(
@@ -48,7 +49,12 @@ class Aggregate:
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
         alarms = dict.fromkeys((*notices, *grip.alarms, *change.alarms))
-        absent = [(_SILENT if silence.has_reported(name) else _AWAITED).format(name) for name in gone]
+        starting = now_us - self._since_us < STARTING_S * 1e6
+        absent = [
+            (_SILENT if silence.has_reported(name) else _AWAITED).format(name)
+            for name in gone
+            if silence.has_reported(name) or not starting
+        ]
         deadline = grip.deadline_us
         state, command = EndEffectorState.OFF if lost else grip.state, self._command(gone)
         evidence = [Evidence.UNKNOWN] * len(sequence) if lost else grip.evidence

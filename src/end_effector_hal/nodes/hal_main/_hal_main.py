@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
+from end_effector_hal.control import transition
 from end_effector_hal.nodes.interface import (
     END_EFFECTOR_STATE,
     GRIP,
@@ -18,7 +19,7 @@ from end_effector_hal.nodes.interface import (
     position_topics,
     pressure_topics,
 )
-from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_health, transition
+from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_health, standing
 from end_effector_hal.nodes.transport import (
     ChangerPlace,
     CylinderPlace,
@@ -155,8 +156,10 @@ class HalMainNode:
 
     def _health(self) -> Health:
         state = self._state
+        if self._gone and not state.alarms:
+            return Health(WARN, f"Starting: {' and '.join(self._gone)} did not report yet.")
         bad = self._gone or not state.link_up or state.state in _ERRORS
-        level = ERROR if bad else WARN if state.alarms or state.missed else OK
+        level = ERROR if bad else WARN if standing(state.alarms) or state.missed else OK
         return Health(
             level,
             " ".join(state.alarms) or "As it should be.",

@@ -14,6 +14,7 @@ from ._table import (
     DIAGNOSTICS_HZ,
     DIRECTORY,
     END_EFFECTOR_STATE,
+    FRAME_ID,
     GIVE_UP_S,
     GONE_AFTER_S,
     GRIP,
@@ -42,6 +43,7 @@ from ._table import (
     SCRIPT,
     SEGMENT_MB,
     SENSOR_FRAME,
+    STARTING_S,
     STATE_HZ,
     SUPERVISOR,
     SUPERVISOR_COMMANDS,
@@ -50,7 +52,15 @@ from ._table import (
     TOOL_CHANGE_STATE,
     TRIGGER_GRIP,
 )
-from ._tool import position_topics, pressure_topics, services, set_services, set_tool_changer, topics
+from ._tool import (
+    output_services,
+    position_topics,
+    pressure_topics,
+    services,
+    set_services,
+    set_tool_changer,
+    topics,
+)
 
 __all__ = [
     "ACTIONS",
@@ -63,6 +73,7 @@ __all__ = [
     "DIAGNOSTICS_HZ",
     "DIRECTORY",
     "END_EFFECTOR_STATE",
+    "FRAME_ID",
     "GIVE_UP_S",
     "GONE_AFTER_S",
     "GRIP",
@@ -92,6 +103,7 @@ __all__ = [
     "SCRIPT",
     "SEGMENT_MB",
     "SENSOR_FRAME",
+    "STARTING_S",
     "STATE_HZ",
     "SUPERVISOR",
     "SUPERVISOR_COMMANDS",
@@ -110,6 +122,7 @@ __all__ = [
     "grip_position",
     "load_for_nodes",
     "name_faults",
+    "output_services",
     "position_topics",
     "pressure_topics",
     "services",

@@ -41,7 +41,7 @@ def _faults(description: Description) -> Iterator[Fault]:
         elif name in users:
             what = f"{kind} {name!r} is the {users[name]} already"
             yield Fault.at(place, "EE-221", what, found=found, expected="a name for each")
-        users.setdefault(name, f"{kind} of {keys[1] if keys[0] == 'actuators' else keys[0]}")
+        users.setdefault(name, f"{kind} of {keys[1] if keys[0] in ('actuators', 'outputs') else keys[0]}")
 
 
 def _names(description: Description) -> Iterator[tuple[tuple[str, ...], str, str]]:
@@ -52,6 +52,8 @@ def _names(description: Description) -> Iterator[tuple[tuple[str, ...], str, str
     for actuator in description.sequence:
         yield ("actuators", actuator, "service"), "service", description.service_of(actuator)
         yield ("actuators", actuator, "topic"), "topic", description.topic_of(actuator)
+    for output in description.outputs:
+        yield ("outputs", output, "service"), "service", description.output_service_of(output)
     for actuator, topic in position_topics(description).items():
         yield ("actuators", actuator), "position topic", topic.name
 

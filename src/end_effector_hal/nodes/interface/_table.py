@@ -22,6 +22,9 @@ OF_ROS = ("rosout", "rosout_agg", "clock")
 STATE_HZ, DIAGNOSTICS_HZ = 10.0, 1.0
 GONE_AFTER_S = 1.0
 """A periodic internal state that is silent for longer: its node has gone."""
+STARTING_S = 5.0
+"""So long after its own start HALMain waits for the first report of a node before that is an alarm: the processes of
+a launch begin within seconds of one another. The state is OFF until then."""
 COMMAND_VALID_S = 0.5
 """How long a command of the internal services may be begun, counted from when it is asked for."""
 GIVE_UP_S = 30.0
@@ -128,6 +131,11 @@ DIRECTORY = Parameter(
 PATIENCE = Parameter(
     "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
 )
+FRAME_ID = Parameter(
+    "frame_id",
+    (PRESSURE, MANAGER),
+    "frame of the pressures; default: TOOL_link, as `eehal export urdf` calls it",
+)
 SEGMENT_MB = Parameter(
     "segment_mb",
     (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
@@ -140,4 +148,15 @@ KEEP_MB = Parameter(
 )
 PROVE = Parameter("prove", (MANAGER,), "`true`: prove the tool when it is configured and no verdict is kept")
 READY_S = Parameter("ready_s", (MANAGER,), "seconds; how long activate waits for the sensors; default: 10")
-PARAMETERS = (DESCRIPTION, PROFILE, SCRIPT, DIRECTORY, PATIENCE, SEGMENT_MB, KEEP_MB, PROVE, READY_S)
+PARAMETERS = (
+    DESCRIPTION,
+    PROFILE,
+    SCRIPT,
+    DIRECTORY,
+    PATIENCE,
+    FRAME_ID,
+    SEGMENT_MB,
+    KEEP_MB,
+    PROVE,
+    READY_S,
+)

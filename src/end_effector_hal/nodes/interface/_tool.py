@@ -58,6 +58,11 @@ def set_services(description: Description) -> dict[str, Service]:
     return {name: _set(description.service_of(name), GRIP) for name in description.sequence}
 
 
+def output_services(description: Description) -> dict[str, Service]:
+    """Plain output to its ``/Set*`` service."""
+    return {name: _set(description.output_service_of(name), GRIP) for name in description.outputs}
+
+
 def set_tool_changer(description: Description) -> Service | None:
     """The service of the tool changer, if one is fitted."""
     return _set(description.tool_changer.service, TOOL_CHANGE) if description.tool_changer else None
@@ -76,7 +81,8 @@ def topics(description: Description) -> tuple[Topic, ...]:
 def services(description: Description) -> tuple[Service, ...]:
     """Every service of a tool."""
     changer = set_tool_changer(description)
-    own = (*set_services(description).values(), *((changer, ARM_TOOL_CHANGER) if changer else ()))
+    plain = output_services(description).values()
+    own = (*set_services(description).values(), *plain, *((changer, ARM_TOOL_CHANGER) if changer else ()))
     return (*own, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
 
 

@@ -13,10 +13,11 @@ from end_effector_hal.nodes.interface import (
     RESET_FAULTS,
     TOOL_CHANGE_COMMAND,
     TOOL_CHANGE_STATE,
+    output_services,
     set_services,
 )
 from end_effector_hal.nodes.transport import NodeTransport, StampCheck, StatusMessage
-from end_effector_hal.runtime import GripProgram, reset
+from end_effector_hal.runtime import GripProgram, PlainOutputs, reset
 
 from ._program_node import ProgramNode
 
@@ -33,8 +34,12 @@ class GripNode:
         fitted = self._description.tool_changer is not None
         self._changer = node.command_client(TOOL_CHANGE_COMMAND) if fitted else None
         node.subscribe(TOOL_CHANGE_STATE, self._on_tool_change)
+        self._outputs = PlainOutputs(self._description)
+        node.on_close(self._outputs.close)
         for name, service in set_services(self._description).items():
-            node.serve(service, self._setter(name))
+            node.serve(service, self._setter(name, self._program.set_actuator))
+        for name, service in output_services(self._description).items():
+            node.serve(service, self._setter(name, self._outputs.set))
         node.serve(RESET_FAULTS, self._reset)
 
     def _reset(self, _request: Any) -> Answer:
@@ -50,9 +55,9 @@ class GripNode:
             self._unlock = message.unlock_output
             self._program.update_peer(unlock_valve=int(message.unlock_output))
 
-    def _setter(self, name: str) -> Callable[[Any], Answer]:
+    def _setter(self, name: str, switch: Callable[[str, bool], Answer]) -> Callable[[Any], Answer]:
         def answer(request: Any) -> Answer:
-            done = self._program.set_actuator(name, bool(request.data))
+            done = switch(name, bool(request.data))
             if not done.accepted:
                 self._node.log_refusal(f"{name} {'on' if request.data else 'off'}", done.reason)
             return done

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer, Status, StatusLines, refused
 from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -21,7 +22,7 @@ from end_effector_hal.nodes.interface import (
     Service,
     Topic,
 )
-from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, StatusLines, publish_health
+from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_health, standing
 from end_effector_hal.nodes.transport import (
     FrameMessage,
     MessageHeader,
@@ -29,7 +30,7 @@ from end_effector_hal.nodes.transport import (
     StatusMessage,
 )
 from end_effector_hal.runtime import Program, open_program
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.vocabulary import OVER, Command, EndEffectorState
 from end_effector_hal.wires import now_us
 
 from ._status_message import status_to_message
@@ -94,7 +95,7 @@ class ProgramNode(Generic[P]):
             self._log.info("%s", line)
         for alarm in status.alarms:
             if alarm not in before:
-                self._log.warning("%s", alarm)
+                self._log.log(logging.INFO if alarm.startswith(OVER) else logging.WARNING, "%s", alarm)
 
     def _repeat(self) -> None:
         if not self.program.alive:
@@ -118,7 +119,7 @@ class ProgramNode(Generic[P]):
 
     def log_refusal(self, what: str, why: str) -> None:
         """Write one line for what was not done."""
-        self._log.info("refused: %s. %s", what, why)
+        self._log.info("%s", refused(what, why))
 
     def _decide(self, request: Any) -> Answer:
         if why := self._node.refuse_unknown_caller(self._service, request):
@@ -147,7 +148,7 @@ class ProgramNode(Generic[P]):
     def _health(self) -> Health:
         status = self.program.status
         bad = not status.link_up or status.ee in _ERRORS
-        level = ERROR if bad else WARN if status.alarms or status.missed else OK
+        level = ERROR if bad else WARN if standing(status.alarms) or status.missed else OK
         late = f"{status.missed} edges were taken later than the reaction bound." if status.missed else ""
         return Health(
             level,

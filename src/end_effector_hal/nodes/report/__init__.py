@@ -1,6 +1,5 @@
-"""What the nodes report to people: lines of the log, and ``/diagnostics``."""
+"""What the nodes report to people: ``/diagnostics``."""
 
-from ._health import ERROR, OK, WARN, Health, publish_health
-from ._status_lines import StatusLines, transition
+from ._health import ERROR, OK, WARN, Health, publish_health, standing
 
-__all__ = ["ERROR", "OK", "WARN", "Health", "StatusLines", "publish_health", "transition"]
+__all__ = ["ERROR", "OK", "WARN", "Health", "publish_health", "standing"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from end_effector_hal.nodes.interface import DIAGNOSTICS, DIAGNOSTICS_HZ
@@ -12,6 +12,7 @@ from end_effector_hal.nodes.transport import (
     KeyValueMessage,
     NodeTransport,
 )
+from end_effector_hal.vocabulary import OVER
 
 OK, WARN, ERROR = 0, 1, 2
 """The levels of ``diagnostic_msgs/DiagnosticStatus``."""
@@ -26,18 +27,34 @@ class Health:
     values: Mapping[str, object] = field(default_factory=dict)
 
 
-def publish_health(node: NodeTransport, hardware: str, health: Callable[[], Health]) -> None:
-    """Publish the health of a node every second."""
+def standing(alarms: Sequence[str]) -> tuple[str, ...]:
+    """Those that are so now: what is over waits to be read, and is no warning."""
+    return tuple(alarm for alarm in alarms if not alarm.startswith(OVER))
+
+
+def publish_health(
+    node: NodeTransport, tool: str, health: Callable[[], Health], *, hardware: str = ""
+) -> None:
+    """Publish the health of a node every second.
+
+    Args:
+        node: the node.
+        tool: its name; a value of each status.
+        health: is asked for it.
+        hardware: that the node works with; empty: the tool.
+    """
     publish = node.publisher(DIAGNOSTICS)
 
     def tick() -> None:
         now, unknown = health(), node.unknown_senders.alarms()
         level = max(now.level, WARN) if unknown else now.level
         counts = {f"dropped, {what}": count for what, count in node.unknown_senders.counts().items()}
-        values = [KeyValueMessage(key, str(value)) for key, value in {**now.values, **counts}.items()]
+        values = [
+            KeyValueMessage(key, str(value)) for key, value in {"tool": tool, **now.values, **counts}.items()
+        ]
         # the sentence of the health may contain an alarm already
         new = [alarm for alarm in unknown if alarm not in now.message]
         message = " ".join((*new, now.message))
-        publish(DiagnosticsMessage([DiagnosticMessage(level, node.name, message, hardware, values)]))
+        publish(DiagnosticsMessage([DiagnosticMessage(level, node.name, message, hardware or tool, values)]))
 
     node.every(DIAGNOSTICS_HZ, tick)

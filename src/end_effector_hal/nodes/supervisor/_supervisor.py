@@ -52,7 +52,10 @@ class Supervisor:
         """Give orders one after the other; 1 when any did not succeed."""
         self._goals.wait_for_servers()
         if not self._adopted.wait(GIVE_UP_S):
-            self.say("the end-effector is OFF still: it has not adopted its lines.")
+            self.say(
+                "the end-effector is still OFF: it has not adopted its lines. Is `eehal arbiter` running? "
+                "`eehal doctor` says what is missing."
+            )
         for order in orders:
             if self._node.ending or not self.give(order):
                 break
@@ -82,6 +85,12 @@ class Supervisor:
         """Give one order; False when it was `quit`."""
         if order.arm or order.reset:
             self.say(self._call("arm", ARM_TOOL_CHANGER) if order.arm else self._call("reset", RESET_FAULTS))
+            return True
+        if order.show or order.output or order.scenario:
+            self.say(
+                "status, help, set and scenario exist in `eehal run` only; use the topic EndEffectorState, the "
+                "services Set…, and the standard input of the testbench."
+            )
             return True
         if order.command is None:
             time.sleep(order.wait_s)

@@ -108,11 +108,13 @@ class NodeTransport(Protocol):
     Attributes:
         name: of the node, without a leading slash.
         log: its logger.
+        generation: of ROS, 1 or 2.
         unknown_senders: messages and calls that were dropped.
     """
 
     name: str
     log: logging.Logger
+    generation: int
     unknown_senders: UnknownSenders
 
     def description(self) -> Description:

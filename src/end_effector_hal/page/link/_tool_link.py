@@ -39,11 +39,11 @@ class ToolLink:
         """Follow both programs until it is cancelled."""
         await asyncio.gather(*(link.run() for link in self._links.values()))
 
-    async def command(self, word: str) -> Answer:
+    async def command(self, word: str, actuator: str = "") -> Answer:
         """Ask for a command of `PROGRAM_WORDS`, or ``reset``; an answer in any case."""
         if word == "reset":
             return await self._reset()
-        return await self._links[program_of(word)].ask(word)
+        return await self._links[program_of(word)].ask(word, actuator)
 
     async def _reset(self) -> Answer:
         """As `EndEffector.reset`: the tool changer, then what the programs and the line arbiter have latched."""

@@ -1,21 +1,18 @@
 // The page: gets views from its process, shows them. It decides nothing: every sentence comes from the HAL.
 import { Cards } from "/static/cards.js";
 import { Commands } from "/static/commands.js";
+import { Faults } from "/static/faults.js";
+import { past } from "/static/past.js";
 import { Log } from "/static/log.js";
 import { TimeLine } from "/static/timeline.js";
 import { Automata } from "/static/automata.js";
-import { byId, put, setTone, seconds } from "/static/dom.js";
-
-const STATE_TONES = {
-  OFF: "idle", STAND_BY: "idle", GRIPPING: "busy", GRIPPED: "ok", RELEASING: "release", GRIP_ERROR: "bad", RELEASE_ERROR: "bad",
-};
-const CHANGER_TONES = { LOCKED: "ok", UNLOCKED: "warn", UNLOCKING: "busy", LOCKING: "busy", FAULT: "bad", UNKNOWN: "warn" };
+import { identity, interlocks, lateness, overview, showEvent, spans } from "/static/panels.js";
+import { byId, put, seconds } from "/static/dom.js";
 
 const page = pageNumber();
 let drawn = null;
 let parts = null;
 let heardAt = 0;
-let lastView = null;
 
 function pageNumber() {
   let number = sessionStorage.getItem("eehal-page");
@@ -46,32 +43,38 @@ let ended = "";
 
 function begin(content) {
   drawn = content;
-  document.title = content.name;
-  put("tool-name", content.name);
-  put("tool-summary", content.summary);
-  const changer = content.lanes.some((lane) => lane.name === "tool changer");
-  document.querySelector(".overview").classList.toggle("no-changer", !changer);
-  byId("panel-changer").hidden = !changer;
+  identity(content);
+  spans((span) => parts.timeline.spanTo(span));
+  const still = byId("hold-still");
+  still.onclick = () => still.setAttribute("aria-pressed", String(parts.timeline.holdStill()));
+  const cards = new Cards(byId("cards"), content);
+  const commands = new Commands(page, content);
   parts = {
-    cards: new Cards(byId("cards"), content),
-    commands: new Commands(page, content),
-    log: new Log(byId("log"), content, showEvent),
-    timeline: new TimeLine(content, showEvent),
+    cards,
+    commands,
+    faults: new Faults(commands),
+    log: new Log(byId("log"), content, open),
+    timeline: new TimeLine(byId("timeline"), content, open),
     automata: new Automata(byId("automata"), byId("automata-tabs"), content),
   };
 }
 
+function open(entry) {
+  showEvent(entry, drawn.epoch);
+}
+
 function show(view) {
   if (!parts) return;
-  lastView = view;
+  view.proven = view.verdict.holds;
   freshness(view.news);
   facts(view);
   overview(view);
   parts.cards.show(view);
   parts.commands.show(view);
+  parts.faults.show(view);
   parts.log.add(view.log);
   parts.timeline.add(view);
-  parts.automata.show(view.automata);
+  parts.automata.show(view.automata, view.at);
   interlocks(view.interlocks);
   put("pages", view.pages > 1 ? `${view.pages} pages are open.` : "");
 }
@@ -90,8 +93,11 @@ function freshness(news) {
 setInterval(() => {
   const age = (performance.now() - heardAt) / 1000;
   if (heardAt && age > 1.2) {
-    freshness({ fresh: false, age_s: age, why: ended || "The process of this page is not heard." });
-    if (parts) parts.commands.unheard();
+    freshness({ fresh: false, age_s: age, why: ended || "Lost connection to `eehal page`." });
+    if (parts) {
+      parts.commands.unheard();
+      parts.faults.unheard();
+    }
   }
 }, 200);
 
@@ -99,98 +105,11 @@ function facts(view) {
   const state = view.state;
   const rate = `${view.rate_hz.toFixed(view.rate_hz < 10 ? 1 : 0)} of ${drawn.expected_hz.toFixed(drawn.expected_hz < 10 ? 1 : 0)} Hz`;
   put("fact-rate", state ? `${state.link_up ? "up" : "DOWN"}, ${rate}` : rate);
-  put("fact-late", state ? `${state.worst_late_ms.toFixed(1)} ms of ${state.bound_ms} ms${state.missed ? `, ${state.missed} too late` : ""}` : "–");
+  lateness(state);
   const mark = view.verdict.holds === null ? "○" : view.verdict.holds ? "●" : "■";
   const when = view.verdict.at ? ` ${view.verdict.at.slice(0, 16).replace("T", " ")}` : "";
   put("fact-verdict", `${mark} ${view.verdict.text.replace(/ \([^)]*\)\.$/, "")}${when ? `,${when}` : ""}`);
 }
 
-function overview(view) {
-  const state = view.state;
-  if (!state) return;
-  alarms(state.alarms);
-  put("state-word", state.word);
-  setTone("panel-state", STATE_TONES[state.name] || "idle");
-  put("state-reason", state.reason || (state.maintenance ? "Maintenance." : `for ${seconds(state.since_s)}`));
-  flag("held", state.held, state.held ? "ok" : "idle", state.held ? (state.secure ? "secure" : "not secure, or not known") : "nothing is held");
-  flag("lift", state.lift_allowed, state.lift_allowed ? "ok" : state.held ? "warn" : "idle",
-    state.lift_allowed ? "confirmed by the sensors" : state.held ? "not proven now" : "nothing is gripped");
-  if (state.changer) {
-    put("changer-word", state.changer);
-    setTone("panel-changer", CHANGER_TONES[state.changer] || "idle");
-    put("changer-detail", [state.unlock_output ? "unlock output on" : "unlock output off", state.armed ? "armed" : ""].filter(Boolean).join(", "));
-  }
-  const goal = state.goal;
-  put("goal-word", goal ? goal.name : "Nothing");
-  setTone("panel-goal", goal ? "busy" : "idle");
-  byId("goal-bar").style.width = goal && goal.at_most_s ? `${Math.min(100, 100 * goal.so_far_s / goal.at_most_s)}%` : "0";
-  put("goal-detail", goal ? `${seconds(goal.so_far_s)} so far${goal.at_most_s ? `, at most ${goal.at_most_s.toFixed(2)} s${view.verdict.holds ? " (proven)" : ""}` : ""}` : "");
-}
-
-function alarms(texts) {
-  const list = byId("alarms");
-  list.hidden = !texts.length;
-  const key = texts.join("\n");
-  if (list.dataset.key === key) return;
-  list.dataset.key = key;
-  list.replaceChildren(...texts.map((text) => Object.assign(document.createElement("li"), { textContent: text, className: text.startsWith("Over:") ? "over" : "" })));
-}
-
-function flag(name, on, tone, detail) {
-  put(`${name}-word`, on ? "YES" : "NO");
-  put(`${name}-detail`, detail);
-  setTone(`panel-${name}`, tone);
-}
-
-function interlocks(rows) {
-  const body = byId("interlocks");
-  if (body.children.length !== rows.length) {
-    body.replaceChildren(...rows.map((row) => {
-      const line = document.createElement("tr");
-      const rule = document.createElement("td");
-      const id = Object.assign(document.createElement("span"), { className: "id", textContent: row.id });
-      rule.append(id, row.rule);
-      const now = document.createElement("td");
-      now.append(Object.assign(document.createElement("span"), { className: "tag" }), Object.assign(document.createElement("span"), { className: "why" }));
-      line.append(rule, now);
-      return line;
-    }));
-  }
-  rows.forEach((row, index) => {
-    const line = body.children[index];
-    line.dataset.state = row.state;
-    put(line.querySelector(".tag"), row.state === "blocking" && row.blocks ? `blocks ${row.blocks}` : row.state);
-    put(line.querySelector(".why"), row.why);
-  });
-}
-
-function showEvent(entry) {
-  const box = byId("event");
-  box.hidden = !entry;
-  if (!entry) return;
-  const at = ((entry.at - drawn.epoch) / 1e6).toFixed(3);
-  const head = Object.assign(document.createElement("p"), { textContent: `${at} s: ${entry.text}` });
-  head.style.fontWeight = "600";
-  const lines = [];
-  const detail = entry.detail;
-  if (detail) {
-    for (const edge of detail.edges) {
-      lines.push(`${edge.process}: ${edge.source} → ${edge.target}`);
-      if (edge.guard) lines.push(`  guard   ${edge.guard}`);
-      if (edge.synchronisation) lines.push(`  channel ${edge.synchronisation}`);
-      if (edge.assignment) lines.push(`  update  ${edge.assignment}`);
-    }
-    if (detail.received) lines.push(`event ${detail.received}`);
-    lines.push(`late by ${detail.late_ms.toFixed(1)} ms`);
-    const readings = Object.entries(detail.readings).map(([name, value]) =>
-      `${name} ${value === null ? "no valid reading" : typeof value === "boolean" ? (value ? "on" : "off") : `${value.toFixed(1)} kPa`}`);
-    if (readings.length) lines.push(`readings: ${readings.join(", ")}`);
-  }
-  const code = Object.assign(document.createElement("code"), { textContent: lines.join("\n") });
-  const close = Object.assign(document.createElement("button"), { type: "button", className: "small", textContent: "Close" });
-  close.addEventListener("click", () => { box.hidden = true; });
-  box.replaceChildren(head, code, close);
-  box.scrollIntoView({ block: "nearest" });
-}
-
+past();
 connect();

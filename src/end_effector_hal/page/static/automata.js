@@ -9,8 +9,13 @@ export class Automata {
     this.drawn = drawn.automata;
     this.cards = Object.fromEntries(drawn.cards.map((card) => [card.name, card.label]));
     this.clocks = make("div", { className: "clocks" });
-    this.figure = make("div", { className: "drawing", tabIndex: 0 });
-    box.replaceChildren(this.clocks, this.figure);
+    this.figure = make("div", { className: "drawing", tabIndex: 0, role: "region", "aria-label": "Drawing of the automaton, to be scrolled" });
+    this.which = make("select", { id: "automata-edge" });
+    this.which.addEventListener("change", () => this.showEdge());
+    this.spokenTitle = make("p", { className: "spoken-title" });
+    this.spoken = make("ul", { className: "spoken" });
+    box.replaceChildren(this.clocks, this.figure,
+      make("label", { className: "edge-choice" }, "Edge ", this.which), this.spokenTitle, this.spoken);
     this.buttons = this.drawn.processes.map((process) => {
       const label = process.who ? this.cards[process.who] : process.name;
       const button = make("button", { type: "button", className: "small", textContent: label });
@@ -21,13 +26,20 @@ export class Automata {
     if (this.drawn.processes.length) this.choose(this.drawn.processes[0]);
   }
 
-  choose(process) {
+  choose(process, last = this.last) {
     this.process = process;
+    this.clocks.replaceChildren();
     this.buttons.forEach((button, index) => button.setAttribute("aria-pressed", String(this.drawn.processes[index] === process)));
     const template = this.drawn.templates.find((each) => each.name === process.template);
+    this.template = template;
     this.figure.replaceChildren(this.picture(template));
+    const name = (number) => template.locations[number].name || "?";
+    this.which.replaceChildren(make("option", { value: "", textContent: "that was taken last" }),
+      ...template.edges.map((edge, index) => make("option", { value: String(index), textContent: `${index + 1}. ${name(edge.source)} → ${name(edge.target)}` })));
     this.key = "";
-    if (this.last) this.show(this.last);
+    this.last = last;
+    this.showEdge();
+    if (last) this.show(...last);
   }
 
   picture(template) {
@@ -84,13 +96,32 @@ export class Automata {
     }
     way = [towards(way[0], way[1]), ...way.slice(1, -1), towards(way[way.length - 1], way[way.length - 2])];
     const line = svg("polyline", { class: "edge", points: way.map((spot) => spot.join(",")).join(" ") });
-    return [line, head(way[way.length - 2], way[way.length - 1])];
+    const reach = svg("polyline", { class: "reach", points: way.map((spot) => spot.join(",")).join(" ") });
+    reach.addEventListener("click", () => {
+      this.which.value = String(this.template.edges.indexOf(edge));
+      this.showEdge();
+    });
+    return [line, head(way[way.length - 2], way[way.length - 1]), reach];
   }
 
-  show(automata) {
-    this.last = automata;
+  // The requirements of the proof that speak of an edge: those that name one of its ends, or what it writes.
+  showEdge() {
+    const now = this.last && this.last[0][this.process.name];
+    const index = this.which.value === "" ? (now && now.last ? now.last.edge : -1) : Number(this.which.value);
+    this.edges.forEach((edge, number) => edge[0].classList.toggle("chosen", this.which.value !== "" && number === index));
+    const edge = this.template.edges[index];
+    const found = edge ? edge.requirements.map((number) => this.drawn.requirements[number]) : [];
+    put(this.spokenTitle, edge ? `${found.length} requirements speak of it.` : "None was taken yet.");
+    this.spoken.replaceChildren(...found.map((each) => make("li", {}, make("b", { textContent: each.id }), ` ${each.sentence}`)));
+  }
+
+  show(automata, at) {
+    this.last = [automata, at];
     const now = automata[this.process.name];
-    if (!now) return;
+    if (!now) {
+      if (this.key) this.choose(this.process, null);
+      return;
+    }
     const key = `${now.location} ${now.last ? now.last.at : ""}`;
     if (key !== this.key) {
       this.key = key;
@@ -98,6 +129,7 @@ export class Automata {
       this.places.forEach((place, index) => place.classList.toggle("here", this.names[index] === now.location));
       for (const [name, text] of this.titles) text.classList.toggle("here", name === now.location);
       this.edges.forEach((edge, index) => edge.forEach((each) => each.classList.toggle("last", Boolean(now.last) && now.last.edge === index)));
+      this.showEdge();
       this.bars = now.clocks.map((clock) => ({ text: make("span"), bar: make("span") }));
       const here = make("div", {}, make("span", {}, `in ${now.location}`));
       this.clocks.replaceChildren(here, ...this.bars.map((each) => make("div", {}, each.text, make("span", { className: "bar" }, each.bar))));
@@ -105,8 +137,9 @@ export class Automata {
     now.clocks.forEach((clock, index) => {
       const bar = this.bars[index];
       if (!bar) return;
-      put(bar.text, `clock ${clock.name} ${(clock.ms / 1000).toFixed(1)} s${clock.limit_ms ? ` of ${(clock.limit_ms / 1000).toFixed(2)} s` : ""} (${clock.bound})`);
-      bar.bar.style.width = clock.limit_ms ? `${Math.min(100, (100 * clock.ms) / clock.limit_ms)}%` : "0";
+      const seconds = (at - clock.since) / 1e6;
+      put(bar.text, `clock ${clock.name} ${seconds.toFixed(1)} s${clock.limit_ms ? ` of ${(clock.limit_ms / 1000).toFixed(2)} s` : ""} (${clock.bound})`);
+      bar.bar.style.width = clock.limit_ms ? `${Math.min(100, (100_000 * seconds) / clock.limit_ms)}%` : "0";
     });
   }
 }

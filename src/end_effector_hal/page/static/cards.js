@@ -13,7 +13,7 @@ export class Cards {
 
   show(view) {
     if (!view.cards) return;
-    view.cards.forEach((now, index) => this.cards[index].show(now));
+    view.cards.forEach((now, index) => this.cards[index].show(now, view.at));
   }
 }
 
@@ -31,7 +31,7 @@ class Card {
       this.pairs.append(make("div", {}, make("dt", {}, bit.replaceAll("_", " ")), value));
       return value;
     });
-    this.element = make("li", { className: "card" }, make("header", {}, title, this.pill));
+    this.element = make("li", { className: "card", id: `card-${drawn.name}` }, make("header", {}, title, this.pill));
     if (drawn.pressure) {
       this.value = make("b");
       this.margin = make("span", { className: "margin" });
@@ -74,11 +74,11 @@ class Card {
     return box;
   }
 
-  show(now) {
+  show(now, at) {
     this.element.dataset.phase = now.phase;
-    put(this.pill, now.phase === "releasing" ? "RELEASING" : now.state);
-    put(this.output, now.output ? `● on${now.kept ? ", kept" : ""}` : "○ off");
-    put(this.evidence, EVIDENCE[now.evidence]);
+    put(this.pill, now.blows ? "BLOWN OFF" : now.phase === "releasing" ? "RELEASING" : now.state);
+    put(this.output, now.output === null ? "not recorded" : now.output ? `● on${now.kept ? ", kept" : ""}` : "○ off");
+    put(this.evidence, EVIDENCE[now.evidence] ?? "not recorded");
     this.bits.forEach((element, index) => put(element, now.bits[index] === undefined || now.bits[index] === null ? "?" : now.bits[index] ? "on" : "off"));
     if (this.value) {
       put(this.value, now.kpa === null ? "–" : plain(now.kpa));
@@ -86,7 +86,7 @@ class Card {
       put(this.margin, now.kpa === null ? "no valid reading" : now.margin_kpa === null ? "" : `margin ${now.margin_kpa >= 0 ? "+" : "−"}${Math.abs(now.margin_kpa).toFixed(1)} kPa`);
     }
     this.showAttempt(now.attempt, now.phase);
-    this.showTimer(now.timer);
+    this.showTimer(now.timer, at);
     this.showHold(now.hold);
   }
 
@@ -108,11 +108,12 @@ class Card {
     put(this.attemptText, `attempt ${attempt.number} of ${attempt.of}${attempt.confirmed ? `, confirmed after ${attempt.seconds.toFixed(2)} s` : ""}`);
   }
 
-  showTimer(timer) {
+  showTimer(timer, at) {
     this.timer.hidden = !timer;
     if (!timer) return;
-    put(this.timerText, `${timer.what} in ${seconds(timer.left_s)} of ${timer.of_s.toFixed(1)} s`);
-    this.timerBar.style.width = `${(100 * timer.left_s) / timer.of_s}%`;
+    const left = Math.max(0, (timer.until - at) / 1e6);
+    put(this.timerText, `${timer.what} in ${seconds(left)} of ${timer.of_s.toFixed(1)} s`);
+    this.timerBar.style.width = `${(100 * left) / timer.of_s}%`;
   }
 
   showHold(hold) {
@@ -121,7 +122,7 @@ class Card {
     const leaks = hold.leak_kpa_s > 0.02;
     const falls = leaks && hold.lost_in_s !== null;
     this.hold.className = `hold${falls ? " leak" : hold.secure === false ? " weak" : ""}`;
-    const left = falls ? `■ lost in ${seconds(hold.lost_in_s)}` : hold.secure === false ? "▲ weak" : "● secure";
+    const left = falls ? (hold.lost_in_s > 0 ? `■ lost in ${seconds(hold.lost_in_s)}` : "■ lost") : hold.secure === false ? "▲ weak" : "● secure";
     const right = hold.leak_kpa_s === null ? "" : leaks ? `leak ${hold.leak_kpa_s.toFixed(2)} kPa/s` : "no leak";
     const text = hold.secure === null ? "● held" : left;
     if (this.holdKey !== text + right) {

@@ -3,7 +3,7 @@ import { byId, make, put } from "/static/dom.js";
 
 const LABELS = { grip: "Grip", drop: "Drop", cancel: "Cancel", lock: "Lock", arm: "Arm unlock", unlock: "Unlock", reset: "Reset faults" };
 const STYLES = { drop: "danger", cancel: "cancel", lock: "plain", arm: "plain", unlock: "plain", reset: "plain" };
-const ASKS = { drop: ["Drop what is held?", "All outputs of the grip are released now, in the declared order. A part that hangs falls."] };
+const ASKS = { drop: ["Drop what is held?", "All outputs of the grip are released now, in the declared order. A suspended part will fall."] };
 const NO_STOP = "No emergency stop.";
 const csrf = document.querySelector("meta[name=csrf]").content;
 
@@ -13,6 +13,14 @@ export class Commands {
     this.buttons = {};
     this.refused = {};
     byId("buttons").replaceChildren(...drawn.buttons.map((word) => this.make(word)));
+    this.cards = drawn.cards;
+    this.drives = drawn.cards.map((card) => this.makeDrive(card));
+    this.lease = drawn.lease_s;
+    const toggle = byId("maintenance");
+    toggle.onclick = () => {
+      const on = document.body.classList.toggle("maintenance");
+      toggle.setAttribute("aria-pressed", on);
+    };
     this.take = byId("control-take");
     this.take.onclick = () => this.control(this.mine ? "release" : "take");
     clearInterval(Commands.renewal);
@@ -29,23 +37,64 @@ export class Commands {
     return make("div", { className: `command${word === "cancel" ? " for-cancel" : ""}` }, button, why);
   }
 
+  // In maintenance (IL-12) each card has a button of its own.
+  makeDrive(card) {
+    const why = make("span", { className: "why", id: `why-drive-${card.name}` });
+    const button = make("button", { type: "button", className: "small", id: `drive-${card.name}` });
+    button.setAttribute("aria-describedby", why.id);
+    const drive = { button, why, word: "activate", refusal: "" };
+    button.addEventListener("click", () => this.drive(card, drive));
+    byId(`card-${card.name}`).append(make("div", { className: "drive" }, button, why));
+    return drive;
+  }
+
+  showDrives(view) {
+    const { left_s: left, refused } = view.maintenance;
+    this.drives.forEach((drive, index) => {
+      const on = Boolean(view.cards && view.cards[index].output);
+      drive.word = on ? "deactivate" : "activate";
+      drive.refusal = refused[drive.word] || (this.mine ? "" : "Take control first.");
+      put(drive.button, on ? "Deactivate" : "Activate");
+      drive.button.setAttribute("aria-disabled", drive.refusal ? "true" : "false");
+      put(drive.why, drive.refusal || (on && left !== null ? `Deactivated in ${left.toFixed(0)} s, unless something is driven.` : `For ${this.lease} s at most.`));
+    });
+  }
+
+  async drive(card, drive) {
+    const what = `${drive.word === "activate" ? "Activate" : "Deactivate"} ${card.label}`;
+    if (drive.refusal) {
+      this.answer(`${what}: ${drive.refusal}`, false);
+      return;
+    }
+    this.answer(`${what} …`, null);
+    const said = await this.post("/command", drive.word, { actuator: card.name });
+    this.answer(`${what}: ${said.accepted ? said.reason || "the output is written; its card shows what its sensor says." : said.reason}`, said.accepted);
+  }
+
   show(view) {
     const control = view.control;
     this.mine = control.holder === this.page;
     const who = byId("control-who");
     who.classList.toggle("mine", this.mine);
-    put(who, this.mine ? "This page has the control." : control.holder ? `${control.name} has the control.` : "Nobody has the control.");
-    put(this.take, this.mine ? "Give it back" : "Take control");
+    put(who, this.mine ? "This page has the control." : control.holder ? `${control.name} has the control.` : "No page is in control.");
+    put(this.take, this.mine ? "Release control" : "Take control");
     this.take.disabled = !this.mine && Boolean(control.holder);
     for (const [word, refusal] of Object.entries(view.buttons)) {
       const cancel = word === "cancel";
       const why = refusal || (this.mine || cancel ? "" : "Take control first.");
       this.set(word, why, cancel ? `${NO_STOP} ${view.cancel}` : why);
     }
+    this.showDrives(view);
   }
 
   unheard() {
-    for (const word of Object.keys(this.buttons)) this.set(word, "The process of this page is not heard.", "The process of this page is not heard.");
+    const unheard = "Lost connection to `eehal page`.";
+    for (const word of Object.keys(this.buttons)) this.set(word, unheard, unheard);
+    for (const drive of this.drives) {
+      drive.refusal = unheard;
+      drive.button.setAttribute("aria-disabled", "true");
+      put(drive.why, unheard);
+    }
   }
 
   set(word, refusal, text) {
@@ -72,16 +121,16 @@ export class Commands {
     if (!said.accepted && said.reason) this.answer(said.reason, false);
   }
 
-  async post(path, word) {
+  async post(path, word, more = {}) {
     try {
       const answer = await fetch(path, {
         method: "POST",
         headers: { "content-type": "application/json", "x-eehal-csrf": csrf },
-        body: JSON.stringify({ page: this.page, word }),
+        body: JSON.stringify({ page: this.page, word, ...more }),
       });
       return answer.ok ? await answer.json() : { accepted: false, reason: (await answer.text()).trim() };
     } catch {
-      return { accepted: false, reason: "The process of this page is not heard: what became of it is unknown." };
+      return { accepted: false, reason: "Lost connection to `eehal page`: it is unknown whether the command was executed. Check the state first." };
     }
   }
 

@@ -2,6 +2,7 @@
 import { byId, make } from "/static/dom.js";
 
 const MOST = 400;
+const FEW = 40;
 
 export class Log {
   constructor(list, drawn, open) {
@@ -9,6 +10,7 @@ export class Log {
     this.epoch = drawn.epoch;
     this.open = open;
     this.entries = [];
+    this.until = Infinity;
     list.replaceChildren();
     byId("log-kind").onchange = () => this.redraw();
     byId("log-find").oninput = () => this.redraw();
@@ -23,9 +25,30 @@ export class Log {
     while (this.list.children.length > MOST) this.list.lastChild.remove();
   }
 
+  // A whole recording: what is shown is chosen by the moment; a search finds the later ones, too.
+  load(entries) {
+    this.entries = entries;
+  }
+
+  at(number) {
+    if (number === this.until) return;
+    this.until = number;
+    if (!this.searched()) this.redraw();
+  }
+
   redraw() {
-    const shown = this.entries.filter((entry) => this.wanted(entry)).slice(-MOST).reverse();
+    const most = this.until === Infinity || this.searched() ? MOST : FEW;
+    const shown = [];
+    let index = this.searched() ? this.entries.length : Math.min(this.entries.length, this.until);
+    while (index > 0 && shown.length < most) {
+      index -= 1;
+      if (this.wanted(this.entries[index])) shown.push(this.entries[index]);
+    }
     this.list.replaceChildren(...shown.map((entry) => this.line(entry)));
+  }
+
+  searched() {
+    return byId("log-find").value.trim() !== "";
   }
 
   wanted(entry) {

@@ -1,14 +1,15 @@
 // Lanes of states on a canvas, pressures below with uPlot, on one scale of time; a click opens the nearest event.
-import { byId, make } from "/static/dom.js";
+import { make } from "/static/dom.js";
 
 const LABELS = 118;
+const AXIS_LABEL = 18;
 const RIGHT = 16;
 const LANE = 26;
 const KEPT_S = 185;
 const COLOURS = ["#0b6fc2", "#c2570c", "#0d8a5a", "#8a4fc7", "#a3781a", "#c23a6b"];
 
 export class TimeLine {
-  constructor(drawn, open) {
+  constructor(root, drawn, open) {
     this.drawn = drawn;
     this.open = open;
     this.span = 60;
@@ -16,33 +17,38 @@ export class TimeLine {
     this.data = [[], ...drawn.pressures.map(() => [])];
     this.changes = Object.fromEntries(drawn.lanes.map((lane) => [lane.name, []]));
     this.events = [];
-    this.now = 0;
-    this.canvas = byId("lanes");
+    this.from = -this.span;
+    this.to = 0;
+    this.end = 0;
+    this.root = root;
+    this.canvas = make("canvas", { role: "img", "aria-label": "States over time" });
     this.canvas.style.height = `${drawn.lanes.length * LANE + 24}px`;
     this.canvas.onclick = (event) => this.click(event);
-    for (const button of document.querySelectorAll("[data-span]")) {
-      button.onclick = () => {
-        this.span = Number(button.dataset.span);
-        for (const other of document.querySelectorAll("[data-span]")) other.setAttribute("aria-pressed", String(other === button));
-        this.draw();
-      };
-    }
-    const still = byId("hold-still");
-    still.onclick = () => {
-      this.still = !this.still;
-      still.setAttribute("aria-pressed", String(this.still));
-    };
+    this.holder = make("div");
+    this.marker = make("div", { className: "marker", hidden: true });
+    root.replaceChildren(this.canvas, this.holder, this.marker);
     this.plots = this.makePlots();
-    window.onresize = () => this.resize();
+    window.addEventListener("resize", () => this.resize());
     this.lastDrawn = 0;
   }
 
+  spanTo(span) {
+    this.span = span;
+    this.from = this.to - span;
+    this.draw();
+  }
+
+  holdStill() {
+    this.still = !this.still;
+    return this.still;
+  }
+
   makePlots() {
-    byId("plots").replaceChildren();
+    this.holder.replaceChildren();
     const groups = [true, false].map((below) => this.drawn.pressures.map((each, index) => ({ ...each, index })).filter((each) => each.below === below));
     return groups.filter((group) => group.length).map((group) => {
       const holder = make("div");
-      byId("plots").append(holder);
+      this.holder.append(holder);
       const style = getComputedStyle(document.documentElement);
       const ink = style.getPropertyValue("--muted").trim();
       const grid = { stroke: style.getPropertyValue("--line").trim(), width: 1 };
@@ -52,10 +58,10 @@ export class TimeLine {
       const options = {
         width: this.width(), height: 170, legend: { live: false }, cursor: { drag: { x: false, y: false }, y: false },
         padding: [12, RIGHT, 0, 0],
-        scales: { x: { time: false, range: () => [this.now - this.span, this.now] }, y: { range: [Math.min(0, -most * 0.04), most] } },
+        scales: { x: { time: false, range: () => [this.from, this.to] }, y: { range: [Math.min(0, -most * 0.04), most] } },
         axes: [
           { stroke: ink, grid, ticks: grid, values: (_, ticks) => ticks.map((tick) => (tick < 0 ? "" : `${tick} s`)) },
-          { stroke: ink, grid, ticks: grid, size: LABELS, label: group[0].below ? "kPa below ambient" : "kPa", labelSize: 18 },
+          { stroke: ink, grid, ticks: grid, size: LABELS - AXIS_LABEL, label: group[0].below ? "kPa below ambient" : "kPa", labelSize: AXIS_LABEL },
         ],
         series: [{}, ...group.map((each) => ({ label: each.label, stroke: COLOURS[each.index % COLOURS.length], width: 1.6, dash: each.index % 2 ? [7, 4] : undefined, points: { show: false } }))],
         hooks: { draw: [(plot) => drawMarks(plot, marks, ink)] },
@@ -65,7 +71,7 @@ export class TimeLine {
   }
 
   width() {
-    return Math.max(200, byId("timeline").clientWidth - 26);
+    return Math.max(200, this.root.clientWidth - 26);
   }
 
   slice(group) {
@@ -81,13 +87,14 @@ export class TimeLine {
     for (const change of view.changes) this.changes[change.lane]?.push({ at: (change.at - epoch) / 1e6, word: change.word });
     this.events.push(...view.log.filter((entry) => entry.detail && entry.kind !== "automaton"));
     if (this.still) return;
-    this.now = (view.at - epoch) / 1e6;
+    this.to = this.end = (view.at - epoch) / 1e6;
+    this.from = this.to - this.span;
     this.forget();
     if (!document.hidden && performance.now() - this.lastDrawn > 190) this.draw();
   }
 
   forget() {
-    const from = this.now - KEPT_S;
+    const from = this.to - KEPT_S;
     const first = this.data[0].findIndex((at) => at >= from);
     if (first > 500) for (const column of this.data) column.splice(0, first);
     for (const lane of Object.values(this.changes)) while (lane.length > 1 && lane[1].at < from) lane.shift();
@@ -100,13 +107,36 @@ export class TimeLine {
     this.drawLanes();
   }
 
+  // A whole recording at once: columns of samples in seconds and kPa, changes of the lanes, events.
+  load(columns, changes, events, end) {
+    this.data = columns;
+    for (const change of changes) this.changes[change.lane]?.push({ at: (change.at - this.drawn.epoch) / 1e6, word: change.word });
+    this.events = events;
+    this.end = end;
+    for (const { plot, group } of this.plots) plot.setData(this.slice(group));
+  }
+
+  // Another part of what was loaded.
+  look(from, to) {
+    this.from = from;
+    this.to = to;
+    for (const { plot } of this.plots) plot.setScale("x", { min: from, max: to });
+    this.drawLanes();
+  }
+
+  // A line at one moment; outside of what is shown there is none.
+  mark(at) {
+    this.marker.hidden = at < this.from || at > this.to;
+    this.marker.style.left = `${this.canvas.offsetLeft + this.x(at, this.width())}px`;
+  }
+
   resize() {
     for (const { plot } of this.plots) plot.setSize({ width: this.width(), height: 170 });
-    this.draw();
+    this.drawLanes();
   }
 
   x(at, width) {
-    return LABELS + ((at - (this.now - this.span)) / this.span) * (width - LABELS - RIGHT);
+    return LABELS + ((at - this.from) / (this.to - this.from)) * (width - LABELS - RIGHT);
   }
 
   drawLanes() {
@@ -120,7 +150,8 @@ export class TimeLine {
     const pen = canvas.getContext("2d");
     pen.scale(ratio, ratio);
     const style = getComputedStyle(document.documentElement);
-    const colour = (name) => style.getPropertyValue(name).trim();
+    const known = {};
+    const colour = (name) => (known[name] ??= style.getPropertyValue(name).trim());
     pen.font = `12px ${style.getPropertyValue("--font")}`;
     pen.textBaseline = "middle";
     this.drawn.lanes.forEach((lane, index) => {
@@ -131,10 +162,10 @@ export class TimeLine {
       pen.textAlign = "left";
       const changes = this.changes[lane.name];
       changes.forEach((change, number) => {
-        const end = number + 1 < changes.length ? changes[number + 1].at : this.now;
+        const end = number + 1 < changes.length ? changes[number + 1].at : this.end;
         const from = Math.max(LABELS, this.x(change.at, width));
         const to = Math.min(width - RIGHT, this.x(end, width));
-        if (to <= LABELS || !change.word) return;
+        if (to <= LABELS || from >= width - RIGHT || !change.word) return;
         const [fill, ink] = toneOf(change.word);
         pen.fillStyle = colour(fill);
         pen.fillRect(from, y, Math.max(1, to - from - 1), LANE - 4);
@@ -158,8 +189,9 @@ export class TimeLine {
   click(event) {
     const width = this.width();
     const x = event.offsetX;
+    const at = this.from + ((x - LABELS) / (width - LABELS - RIGHT)) * (this.to - this.from);
     const nearest = this.events.map((entry) => [Math.abs(this.x((entry.at - this.drawn.epoch) / 1e6, width) - x), entry]).sort((a, b) => a[0] - b[0])[0];
-    this.open(nearest && nearest[0] < 30 ? nearest[1] : null);
+    this.open(nearest && nearest[0] < 30 ? nearest[1] : null, Math.min(this.to, Math.max(this.from, at)));
   }
 }
 
@@ -173,6 +205,7 @@ function toneOf(word) {
 
 function fit(pen, text, width) {
   if (pen.measureText(text).width <= width) return text;
+  if (width < 14) return "";
   let cut = text;
   while (cut.length && pen.measureText(`${cut}…`).width > width) cut = cut.slice(0, -1);
   return cut ? `${cut}…` : "";

@@ -1,5 +1,7 @@
 """What is shown: records in, JSON out; sans-IO."""
 
+from ._faults import FaultsView
+from ._interlocks import RULES
 from ._tool_view import STALE_US, ToolView
 
-__all__ = ["STALE_US", "ToolView"]
+__all__ = ["RULES", "STALE_US", "FaultsView", "ToolView"]

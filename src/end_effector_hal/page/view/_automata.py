@@ -8,10 +8,14 @@ from typing import Any
 
 from end_effector_hal.control import PROGRAMS, Controller, model_constants
 from end_effector_hal.description import Description
+from end_effector_hal.verification.proof import requirements_of
 from timed_automata import DrawnEdge, DrawnLocation, ExecutionSnapshot, Label, Network, Step, Template
+
+from ._place import in_file
 
 _BOUND = re.compile(r"\b(?P<clock>[A-Za-z_]\w*)\s*<=?\s*(?P<bound>[^&|]+)")
 _TERM = re.compile(r"(?P<number>\d+)|(?P<name>[A-Z]\w*)(\[(?P<index>\w+)\])?")
+_WRITTEN = re.compile(r"([A-Za-z_]\w*)(?:\[[^\]]*\])?\s*:?=(?!=)")
 _AT_PLACES = ("invariant",)
 _ON_EDGES = ("select", "guard", "synchronisation", "assignment", "comments")
 _SPACING = 220
@@ -37,9 +41,10 @@ class AutomataView:
             for template in network.document.templates
             if template.name.content.strip() in {process.template for process, _ in self._processes}
         }
+        self._requirements = requirements_of(network)
         self._constants = model_constants(description)
         self._edges = {
-            edge.place.where(0): number
+            in_file(edge.place.where(0)): number
             for template in self._templates.values()
             for number, edge in enumerate(template.edges)
         }
@@ -49,7 +54,10 @@ class AutomataView:
     def drawn(self) -> dict[str, Any]:
         """Templates with their coordinates, and the processes that are made of them."""
         return {
-            "templates": [_template(name, each) for name, each in self._templates.items()],
+            "templates": [
+                _template(name, each, self._spoken_of(name, each)) for name, each in self._templates.items()
+            ],
+            "requirements": [{"id": each.id, "sentence": each.sentence} for each in self._requirements],
             "processes": [
                 {"name": process.name, "template": process.template, "who": self._who(process.name)}
                 for process, _ in self._processes
@@ -59,11 +67,11 @@ class AutomataView:
     def step(self, step: Step) -> None:
         """Edges were taken."""
         for edge in step.edges:
-            if (number := self._edges.get(edge.where)) is not None:
+            if (number := self._edges.get(in_file(edge.where))) is not None:
                 self._last[edge.process] = {"edge": number, "at": step.at}
 
-    def now(self, controllers: Mapping[str, Controller | None], at: int) -> dict[str, Any]:
-        """By process: its location, the last edge, its clocks with their bounds, in ms."""
+    def now(self, controllers: Mapping[str, Controller | None]) -> dict[str, Any]:
+        """By process: its location, the last edge, since when its clocks run (µs), and their bounds (ms)."""
         snapshots = {name: each.locations() if each else None for name, each in controllers.items()}
         shown: dict[str, Any] = {}
         for process, program in self._processes:
@@ -73,17 +81,29 @@ class AutomataView:
             shown[process.name] = {
                 "location": location,
                 "last": self._last.get(process.name),
-                "clocks": self._clocks(process.template, process.name, snapshot, at),
+                "clocks": self._clocks(process.template, process.name, snapshot),
             }
         return shown
+
+    def _spoken_of(self, name: str, template: Template) -> list[list[int]]:
+        """For each edge the numbers of the requirements that name one of its ends, or a variable that it writes."""
+        places = {each.id: _name(each) for each in template.locations}
+        texts = [str(each.query) for each in self._requirements]
+        found = []
+        for edge in template.edges:
+            ends = {re.escape(places[end]) for end in (edge.source, edge.target) if places[end]}
+            label = edge.labels.get("assignment")
+            written = set(_WRITTEN.findall(label.text.content)) if label else set()
+            there = rf"\b{name}(?:\([^)]*\))?\.(?:{'|'.join(ends)})\b" if ends else "(?!)"
+            word = re.compile("|".join([there, *(rf"\b{each}\b" for each in sorted(written))]))
+            found.append([number for number, text in enumerate(texts) if word.search(text)])
+        return found
 
     def _who(self, process: str) -> str:
         found = re.fullmatch(r"\w+\((\d+)\)", process)
         return self._sequence[int(found[1])] if found and int(found[1]) < len(self._sequence) else ""
 
-    def _clocks(
-        self, template: str, process: str, snapshot: ExecutionSnapshot, at: int
-    ) -> list[dict[str, Any]]:
+    def _clocks(self, template: str, process: str, snapshot: ExecutionSnapshot) -> list[dict[str, Any]]:
         """The clocks that the invariant of its location bounds."""
         location, zeros = snapshot.locations[process], snapshot.zeros
         drawn = next((each for each in self._templates[template].locations if _name(each) == location), None)
@@ -95,7 +115,7 @@ class AutomataView:
             if zero is not None:
                 bound = found["bound"].strip()
                 limit_ms = self._number(bound, process, snapshot.variables)
-                clocks.append({"name": clock, "ms": (at - zero) / 1000, "bound": bound, "limit_ms": limit_ms})
+                clocks.append({"name": clock, "since": zero, "bound": bound, "limit_ms": limit_ms})
         return clocks
 
     def _number(self, bound: str, process: str, variables: Mapping[str, int]) -> int | None:
@@ -119,7 +139,7 @@ def _name(location: DrawnLocation) -> str:
     return location.name.text.content.strip() if location.name else ""
 
 
-def _template(name: str, template: Template) -> dict[str, Any]:
+def _template(name: str, template: Template, spoken_of: list[list[int]]) -> dict[str, Any]:
     spots = _spots(template)
     numbers = {each.id: index for index, each in enumerate(template.locations)}
     return {
@@ -140,7 +160,10 @@ def _template(name: str, template: Template) -> dict[str, Any]:
             }
             for each in template.locations
         ],
-        "edges": [_edge(each, spots, numbers) for each in template.edges],
+        "edges": [
+            _edge(each, spots, numbers) | {"requirements": spoken}
+            for each, spoken in zip(template.edges, spoken_of, strict=True)
+        ],
     }
 
 

@@ -70,11 +70,11 @@ class Cards:
     def _bits(self, part: Actuator) -> list[str]:
         return [name for name in kind_of(part).channel_names(part) if self._carried.get(name) is Kind.BIT]
 
-    def now(self, status: Status, controller: Controller | None, at: int) -> list[dict[str, Any]]:
-        """What they show at ``at`` µs."""
-        return [self._now(index, status, controller, at) for index in range(len(self._parts))]
+    def now(self, status: Status, controller: Controller | None) -> list[dict[str, Any]]:
+        """What they show; instants are in µs, so that it stays the same until something happens."""
+        return [self._now(index, status, controller) for index in range(len(self._parts))]
 
-    def _now(self, index: int, status: Status, controller: Controller | None, at: int) -> dict[str, Any]:
+    def _now(self, index: int, status: Status, controller: Controller | None) -> dict[str, Any]:
         name, part = self._parts[index]
         kind = kind_of(part)
         state = status.actuators[index]
@@ -84,11 +84,12 @@ class Cards:
             "output": status.outputs[index],
             "evidence": status.evidence[index].name,
             "kept": index in status.kept,
+            "blows": index in status.blowing,
             "kpa": None,
             "margin_kpa": None,
             "bits": [],
             "attempt": None,
-            "timer": self._timer(index, part, status, at),
+            "timer": self._timer(index, part, status),
             "hold": None,
         }
         if is_releasing(status, index):
@@ -105,7 +106,7 @@ class Cards:
             return card
         readings = controller.senses.now.readings
         # between two records the page knows nothing newer than the last one
-        seen_at = controller.status().at
+        seen_at = controller.at
         value = readings.get(part.channel, seen_at)
         if isinstance(value, int) and not isinstance(value, bool):
             card["kpa"] = (-value if kind.below_ambient else value) / 1000
@@ -127,10 +128,14 @@ class Cards:
         if not pressed and not hold["secure"]:
             hold["secure"] = None  # without a pressure nobody knows
         elif pressed and isinstance(watch, LeakWatch):
-            hold |= {"leak_kpa_s": watch.leak_kpa_s, "lost_in_s": watch.lost_in_s}
+            leak, lost_in_s = watch.leak_kpa_s, watch.lost_in_s
+            hold |= {
+                "leak_kpa_s": None if leak is None else round(leak, 2),
+                "lost_in_s": None if lost_in_s is None else round(lost_in_s, 1),
+            }
         return hold
 
-    def _timer(self, index: int, part: Actuator, status: Status, at: int) -> dict[str, Any] | None:
+    def _timer(self, index: int, part: Actuator, status: Status) -> dict[str, Any] | None:
         """What runs down on this card."""
         if status.deadline is None:
             return None
@@ -140,10 +145,9 @@ class Cards:
             what, total = ("time-out", part.timeout_s) if waiting else ("next attempt", part.reset_s)
         elif status.ee is EndEffectorState.RELEASING and self._releases(index, status):
             what, total = "goes on after", part.release_s
-        left_s = (status.deadline - at) / 1e6
-        if not what or left_s > total + 0.05:
+        if not what or status.deadline - status.at > (total + 0.05) * 1e6:
             return None
-        return {"what": what, "left_s": max(0.0, left_s), "of_s": total}
+        return {"what": what, "until": status.deadline, "of_s": total}
 
     def _releases(self, index: int, status: Status) -> bool:
         """Whether the unwinding waits for this one: of those that are inactive and not gone yet, the newest."""
@@ -153,6 +157,8 @@ class Cards:
 
 
 def is_releasing(status: Status, index: int) -> bool:
-    """Whether an actuator is deactivated, and its feedback is not gone yet."""
+    """Whether an actuator is deactivated, and its feedback is not gone yet, or it is being blown off."""
+    if index in status.blowing:
+        return True
     releasing = status.ee in (EndEffectorState.RELEASING, EndEffectorState.RELEASE_ERROR)
     return releasing and not status.outputs[index] and status.evidence[index] is not Evidence.GONE

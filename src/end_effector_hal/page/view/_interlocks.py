@@ -6,9 +6,9 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, predicates_fitted
-from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.vocabulary import OVER, EndEffectorState
 
-_RULES = {
+RULES = {
     "IL-01": "Unlock only when nothing is gripped or held",
     "IL-02": "Unlock only in the stand, or armed",
     "IL-03": "The unlock output ends by itself",
@@ -27,6 +27,8 @@ _BLOCKS = {"IL-01": "unlock", "IL-02": "unlock", "IL-05": "grip", "IL-06": "grip
 _AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 _CHANGER = "There is no tool changer."
 FULFILLED, BLOCKING, NOT_FITTED, OFF, NOT_ASKED = "fulfilled", "blocking", "not fitted", "off", "not asked"
+NOT_KNOWN = "not known"
+_OF_GRIP, _OF_CHANGE = ("IL-05", "IL-06", "IL-07"), ("IL-01", "IL-02")
 
 
 class InterlockTable:
@@ -45,28 +47,35 @@ class InterlockTable:
         self._static = self._by_description()
 
     def now(
-        self, status: Status | None, grip: Controller | None, change: Controller | None, at: int
+        self, status: Status | None, grip: Controller | None, change: Controller | None
     ) -> list[dict[str, str]]:
         """All of them, in their order."""
         said: dict[str, str] = {}
+        unknown = set(RULES) if status is None else set()
         if grip is not None:
             found = grip.blocking
-            said |= {name: found[name] for name in ("IL-05", "IL-06", "IL-07")}
+            said |= {name: found[name] for name in _OF_GRIP}
+        else:
+            unknown.update(_OF_GRIP)
         if change is not None:
             found = change.blocking
-            said |= {name: found[name] for name in ("IL-01", "IL-02")}
+            said |= {name: found[name] for name in _OF_CHANGE}
+        else:
+            unknown.update(_OF_CHANGE)
         if status is not None:
-            said |= self._by_status(status, change, at)
+            said |= self._by_status(status, change)
         gripping = status is not None and status.ee not in _AT_REST
-        return [self._row(name, said, gripping=gripping) for name in _RULES]
+        return [self._row(name, said, gripping=gripping, known=name not in unknown) for name in RULES]
 
-    def _row(self, name: str, said: dict[str, str], *, gripping: bool) -> dict[str, str]:
-        row = {"id": name, "rule": _RULES[name], "blocks": _BLOCKS.get(name, "")}
+    def _row(self, name: str, said: dict[str, str], *, gripping: bool, known: bool) -> dict[str, str]:
+        row = {"id": name, "rule": RULES[name], "blocks": _BLOCKS.get(name, "")}
         if name == "IL-07" and gripping and name not in self._static:
             return {**row, "state": NOT_ASKED, "why": "asked when a grip begins"}
         if name in self._static:
             state, why = self._static[name]
             return {**row, "state": state, "why": why}
+        if not known:
+            return {**row, "state": NOT_KNOWN, "why": "no program has said it yet"}
         why = said.get(name, "").removeprefix(f"{name}: ")
         return {**row, "state": BLOCKING if why else FULFILLED, "why": why}
 
@@ -94,11 +103,11 @@ class InterlockTable:
             found["IL-13"] = NOT_FITTED, "there is no e-stop input"
         return found
 
-    def _by_status(self, status: Status, change: Controller | None, at: int) -> dict[str, str]:
+    def _by_status(self, status: Status, change: Controller | None) -> dict[str, str]:
         said: dict[str, str] = {}
         for alarm in status.alarms:
             name = alarm[:5]
-            if name in _RULES and not alarm.startswith("Over"):
+            if name in RULES and not alarm.startswith(OVER):
                 said[name] = alarm
         if status.changer_fault and status.reason.startswith("IL-04"):
             said["IL-04"] = status.reason
@@ -106,7 +115,7 @@ class InterlockTable:
             said["IL-12"] = "Maintenance is on: no grip until it ends."
         e_stop = self._description.e_stop
         if e_stop is not None and change is not None and "IL-13" not in said:
-            closed = change.senses.now.readings.get(e_stop.channel, change.status().at)
+            closed = change.senses.now.readings.get(e_stop.channel, change.at)
             if not closed:
                 said["IL-13"] = (
                     f"the e-stop is {'open' if closed is False else 'not known'} ({e_stop.channel})"

@@ -13,6 +13,8 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, display_name
 from timed_automata import Document, Step, Template
 
+from ._place import in_file
+
 KEPT = 1_000
 """Entries that are remembered."""
 LONGEST = 600
@@ -31,7 +33,7 @@ class EventLog:
     def __init__(self, description: Description, document: Document) -> None:
         self._description = description
         self._labels = {
-            edge.place.where(0): (template, number)
+            in_file(edge.place.where(0)): (template, number)
             for template in document.templates
             for number, edge in enumerate(template.edges)
         }
@@ -42,7 +44,8 @@ class EventLog:
 
     def since(self, number: int) -> list[dict[str, Any]]:
         """What came after the entry of that number."""
-        return [entry for entry in self.entries if entry["n"] > number]
+        new = min(len(self.entries), self._count - number)
+        return [self.entries[index] for index in range(-new, 0)]
 
     @property
     def newest(self) -> int:
@@ -85,6 +88,11 @@ class EventLog:
             {"n": self._count, "at": at, "kind": kind, "text": text, "who": who, "detail": detail}
         )
 
+    def told(self, at: int, changes: Sequence[tuple[str, int]]) -> None:
+        """Variables of the automata were changed, nobody knows by which edge."""
+        if words := self._words(changes):
+            self.add(at, "transition", "; ".join(words))
+
     def _published(self, program: str, status: Status) -> None:
         before = self._alarms.get(program, ())
         self._alarms[program] = status.alarms
@@ -116,7 +124,7 @@ class EventLog:
             self.add(step.at, "alarm", f"Taken {step.late_us / 1000:.1f} ms late: beyond the bound.", program)
 
     def _edge(self, process: str, source: str, target: str, where: str) -> dict[str, Any]:
-        template, number = self._labels.get(where, (None, -1))
+        template, number = self._labels.get(in_file(where), (None, -1))
         labels = _labels(template, number)
         clock = bool(re.search(r"\b\w\s*>=", labels.get("guard", "")))
         return {

@@ -7,8 +7,8 @@ from typing import Any
 from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import INPUTS, PUBLISHED, STATE, Header, Published, feed
+from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
 from timed_automata import Network
 
 
@@ -19,6 +19,7 @@ class Replica:
         description: the tool.
         network: its automata.
         program: ``grip`` or ``tool_change``.
+        content: the hash of the description, as headers have it.
 
     Attributes:
         connected: whether its stream is there.
@@ -26,9 +27,14 @@ class Replica:
         heard_at: µs of the last sign of life.
     """
 
-    def __init__(self, description: Description, network: Network, program: str) -> None:
+    def __init__(self, description: Description, network: Network, program: str, content: str) -> None:
         self._description, self._network, self.program = description, network, program
-        self.connected, self.why, self.heard_at = False, f"The {program} program is not heard yet.", 0
+        self._content = content
+        self.connected, self.why, self.heard_at = (
+            False,
+            f"Nothing was received from the {program} program yet.",
+            0,
+        )
         self.controller: Controller | None = None
         self.published: Published | None = None
 
@@ -66,13 +72,18 @@ class Replica:
             return self.why
         if self.published is None or self.controller is None:
             return f"The {self.program} program has not said yet where it stands."
-        return self.published.refused.get(word) or self.controller.refusal(word)
+        if refused := self.published.refused.get(word):
+            return refused
+        if word in MAINTENANCE_WORDS:
+            return self.controller.refuse_maintenance(active=word == "activate")
+        return self.controller.refusal(word)
 
     def _begin(self, header: Header) -> None:
-        expected = content_hash(self._description)
-        if header.hash != expected or header.program != self.program:
+        if header.hash != self._content or header.program != self.program:
             what = f"The {self.program} program runs another description ({header.source}, {header.hash})"
-            raise ReportedError(f"{what} than this page ({expected}).")
+            raise ReportedError(
+                f"{what} than this page ({self._content}).", todo=f"Start: eehal page {header.source}"
+            )
         self.connected, self.why, self.controller, self.published = True, "", None, None
 
     def _new(self) -> Controller:

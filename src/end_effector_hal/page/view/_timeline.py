@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from itertools import islice
 from typing import Any
 
 from end_effector_hal.control import Status
@@ -28,7 +27,7 @@ class TimeLine:
     """
 
     def __init__(self, description: Description, pressures: Sequence[tuple[str, str, bool]]) -> None:
-        self._pressures = pressures
+        self.pressures = pressures
         self._parts = description.ordered
         self._changer = description.tool_changer is not None
         self._samples: deque[list[Any]] = deque(maxlen=MOST_SAMPLES)
@@ -40,7 +39,7 @@ class TimeLine:
     def frame(self, at: int, values: Mapping[str, Any]) -> None:
         """One frame of the sensors."""
         row: list[Any] = [at]
-        for _, channel, below in self._pressures:
+        for _, channel, below in self.pressures:
             value = values.get(channel)
             row.append(None if value is None else (-value if below else value) / 1000)
         self._samples.append(row)
@@ -68,8 +67,8 @@ class TimeLine:
         new = min(len(self._samples), self.sampled - sampled)
         fresh = min(len(self._changes), self.changed - changed)
         return {
-            "samples": list(islice(self._samples, len(self._samples) - new, None)),
-            "changes": list(islice(self._changes, len(self._changes) - fresh, None)),
+            "samples": [self._samples[index] for index in range(-new, 0)],
+            "changes": [self._changes[index] for index in range(-fresh, 0)],
         }
 
     @property

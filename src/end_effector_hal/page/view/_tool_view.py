@@ -10,7 +10,7 @@ from end_effector_hal.control import PROGRAMS, Status, network_of
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
 from end_effector_hal.recording import content_hash
-from end_effector_hal.runtime.stream import program_of
+from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, program_of
 from end_effector_hal.verification.proof import Verdict, kept_verdict
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -39,17 +39,18 @@ class ToolView:
     Args:
         description: the tool; its programs must run the same one.
         at: now.
+        content: the hash by which the programs' headers know the description; default: as it is now.
 
     Raises:
         ModelError, UsageError: its automata, or what brings its channels, cannot be loaded.
     """
 
-    def __init__(self, description: Description, at: int) -> None:
+    def __init__(self, description: Description, at: int, content: str = "") -> None:
         self.description, self.begun_at = description, at
         network, carrier = network_of(description), carrier_of(description)
-        self._hash = content_hash(description)
+        self._hash = content or content_hash(description)
         self._period_us = carrier.period_us
-        self._replicas = {name: Replica(description, network, name) for name in PROGRAMS}
+        self._replicas = {name: Replica(description, network, name, self._hash) for name in PROGRAMS}
         self._cards = Cards(description, dict(carrier.channels))
         self._interlocks = InterlockTable(description)
         self.log = EventLog(description, network.document)
@@ -90,7 +91,7 @@ class ToolView:
             self.timeline.frame(at, record.values)
         if kind == "step":
             self._automata.step(record)
-        self.log.take(program, kind, record, self._readings(program))
+        self.log.take(program, kind, record, self._readings(program) if kind == "step" else {})
         if kind == "published" and (status := self.status()) is not None:
             self._follow(status)
 
@@ -116,7 +117,10 @@ class ToolView:
     def refusal(self, word: str) -> str:
         """Why a button would be refused by the HAL now; empty: it would be accepted."""
         if word == "reset":  # both programs and the line arbiter are asked; what is not latched needs none
-            return next((each.why for each in self._replicas.values() if not each.connected), "")
+            silent = next((each.why for each in self._replicas.values() if not each.connected), "")
+            status = self.status()
+            if silent or status is None or not status.changer_fault:
+                return silent
         return self._replicas[program_of(word)].refusal(word)
 
     @property
@@ -142,34 +146,35 @@ class ToolView:
             ],
             "buttons": list(self.buttons),
             "sensors": tool.sensors,
+            "lease_s": tool.maintenance.lease_s,
             "expected_hz": 1e6 / self._period_us,
             "stale_s": STALE_US / 1e6,
             "automata": self._automata.drawn(),
         }
 
     def now(self, at: int) -> dict[str, Any]:
-        """What is shown at ``at``."""
-        status = self.status()
-        view: dict[str, Any] = {
+        """What is shown live at ``at``."""
+        return {
             "at": at,
             "news": self._news(at),
             "rate_hz": self._rate_hz(at),
-            "state": None,
-            "cards": None,
-            "interlocks": self._interlocks.now(
-                status, self._replicas["grip"].controller, self._replicas["tool_change"].controller, at
-            ),
             "buttons": {word: self.refusal(word) for word in self.buttons},
-            "cancel": self._cancel_words(status),
+            "cancel": self._cancel_words(self.status()),
+            "maintenance": self._maintenance_now(self.status(), at),
             "verdict": self._verdict(at),
-            "automata": self._automata.now(
-                {name: each.controller for name, each in self._replicas.items()}, at
-            ),
+            **self.moment(),
         }
-        if status is not None:
-            view["state"] = self._state_now(status, at)
-            view["cards"] = self._cards.now(status, self._replicas["grip"].controller, at)
-        return view
+
+    def moment(self) -> dict[str, Any]:
+        """What the records say, live or recorded: the same until the next one, since instants are in µs, not ages."""
+        status = self.status()
+        grip, change = (self._replicas[name].controller for name in PROGRAMS)
+        return {
+            "state": None if status is None else self._state_now(status),
+            "cards": None if status is None else self._cards.now(status, grip),
+            "interlocks": self._interlocks.now(status, grip, change),
+            "automata": self._automata.now({name: each.controller for name, each in self._replicas.items()}),
+        }
 
     def _rate_hz(self, at: int) -> float:
         window_us = max(_RATE_US // 4, min(_RATE_US, at - self.begun_at))
@@ -186,12 +191,12 @@ class ToolView:
         whys = [each.why or f"The {name} program is silent." for name, each in silent.items()]
         return {"fresh": not silent, "age_s": age_s, "why": " ".join(dict.fromkeys(whys))}
 
-    def _state_now(self, status: Status, at: int) -> dict[str, Any]:
+    def _state_now(self, status: Status) -> dict[str, Any]:
         command, since = self._command
         return {
             "word": status.ee.label,
             "name": status.ee.name,
-            "since_s": (at - self._state[1]) / 1e6,
+            "since": self._state[1],
             "held": status.held,
             "lift_allowed": status.lift_allowed,
             "secure": status.secure,
@@ -206,17 +211,25 @@ class ToolView:
             "worst_late_ms": status.worst_late_us / 1000,
             "missed": status.missed,
             "bound_ms": self.description.bounds.reaction_ms,
-            "goal": None if command is Command.NONE else self._goal(command, status, (at - since) / 1e6),
+            "goal": None if command is Command.NONE else self._goal(command, since),
         }
 
-    def _goal(self, command: Command, status: Status, so_far_s: float) -> dict[str, Any]:
+    def _goal(self, command: Command, since: int) -> dict[str, Any]:
         durations, changer = self.description.durations, self.description.tool_changer
         at_most_s = {
             Command.GRIP: durations.grip_ms / 1000,
             Command.RELEASE: durations.release_ms / 1000,
             Command.CANCEL: durations.cancel_ms / 1000,
         }.get(command, changer.prove_s if changer else None)
-        return {"name": _GOING.get(command, command.label), "so_far_s": so_far_s, "at_most_s": at_most_s}
+        return {"name": _GOING.get(command, command.label), "since": since, "at_most_s": at_most_s}
+
+    def _maintenance_now(self, status: Status | None, at: int) -> dict[str, Any]:
+        on = status is not None and status.maintenance
+        ends_at = status.deadline if status is not None and on else None
+        return {
+            "left_s": None if ends_at is None else max(0, ends_at - at) / 1e6,
+            "refused": {word: self.refusal(word) for word in MAINTENANCE_WORDS},
+        }
 
     def _cancel_words(self, status: Status | None) -> str:
         """What a cancel would do now."""
@@ -255,7 +268,7 @@ class ToolView:
         controller = self._replicas[program].controller
         if controller is None:
             return {}
-        at, now = controller.status().at, controller.senses.now
+        at, now = controller.at, controller.senses.now
         values = {name: now.readings.get(name, at) for name in now.readings.carried}
         return {
             name: value if value is None or isinstance(value, bool) else value / 1000

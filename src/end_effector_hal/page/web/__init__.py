@@ -2,7 +2,8 @@
 
 from ._address import PageAddress
 from ._control import ControlLease
+from ._faults import FaultCommands
 from ._guard import Asked, Guard
-from ._serve import serve_page
+from ._serve import serve_page, serve_recordings
 
-__all__ = ["Asked", "ControlLease", "Guard", "PageAddress", "serve_page"]
+__all__ = ["Asked", "ControlLease", "FaultCommands", "Guard", "PageAddress", "serve_page", "serve_recordings"]

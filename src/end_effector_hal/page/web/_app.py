@@ -4,30 +4,35 @@ from __future__ import annotations
 
 import re
 from collections.abc import Awaitable, Callable
-from html import escape
-from importlib.resources import files
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 from starlette.applications import Starlette
 from starlette.datastructures import MutableHeaders
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from end_effector_hal.control import Answer
 from end_effector_hal.errors import UsageError
+from end_effector_hal.faults import MOST_TEXT
+from end_effector_hal.page._html import page_html, static_file
 from end_effector_hal.page.view import ToolView
+from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
+from end_effector_hal.vocabulary import display_name
 from end_effector_hal.wires import now_us
 
 from ._address import PageAddress
 from ._control import ControlLease
+from ._faults import FAULT_WORDS, FaultCommands
 from ._guard import Asked, Guard
 from ._hub import Hub
+from ._past import PastRecordings
+from ._past_routes import past_routes
 
-Ask = Callable[[str], Awaitable[Answer]]
+Ask = Callable[[str, str], Awaitable[Answer]]
 LONGEST = 2_000
 """Bytes of a POST."""
 _PAGE = re.compile(r"[0-9a-f]{16,32}")
@@ -48,10 +53,12 @@ TAKE_CONTROL = "Take control first."
 
 @dataclass(frozen=True)
 class PagePost:
-    """What a page posts: who it is, and a word."""
+    """What a page posts: who it is, and a word; in maintenance of which actuator, for faults which scenario."""
 
     page: str
     word: str
+    actuator: str = ""
+    scenario: Annotated[str, Field(max_length=MOST_TEXT)] = ""
 
 
 _POST = TypeAdapter(PagePost)
@@ -66,7 +73,7 @@ class Guarded:
     """
 
     def __init__(self, app: ASGIApp, address: PageAddress) -> None:
-        self._app, self._address, self._guard = app, address, Guard(address)
+        self._app, self.address, self._guard = app, address, Guard(address)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """One request."""
@@ -74,7 +81,7 @@ class Guarded:
             return
         request = Request(scope)
         headers = {name.lower(): value for name, value in request.headers.items()}
-        cookie = request.cookies.get(self._address.cookie, "")
+        cookie = request.cookies.get(self.address.cookie, "")
         asked = Asked(
             request.method, request.url.path, headers, cookie, request.query_params.get("token", "")
         )
@@ -84,7 +91,7 @@ class Guarded:
         elif self._guard.lets_in(asked):
             serve = RedirectResponse("/", 303)
             serve.set_cookie(
-                self._address.cookie, self._address.session, httponly=True, samesite="lax", path="/"
+                self.address.cookie, self.address.session, httponly=True, samesite="lax", path="/"
             )
 
         async def with_headers(message: Message) -> None:
@@ -97,7 +104,15 @@ class Guarded:
         await serve(scope, receive, with_headers)
 
 
-def make_app(address: PageAddress, view: ToolView, ask: Ask, hub: Hub, control: ControlLease) -> ASGIApp:
+def make_app(
+    address: PageAddress,
+    view: ToolView,
+    ask: Ask,
+    hub: Hub,
+    control: ControlLease,
+    faults: FaultCommands,
+    past: PastRecordings,
+) -> ASGIApp:
     """The application.
 
     Args:
@@ -106,52 +121,55 @@ def make_app(address: PageAddress, view: ToolView, ask: Ask, hub: Hub, control: 
         ask: gives a command to the tool.
         hub: those who look.
         control: which of them commands.
+        faults: what they tell a testbench.
+        past: what was recorded before.
     """
-    served = _Served(address, view, ask, hub, control)
+    served = _Served(address, view, ask, hub, control, faults)
     routes = [
         Route("/", served.page),
-        Route("/static/{name}", served.file),
+        Route("/static/{name}", static_route),
         Route("/events", served.events),
         Route("/command", served.command, methods=["POST"]),
+        Route("/fault", served.fault, methods=["POST"]),
         Route("/control", served.control, methods=["POST"]),
+        *past_routes(past),
     ]
     return Guarded(Starlette(routes=routes), address)
 
 
-class _Served:
-    def __init__(
-        self, address: PageAddress, view: ToolView, ask: Ask, hub: Hub, control: ControlLease
-    ) -> None:
-        self._address, self._view, self._ask, self._hub, self._control = address, view, ask, hub, control
-        self._files = files("end_effector_hal.page") / "static"
+async def static_route(request: Request) -> Response:
+    """A file of the page's own."""
+    name = request.path_params["name"]
+    kind = name.rpartition(".")[2]
+    content = static_file(name) if kind in _TYPES else None
+    if content is None:
+        return PlainTextResponse("There is no such file.\n", 404)
+    return Response(content, media_type=f"{_TYPES[kind]}; charset=utf-8")
+
+
+class _Served(NamedTuple):
+    """The routes of a live tool; the fields are those of `make_app`."""
+
+    address: PageAddress
+    view: ToolView
+    ask: Ask
+    hub: Hub
+    lease: ControlLease
+    faults: FaultCommands
 
     async def page(self, _: Request) -> Response:
-        html = (self._files / "index.html").read_text()
-        html = html.replace("{{csrf}}", self._address.csrf).replace(
-            "{{title}}", escape(self._view.description.name)
-        )
+        html = page_html(self.view.description.name, recorded=False, csrf=self.address.csrf)
         return Response(html, media_type="text/html; charset=utf-8")
-
-    async def file(self, request: Request) -> Response:
-        name = request.path_params["name"]
-        kind = name.rpartition(".")[2]
-        if (
-            not re.fullmatch(r"[A-Za-z][\w.-]*", name)
-            or kind not in _TYPES
-            or not (self._files / name).is_file()
-        ):
-            return PlainTextResponse("There is no such file.\n", 404)
-        return Response((self._files / name).read_bytes(), media_type=f"{_TYPES[kind]}; charset=utf-8")
 
     async def events(self, request: Request) -> Response:
         page = request.query_params.get("page", "")
         if not _PAGE.fullmatch(page):
             return PlainTextResponse("A page has a number of its own.\n", 400)
         try:
-            visitor = self._hub.enter(page)
+            visitor = self.hub.enter(page)
         except UsageError as error:
             return PlainTextResponse(f"{error}\n", 503)
-        return StreamingResponse(self._hub.events(visitor), media_type="text/event-stream")
+        return StreamingResponse(self.hub.events(visitor), media_type="text/event-stream")
 
     async def control(self, request: Request) -> Response:
         posted = await _posted(request)
@@ -159,48 +177,70 @@ class _Served:
             return _malformed()
         at, answer = now_us(), Answer(True)
         if posted.word == "take":
-            answer = self._control.take(posted.page, self._hub.name_of(posted.page), at)
+            answer = self.lease.take(posted.page, self.hub.name_of(posted.page), at)
         elif posted.word == "renew":
-            held = self._control.renew(posted.page, at)
+            held = self.lease.renew(posted.page, at)
             answer = Answer(held, "" if held else "The control was lost: this page was silent for too long.")
         elif posted.word == "release":
-            self._control.release(posted.page, at)
+            self.lease.release(posted.page, at)
         else:
             return _malformed()
         return _as_json(answer)
 
     async def command(self, request: Request) -> Response:
         posted = await _posted(request)
-        if posted is None or posted.word not in self._view.buttons:
+        if posted is None or not self._known(posted):
             return _malformed()
-        at, who = now_us(), self._hub.name_of(posted.page)
+        at, who = now_us(), self.hub.name_of(posted.page)
         # whoever sees that a grip must end may end it
-        if posted.word != "cancel" and self._control.holder(at) != posted.page:
+        if posted.word != "cancel" and self.lease.holder(at) != posted.page:
             return _as_json(Answer(False, TAKE_CONTROL))
-        self._view.log.add(at, "page", f"{who}: {posted.word}.", who)
-        answer = await self._ask(posted.word)
+        what = f"{posted.word} {display_name(posted.actuator)}".rstrip()
+        return await self._logged(who, what, self.ask(posted.word, posted.actuator))
+
+    async def fault(self, request: Request) -> Response:
+        posted = await _posted(request)
+        if posted is None or posted.word not in FAULT_WORDS:
+            return _malformed()
+        who = self.hub.name_of(posted.page)
+        if self.lease.holder(now_us()) != posted.page:
+            return _as_json(Answer(False, TAKE_CONTROL))
+        what = f"{posted.word} {posted.scenario}".rstrip()
+        asked = self.faults.obey(posted.word, posted.page, who, posted.scenario, now_us)
+        return await self._logged(who, f"fault, {what}", asked)
+
+    async def _logged(self, who: str, what: str, asked: Awaitable[Answer]) -> Response:
+        self.view.log.add(now_us(), "page", f"{who}: {what}.", who)
+        answer = await asked
         if not answer.accepted:
-            self._view.log.add(
-                now_us(), "refusal", f"{posted.word.capitalize()} of {who}: {answer.reason}", who
-            )
+            self.view.log.add(now_us(), "refusal", f"{who}, {what}: {answer.reason}", who)
         return _as_json(answer)
+
+    def _known(self, posted: PagePost) -> bool:
+        if posted.word in MAINTENANCE_WORDS:
+            return posted.actuator in self.view.description.actuators
+        return posted.word in self.view.buttons and not posted.actuator
 
 
 async def _posted(request: Request) -> PagePost | None:
     body = b""
-    async for part in request.stream():
-        body += part
-        if len(body) > LONGEST:
-            return None
     try:
+        async for part in request.stream():
+            body += part
+            if len(body) > LONGEST:
+                return None
         posted = _POST.validate_json(body)
-    except ValidationError:
+    except (ValidationError, ClientDisconnect):  # half a command is none
         return None
     return posted if _PAGE.fullmatch(posted.page) else None
 
 
 def _malformed() -> Response:
-    return PlainTextResponse("Expected is {page, word} as JSON, with a word that is known.\n", 400)
+    return PlainTextResponse(
+        "Expected is {page, word} as JSON, with a word that is known; for maintenance {actuator}, for faults "
+        f"{{scenario}} of at most {MOST_TEXT} letters.\n",
+        400,
+    )
 
 
 def _as_json(answer: Answer) -> Response:

@@ -39,7 +39,7 @@ class ControlLease:
         return True
 
     def release(self, page: str, at: int) -> None:
-        """Give it back; nothing else ends with it."""
+        """Release it; nothing else ends with it."""
         if self.holder(at) == page:
             self._until = at
 

@@ -47,7 +47,7 @@ class Guard:
         """Why a request is not served; None: it is."""
         headers, host = asked.headers, asked.headers.get("host", "").lower()
         if host not in self._address.hosts:
-            return Refusal(421, "This name is none of this page's; --name adds one.")
+            return Refusal(421, "This host name is not allowed. Restart with `eehal page --name HOSTNAME`.")
         if asked.method not in ("GET", "HEAD", "POST"):
             return Refusal(405, "There is GET and POST.")
         origin = headers.get("origin")

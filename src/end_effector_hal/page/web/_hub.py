@@ -10,10 +10,11 @@ from typing import Any
 from pydantic_core import to_json
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.page.view import ToolView
+from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.wires import now_us
 
 from ._control import ControlLease
+from ._faults import FaultCommands
 
 MOST_PAGES = 12
 PERIOD_S = 0.1
@@ -36,13 +37,23 @@ class Visitor:
     logged: int = 0
     sampled: int = 0
     changed: int = 0
+    offered: int = 0
 
 
 class Hub:
-    """Makes the view ten times a second, once for all."""
+    """Makes the view ten times a second, once for all.
 
-    def __init__(self, view: ToolView, control: ControlLease) -> None:
-        self._view, self._control = view, control
+    Args:
+        view: what is shown of the tool.
+        control: which page commands.
+        faults: what is shown of a testbench.
+        fault_commands: what is armed.
+    """
+
+    def __init__(
+        self, view: ToolView, control: ControlLease, faults: FaultsView, fault_commands: FaultCommands
+    ) -> None:
+        self._view, self._control, self._faults, self._fault_commands = view, control, faults, fault_commands
         self._visitors: list[Visitor] = []
         self._numbers: dict[str, int] = {}
 
@@ -90,7 +101,13 @@ class Hub:
     def _send(self, at: int) -> None:
         if not self._visitors:
             return
-        view = {**self._view.now(at), "control": self._control.shown(at), "pages": len(self._visitors)}
+        view = {
+            **self._view.now(at),
+            "control": self._control.shown(at),
+            "pages": len(self._visitors),
+            "faults": self._faults.now(at),
+            "armed": self._fault_commands.shown(at),
+        }
         for visitor in list(self._visitors):
             try:
                 visitor.waiting.put_nowait(_event("view", {**view, **self._news(visitor)}))
@@ -100,6 +117,8 @@ class Hub:
     def _news(self, visitor: Visitor) -> dict[str, Any]:
         log, line = self._view.log, self._view.timeline
         news = {"log": log.since(visitor.logged), **line.since(visitor.sampled, visitor.changed)}
+        if visitor.offered != self._faults.version:
+            visitor.offered, news["offered"] = self._faults.version, self._faults.offered
         visitor.logged, visitor.sampled, visitor.changed = log.newest, line.sampled, line.changed
         return news
 

@@ -1,86 +1,157 @@
-"""The process of the page: its server, and the streams that it follows."""
+"""The process of the page: its server, and the streams that it follows, or the recordings that it shows."""
 
 from __future__ import annotations
 
 import asyncio
+import errno
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.page.link import ToolLink
-from end_effector_hal.page.view import ToolView
+from end_effector_hal.page.link import TestbenchLink, ToolLink
+from end_effector_hal.page.recorded import RecordedTables, RecordingFiles, RecordingPart
+from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.wires import now_us
 
 from ._address import PageAddress
 from ._app import make_app
+from ._connection import BoundedConnection
 from ._control import ControlLease
+from ._faults import FaultCommands
 from ._hub import Hub
+from ._past import PastRecordings
+from ._recordings import ServedRecording, make_recordings_app
+
+Ready = Callable[[str], None]
 
 
-def serve_page(description: Description, address: PageAddress, on_ready: Callable[[str], None]) -> None:
+def serve_page(description: Description, address: PageAddress, recordings: Path, on_ready: Ready) -> None:
     """Serve the page of a tool until SIGINT or SIGTERM; no line moves when it ends.
 
     Args:
         description: the tool; its programs need not run yet.
         address: where; port 0: one that is free.
+        recordings: the folder of those that the page lists; it need not be there yet.
         on_ready: gets the address with the token.
 
     Raises:
         UsageError: the address cannot be used.
         ModelError: the automata cannot be loaded.
     """
+
+    async def live(address: PageAddress, listener: socket.socket) -> None:
+        view, control = ToolView(description, now_us()), ControlLease()
+        link, faults = ToolLink(description, view), FaultsView(description, view.log)
+        testbench = TestbenchLink(description, faults)
+        fault_commands = FaultCommands(testbench.ask, lambda: faults.there)
+        hub = Hub(view, control, faults, fault_commands)
+        past = PastRecordings(recordings, description.source)
+        app = make_app(address, view, link.command, hub, control, fault_commands, past)
+        beside = link.run(), testbench.run(), hub.run()
+
+        def close() -> None:
+            hub.close()
+            past.close()
+
+        await _serve(app, listener, lambda: on_ready(address.url), close, *beside)
+
+    _listening(address, live)
+
+
+def serve_recordings(
+    files: Sequence[RecordingFiles | RecordedTables],
+    part: RecordingPart,
+    address: PageAddress,
+    on_ready: Ready,
+) -> None:
+    """Serve the page of recordings until SIGINT or SIGTERM; it reads files, and nothing else.
+
+    Args:
+        files: of one recording, or of two to compare.
+        part: what of them is shown.
+        address: where; port 0: one that is free.
+        on_ready: gets the address with the token.
+
+    Raises:
+        UsageError: the address cannot be used.
+    """
+
+    async def recorded(address: PageAddress, listener: socket.socket) -> None:
+        shown = [ServedRecording(each, part) for each in files]
+
+        def close() -> None:
+            for each in shown:
+                each.cancel()
+
+        app = make_recordings_app(address, shown)
+        await _serve(app, listener, lambda: on_ready(address.url), close)
+
+    _listening(address, recorded)
+
+
+def _listening(
+    address: PageAddress, run: Callable[[PageAddress, socket.socket], Coroutine[Any, Any, None]]
+) -> None:
     listener = _listen(address)
     with listener:
-        address = replace(address, port=listener.getsockname()[1])
-        asyncio.run(_run(description, address, listener, on_ready))
+        asyncio.run(run(replace(address, port=listener.getsockname()[1]), listener))
 
 
 def _listen(address: PageAddress) -> socket.socket:
     try:
         family, *_, where = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)[0]
         return socket.create_server(where[:2], family=family)
-    except (OSError, OverflowError) as error:
-        todo = "Name another --port, or --port 0 for one that is free."
+    except (OSError, OverflowError, UnicodeError) as error:
+        wrong_host = isinstance(error, socket.gaierror | UnicodeError) or error.args[:1] == (
+            errno.EADDRNOTAVAIL,
+        )
+        todo = (
+            "Give an address of this machine to --host."
+            if wrong_host
+            else "Name another --port, or --port 0 for one that is free."
+        )
         what = getattr(error, "strerror", None) or error
         raise UsageError(
             f"The page cannot be served: {what}.", where=f"{address.host}:{address.port}", todo=todo
         ) from None
 
 
-async def _run(
-    description: Description,
-    address: PageAddress,
+async def _serve(
+    app: ASGIApp,
     listener: socket.socket,
-    on_ready: Callable[[str], None],
+    on_ready: Callable[[], None],
+    close: Callable[[], None],
+    *beside: Coroutine[Any, Any, None],
 ) -> None:
-    view, control = ToolView(description, now_us()), ControlLease()
-    link, hub = ToolLink(description, view), Hub(view, control)
-    app = make_app(address, view, link.command, hub, control)
+    """Until the server ends, or what runs beside it."""
     server = uvicorn.Server(
         uvicorn.Config(
             app,
-            log_level="warning",
+            log_level="error",  # what a stranger sends is no event
             access_log=False,
             server_header=False,
             lifespan="off",
             ws="none",
             timeout_graceful_shutdown=1,
             h11_max_incomplete_event_size=16_384,
-            limit_concurrency=64,
+            http=BoundedConnection,
         )
     )
-    tasks = [asyncio.create_task(link.run()), asyncio.create_task(hub.run())]
-    on_ready(address.url)
+    tasks = [asyncio.create_task(each) for each in beside]
+    on_ready()
     served = asyncio.create_task(server.serve(sockets=[listener]))
     try:
         await asyncio.wait([served, *tasks], return_when=asyncio.FIRST_COMPLETED)
     finally:
-        hub.close()
+        close()
         server.should_exit = True
         for task in tasks:
             task.cancel()

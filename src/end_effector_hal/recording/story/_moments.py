@@ -14,20 +14,19 @@ from end_effector_hal.recording.story._story import (
     Story,
 )
 from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
-from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import OVER, Command, EndEffectorState, display_name
 
 _TOGETHER_S = 0.2
-_TOLD = ("Over", "GRIP_ERROR", "RELEASE_ERROR")
+_TOLD = (OVER.rstrip(" :"), "GRIP_ERROR", "RELEASE_ERROR")
 """Alarms that a figure leaves out: what is over, and what the states show."""
 
 
 def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
     """Commands, time-outs, aborts, GRIPPED, losses, drops and failed releases, in order of time."""
-    named = len({attempt.actuator for grip in story.grips for attempt in grip.failed}) > 1
     found = _commands(log)
     cancels = {moment.time_s for moment in found if moment.text == Command.CANCEL.label}
     for grip in story.grips:
-        found += _of_grip(grip, named)
+        found += _of_grip(grip)
         end_s = grip.decided_s if grip.decision is GripDecision.CANCELLED else None
         if end_s is not None and not any(grip.start_s <= at <= end_s for at in cancels):
             # a cancel that holds leaves no command to be seen
@@ -68,14 +67,14 @@ def _commands(log: StatesLog) -> list[Moment]:
     ]
 
 
-def _of_grip(grip: Grip, named: bool) -> list[Moment]:
+def _of_grip(grip: Grip) -> list[Moment]:
     found = []
     for attempt in grip.failed:
-        name = f"{display_name(attempt.actuator)} " if named else ""
+        name = display_name(attempt.actuator)
         of = f"/{attempt.of}" if attempt.of else ""
         last = attempt.actuator == grip.culprit and attempt is grip.of(attempt.actuator)[-1]
         what = "time-out" if attempt.outcome is AttemptOutcome.TIMED_OUT else "empty"
-        text = f"{name}{what} {attempt.number}{of}{' – abort' if last else ''}"
+        text = f"{name} {what} {attempt.number}{of}{' – abort' if last else ''}"
         found.append(Moment(attempt.end_s or 0.0, "abort" if last else "timeout", text))
     if grip.decided_s is not None:
         if grip.decision is GripDecision.GRIPPED:

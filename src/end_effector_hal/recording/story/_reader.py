@@ -17,6 +17,7 @@ from end_effector_hal.recording.story._story import (
     Grip,
     GripDecision,
     Loss,
+    Moment,
     Release,
     ReleaseCause,
     Reset,
@@ -267,4 +268,20 @@ def read_story(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[Ala
         moments=(),
         verdict="",
     )
-    return replace(story, moments=moments_of(log, story, alarms), verdict=verdict_of(log, story))
+    moments = moments_of(log, story, alarms)
+    if info is None or not info.violated:
+        return replace(story, moments=moments, verdict=verdict_of(log, story))
+    verdict = f"VIOLATED at {info.violated_s:g} s: {info.violated}"
+    return replace(story, moments=_with_violation(moments, info.violated_s), verdict=verdict)
+
+
+def _with_violation(moments: Sequence[Moment], at_s: float) -> tuple[Moment, ...]:
+    """Nothing in a counterexample is a success; what goes wrong as it ends shares its mark."""
+    told, words = [], []
+    for moment in moments:
+        if moment.time_s >= at_s and moment.kind in ("abort", "lost", "timeout"):
+            words.append(moment.text)
+        else:
+            told.append(replace(moment, kind="command") if moment.kind == "gripped" else moment)
+    told.append(Moment(at_s, "lost", " – ".join((*words, "VIOLATED"))))
+    return tuple(sorted(told, key=lambda each: each.time_s))

@@ -81,13 +81,13 @@ def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
         if not line.complete:
             break
         first = first or line.path
-        fields = next(csv.reader([line.text]), [])
-        if line.number == 1 and tuple(fields) == COLUMNS:
-            continue
         try:
+            fields = next(csv.reader([line.text]), [])
+            if line.number == 1 and tuple(fields) == COLUMNS:
+                continue
             time_s, event, text = fields
             row = AlarmRow(line.seconds(time_s, rows[-1].time_s if rows else 0.0), event, text)
-        except (ValueError, UsageError):
+        except (ValueError, UsageError, csv.Error):
             raise line.fault(f"This is no row of {','.join(COLUMNS)}.") from None
         repeated = line.path != first and event == BEGUN and text in standing
         if not repeated:  # a segment begins with what stands then

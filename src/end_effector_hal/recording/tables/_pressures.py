@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
@@ -12,6 +13,8 @@ from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 
 FIXED = ("time_s",)
+UNIT = "_gauge_kpa"
+"""After the name of a channel, in the header; not in recordings of before 0.2."""
 PERIOD_S, JITTER_S = 0.02, 0.005
 LONGEST_GAP_S = 0.5
 STEP_KPA = 0.2
@@ -55,8 +58,13 @@ class PressuresWriter(TableWriter):
         self._gap: Sample | None = None
         self._left_out: Sample | None = None
         self._due_s = 0.0
-        super().__init__(path, (*FIXED, *self._channels), limits)
+        super().__init__(path, (*FIXED, *_columns(Path(path), self._channels)), limits)
         self._last = self._resumed(lambda line: _sample(line, self._channels, 0.0))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels, in the order of the columns."""
+        return self._channels
 
     def write(self, time_s: float, kpa: Mapping[str, float | None]) -> bool:
         """Offer a sample (seconds since start, gauge kPa, missing or None = invalid); True when written."""
@@ -115,7 +123,7 @@ def read_pressures(path: str | Path) -> PressuresLog:
     A last line without its end is dropped and reported in ``note``: its last number may have lost digits.
     """
     lines = read_lines(path)
-    channels = read_header(lines, path, FIXED)
+    channels = _without_unit(read_header(lines, path, FIXED))
     samples: list[Sample] = []
     note = ""
     for line in lines:
@@ -126,6 +134,21 @@ def read_pressures(path: str | Path) -> PressuresLog:
         if not samples or sample != samples[-1]:  # a segment begins with the last row of the one before it
             samples.append(sample)
     return PressuresLog(channels, tuple(samples), str(path), note)
+
+
+def _columns(path: Path, channels: tuple[str, ...]) -> tuple[str, ...]:
+    """The names of the columns; a file of an earlier version goes on with its own."""
+    with suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
+        if file.readline() == ",".join((*FIXED, *channels)) + "\n":
+            return channels
+    return tuple(f"{channel}{UNIT}" for channel in channels)
+
+
+def _without_unit(columns: tuple[str, ...]) -> tuple[str, ...]:
+    """The channels of a header: all of its columns have the unit, or, in recordings of before, none."""
+    if not all(column.endswith(UNIT) and column != UNIT for column in columns):
+        return columns
+    return tuple(column.removesuffix(UNIT) for column in columns)
 
 
 def _finite(value: float | None) -> float | None:

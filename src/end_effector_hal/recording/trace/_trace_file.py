@@ -23,15 +23,25 @@ NO_CHECKSUM = 0
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """One record: of which kind, and its content as it was written."""
+    """One record: of which kind, and its content as it was written.
+
+    Attributes:
+        kind: the end of its topic.
+        data: JSON.
+        day_us: time of day of its message, µs; None: it is in no file.
+    """
 
     kind: str
     data: bytes
+    day_us: int | None = None
 
     @property
     def content(self) -> dict[str, Any]:
         """The content as JSON; raises ValueError when it is none."""
-        found = json.loads(self.data)
+        try:
+            found = json.loads(self.data)
+        except RecursionError:
+            raise ValueError("it is nested too deep") from None
         if not isinstance(found, dict):
             raise ValueError(f"not an object: {found!r}"[:60])
         return found
@@ -89,7 +99,8 @@ def read_trace(path: str | Path) -> TraceFile:
         elif isinstance(record, Attachment):
             attachments[record.name] = record.data
         elif isinstance(record, Message) and record.channel_id in topics:
-            records.append(Record(topics[record.channel_id].rpartition("/")[2], record.data))
+            kind = topics[record.channel_id].rpartition("/")[2]
+            records.append(Record(kind, record.data, record.log_time // 1000))
         elif isinstance(record, DataEnd):
             changed = reading.changed(0, DATA_END_BYTES, record.data_section_crc)
         elif isinstance(record, Footer):
@@ -109,7 +120,7 @@ class _Reading:
         self._file, self._size, self._data, self.note = BytesIO(data), len(data), data, ""
 
     def __iter__(self) -> Iterator[object]:
-        from mcap.exceptions import EndOfFile, McapError, RecordLengthLimitExceeded
+        from mcap.exceptions import EndOfFile, RecordLengthLimitExceeded
         from mcap.stream_reader import StreamReader
 
         try:
@@ -117,7 +128,7 @@ class _Reading:
         except (EndOfFile, struct.error, RecordLengthLimitExceeded):
             if self._data[len(MAGIC) :].endswith(MAGIC):  # it was closed: else it was cut off within a record
                 self.note = f"near byte {self._file.tell()} a record is longer than the file"
-        except (McapError, ValueError, KeyError, OverflowError) as error:
+        except Exception as error:  # noqa: BLE001 - a damaged chunk raises whatever its decompressor raises
             self.note = f"near byte {self._file.tell()}: {error or type(error).__name__}"
 
     def changed(self, start: int, after: int, checksum: int) -> bool:

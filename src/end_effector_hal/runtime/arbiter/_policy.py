@@ -6,10 +6,21 @@ from end_effector_hal.arbiter import Exclusion, Need, Policy, SecondCoil
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, PARKED, predicates_fitted
+from end_effector_hal.sensing import (
+    E_STOP_CLOSED,
+    LOCKED,
+    NO_FAULT,
+    NO_LATCHED_FAULT,
+    NOTHING_GRIPPED,
+    PARKED,
+    predicates_fitted,
+    proven_by_arbiter,
+)
 from end_effector_hal.vocabulary import to_us
 
 LONGEST_LAST_WILL_US = 10_000_000
+OUTPUTS = "outputs"
+"""The client that writes the plain outputs."""
 SENSOR_FAULT = "sensor_fault"
 """The name under which the line arbiter latches the sensor fault of the tool changer (IL-04)."""
 IL_01 = Need(
@@ -31,10 +42,11 @@ def arbiter_policy(description: Description) -> Policy:
         line: f"{kind_of(description.actuators[name]).opposing.replace('_', '-')} of {name}"
         for name, line in description.blow_off_lines.items()
     }
+    labels |= {each.line: name for name, each in description.outputs.items()}
     return Policy(
         output_lines(description),
         exclusions=_exclusions(description),
-        max_active_us={changer.line: to_us(changer.unlock_max_s)} if changer and not changer.latching else {},
+        max_active_us=_longest(description),
         labels={**labels, changer.line: "unlock"} if changer else labels,
         longest_last_will_us=max(
             LONGEST_LAST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)
@@ -44,13 +56,21 @@ def arbiter_policy(description: Description) -> Policy:
             line: SecondCoil(each.line, to_us(each.pulse_s or 0))
             for line, each in description.opposites.items()
         },
+        proven=proven_by_arbiter(description, carrier_of(description)),
         needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
     )
 
 
+def _longest(description: Description) -> dict[str, int]:
+    """How long an unlock (IL-03) and a blow-off last at the most, whatever the program does that began it."""
+    changer = description.tool_changer
+    longest = {each.line: each.most_ms * 1000 for each in description.blow_offs.values()}
+    return longest | ({changer.line: to_us(changer.unlock_max_s)} if changer and not changer.latching else {})
+
+
 def _exclusions(description: Description) -> list[Exclusion]:
-    """Unlock and gripping (IL-01, IL-05), an actuator and what opposes it (IL-08)."""
-    changer, gripping = description.tool_changer, program_lines(description, "grip")
+    """Unlock and what Grip writes (IL-01, IL-05), an actuator and what opposes it (IL-08)."""
+    changer, gripping = description.tool_changer, written_lines(description, "grip")
     never: list[Exclusion] = []
     if changer and description.interlocks.il_01:
         never += [Exclusion(changer.line, line) for line in gripping]
@@ -72,13 +92,22 @@ def _needs(description: Description, line: str) -> list[Need]:
         (IL_05, grips and locks.il_05),
         (IL_13, True),
     ]
+    asked += [(_no_fault(predicate), grips) for predicate in sorted(fitted) if ":" in predicate]
     return [need for need, wanted in asked if wanted and need.predicate in fitted]
 
 
+def _no_fault(predicate: str) -> Need:
+    """That a device has no fault, by the channel that would show it (IL-07)."""
+    channel = predicate.removeprefix(NO_FAULT).removeprefix(NO_LATCHED_FAULT)
+    latched = f"{channel} has shown a fault" if predicate.startswith(NO_LATCHED_FAULT) else ""
+    return Need(predicate, "IL-07", f"{channel} shows no fault", f"{channel} shows a fault", latched)
+
+
 def output_lines(description: Description) -> tuple[str, ...]:
-    """Every output line of a tool: actuators in sequence order, the tool changer, what opposes an actuator."""
+    """Every output line: actuators in sequence order, the tool changer, what opposes an actuator, the plain ones."""
     changer, gripping = description.tool_changer, program_lines(description, "grip")
-    return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values())
+    plain = program_lines(description, OUTPUTS)
+    return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values(), *plain)
 
 
 def wired_lines(description: Description) -> tuple[str, ...]:
@@ -87,8 +116,16 @@ def wired_lines(description: Description) -> tuple[str, ...]:
     return (*lines, *(each.line for each in description.opposites.values()))
 
 
+def written_lines(description: Description, program: str) -> tuple[str, ...]:
+    """All lines that one program writes: its outputs, and what Grip blows parts off with."""
+    blown = description.blow_offs.values() if program == "grip" else ()
+    return (*program_lines(description, program), *(each.line for each in blown))
+
+
 def program_lines(description: Description, program: str) -> tuple[str, ...]:
-    """The lines that one program writes."""
+    """The outputs of one program: those that hold, or unlock, or neither."""
+    if program == OUTPUTS:
+        return tuple(each.line for each in description.outputs.values())
     if program == "grip":
         return tuple(actuator.line for _, actuator in description.ordered)
     return (description.tool_changer.line,) if description.tool_changer else ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
+from typing import Protocol
 
 from end_effector_hal.arbiter import PredicateSender
 from end_effector_hal.codecs import Carrier, carrier_of
@@ -18,6 +19,16 @@ REPEAT_US = 50_000
 """The owner gets them at least so often; it forgets them after 150 ms."""
 
 
+class Sender(Protocol):
+    """Takes what is proven to the arbiter."""
+
+    def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
+        """Whether it got there."""
+
+    def close(self) -> None:
+        """End."""
+
+
 class PredicatePublisher:
     """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
 
@@ -30,6 +41,7 @@ class PredicatePublisher:
         carrier: of its channels; default: what the description says.
         clock: µs.
         judge: shared with those in this process who get the same frames.
+        sender: to the arbiter; None: over its socket, and only what the arbiter does not prove by itself.
     """
 
     def __init__(
@@ -38,12 +50,14 @@ class PredicatePublisher:
         carrier: Carrier | None = None,
         clock: Callable[[], int] = now_us,
         judge: FrameJudge | None = None,
+        sender: Sender | None = None,
     ) -> None:
         carrier = carrier or carrier_of(description)
-        self._sender = PredicateSender(socket_path(description))
+        self._sender = sender or PredicateSender(socket_path(description))
         self._predicates = Predicates(description, carrier, judge)
-        needs = arbiter_policy(description).needs.values()
-        self._needed = {need.predicate for needed in needs for need in needed}
+        policy = arbiter_policy(description)
+        needed = {need.predicate for needs in policy.needs.values() for need in needs}
+        self._needed = needed & policy.proven if sender else needed - policy.proven
         self._repeats = bool(self._needed) and carrier.period_us > REPEAT_US // 2
         self._clock = clock
         self._lock = threading.Lock()
@@ -78,7 +92,7 @@ class PredicatePublisher:
                 self._send(proven, frame.at)
 
     def close(self) -> None:
-        """Send nothing any more."""
+        """Send nothing any more; the sender ends with it."""
         self._ended.set()
         if self._thread:
             self._thread.join()

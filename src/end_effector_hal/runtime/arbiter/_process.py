@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -10,10 +11,11 @@ from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, serve
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires import be_steady
+from end_effector_hal.wires import be_steady, relay_path
 from end_effector_hal.wires.lines import ComposedLines, GpiodLines, LineBackend, LineHandover, VirtualLines
 
-from ._policy import arbiter_policy, program_lines
+from ._own_inputs import ArbiterInputs
+from ._policy import arbiter_policy, written_lines
 from ._service_manager import ServiceManager
 
 if TYPE_CHECKING:
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
 def connect_arbiter(description: Description, program: str, *, patience_s: float = 5.0) -> ArbiterClient:
     """Connect one program to the line arbiter; raises ArbiterError, LineBusyError."""
-    lines = program_lines(description, program)
+    lines = written_lines(description, program)
     return ArbiterClient(socket_path(description), program, lines, patience_s=patience_s)
 
 
@@ -67,6 +69,7 @@ def run_arbiter(
             arbiter_policy(description),
             journal=_journal(where, journal),
             group=group,
+            inputs=partial(_own_inputs, description, where, group) if description.arbiter_inputs else None,
             on_ready=ready,
         )
 
@@ -90,17 +93,23 @@ class _Probe:
         self._client.levels()
 
 
-def _backend(description: Description, socket: Path, group: str | None) -> LineBackend:
-    """The lines of the board, and the registers of devices on the link."""
-    outputs, name = description.register_outputs, description.bus
-    if name is None:
-        return _board_lines(description)
-    from end_effector_hal.wires.bus import BusLines, BusLink, relay_path
+def _own_inputs(description: Description, socket: Path, group: str | None) -> ArbiterInputs:
+    return ArbiterInputs(description, relay_path(socket, "inputs"), group)
 
-    link, codec = description.links[name], codec_of(description, name)
-    bus = BusLink(link.port, cast("BusCodec", codec), *line_of(link, codec))
-    lines = BusLines(bus, outputs, relay_path(socket), group)
-    return ComposedLines(_board_lines(description), dict.fromkeys(outputs, lines))
+
+def _backend(description: Description, socket: Path, group: str | None) -> LineBackend:
+    """The lines of the board, and the registers of devices on the links, each bus by itself."""
+    if not description.buses:
+        return _board_lines(description)
+    from end_effector_hal.wires.bus import BusLines, BusLink, bus_relay
+
+    others: dict[str, BusLines] = {}
+    for name, outputs in description.buses.items():
+        link, codec = description.links[name], codec_of(description, name)
+        bus = BusLink(link.port, cast("BusCodec", codec), *line_of(link, codec))
+        lines = BusLines(bus, outputs, bus_relay(description, socket, name), group)
+        others |= dict.fromkeys(outputs, lines)
+    return ComposedLines(_board_lines(description), others)
 
 
 def _board_lines(description: Description) -> LineBackend:

@@ -3,7 +3,20 @@
 from ._open import DESCRIPTION, MODEL, open_recorder, open_stream
 from ._recorded_controller import AnyController, RecordedController, feed
 from ._recorder import NULL_RECORDER, Recorder
-from ._records import DECIDED, INPUTS, KINDS, OBSERVED, PUBLISHED, STATE, STREAMED, Header, Published
+from ._records import (
+    DECIDED,
+    INPUTS,
+    KINDS,
+    OBSERVED,
+    PUBLISHED,
+    STATE,
+    STREAMED,
+    FrameTaken,
+    Header,
+    LinesWritten,
+    Published,
+    Start,
+)
 
 __all__ = [
     "DECIDED",
@@ -17,10 +30,13 @@ __all__ = [
     "STATE",
     "STREAMED",
     "AnyController",
+    "FrameTaken",
     "Header",
+    "LinesWritten",
     "Published",
     "RecordedController",
     "Recorder",
+    "Start",
     "feed",
     "open_recorder",
     "open_stream",

@@ -1,6 +1,6 @@
 """What a trace is made of; all times are µs on the monotonic clock.
 
-Inputs of the controller, its outputs, and what its automata saw and did. `docs/recordings.md` lists the fields.
+Inputs of the controller, its outputs, and what its automata saw and did. The fields: `docs/reference/recordings.md`.
 """
 
 from __future__ import annotations

@@ -2,9 +2,10 @@
 
 from ._maintenance import Maintenance
 from ._output_mapping import ChangerOutputs, GripOutputs, OutputMapping
-from ._outputs import RETRY_US, LineWriter, Outputs
+from ._outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs
 
 __all__ = [
+    "DECLARED_DEAD",
     "RETRY_US",
     "ChangerOutputs",
     "GripOutputs",

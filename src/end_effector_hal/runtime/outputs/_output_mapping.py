@@ -33,14 +33,17 @@ class GripOutputs:
     def __init__(self, description: Description, maintenance: Maintenance) -> None:
         self._maintenance, self._last_will = maintenance, GripLastWill(description)
         self._lines = [part.line for _, part in description.ordered]
+        place = description.sequence.index
+        self._blow_offs = [(each.line, place(name)) for name, each in description.blow_offs.items()]
 
     def adopted(self, status: Status) -> bool:
         """Whether the automata know the lines."""
         return status.ee != EndEffectorState.OFF
 
     def levels(self, status: Status) -> dict[str, bool]:
-        """Line and level of every actuator."""
-        return dict(zip(self._lines, status.outputs, strict=True))
+        """Line and level of every actuator, and of the blow-off valves that a release drives."""
+        blowing = {line: index in status.blowing for line, index in self._blow_offs}
+        return dict(zip(self._lines, status.outputs, strict=True)) | blowing
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
         """What the line arbiter does at an ending."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, maintenance_will
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError
 from end_effector_hal.vocabulary import LastWillStep
 
@@ -13,6 +13,8 @@ from ._output_mapping import OutputMapping
 
 RETRY_US = 200_000
 """What could not be done with the lines is tried again after this."""
+RESTARTED = "the program has restarted."
+DECLARED_DEAD = f"The line arbiter declared this program dead and executed its last will; {RESTARTED}"
 
 
 class LineWriter(Protocol):
@@ -62,6 +64,8 @@ class Outputs:
         self._attempt = 0
         self._asked: _Asked | None = None
         self.lost = False
+        self.disagreement = ""
+        """Why the lines are not as they were written, a sentence, after `agree` has said so."""
         self.retry_at: int | None = None
         self.alarm = ""
         self.refused = ""
@@ -79,6 +83,8 @@ class Outputs:
         for number, status in enumerate(statuses):
             wanted, will = self.mapping.levels(status), self.mapping.last_will(status)
             changes = self._changes(wanted) | self._once_more(wanted, status)
+            if self.objected:  # the automata went on before they knew: nothing comes after what was refused
+                changes = {line: False for line, level in changes.items() if not level}
             self._wanted = wanted
             if not changes and (
                 will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
@@ -128,8 +134,16 @@ class Outputs:
         self.retry_at = at + RETRY_US
         levels = self._lines.levels()
         self.lost, declared_dead = False, self._lines.declared_dead()
-        same = all(levels.get(line) == level for line, level in self._written.items())
-        return same and not (gripping and declared_dead)
+        unknown = sorted(self._written.keys() - levels.keys())
+        others = any(levels.get(line, level) != level for line, level in self._written.items())
+        self.disagreement = ""
+        if others or (declared_dead and (gripping or unknown)):
+            self.disagreement = DECLARED_DEAD
+        elif unknown:
+            self.disagreement = (
+                f"After the line arbiter was lost nobody knew how {', '.join(unknown)} stood; {RESTARTED}"
+            )
+        return not self.disagreement
 
     def drive(self, line: str, active: bool, will: tuple[LastWillStep, ...]) -> None:
         """Write one line in maintenance; raises WireError."""
@@ -143,8 +157,8 @@ class Outputs:
         self.alarm = f"The line arbiter was lost: {error}"
 
     def let_go(self, lines: Sequence[str], at: int) -> None:
-        """Deactivate lines that maintenance has activated; tried again until it is done."""
-        self._ask({**self._undone, **dict.fromkeys(lines, False)}, (), at)
+        """Deactivate what maintenance has activated; tried again until it is done, else the last will does it."""
+        self._ask({**self._undone, **dict.fromkeys(lines, False)}, maintenance_will(lines), at)
         self.finish()
 
     def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:

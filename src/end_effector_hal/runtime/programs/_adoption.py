@@ -9,12 +9,8 @@ from dataclasses import replace
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.runtime.boundary import AnyController
-from end_effector_hal.runtime.outputs import RETRY_US, LineWriter, Outputs
+from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs
 from end_effector_hal.vocabulary import EndEffectorState
-
-DECLARED_DEAD = (
-    "The line arbiter declared this program dead and executed its last will; the program has restarted."
-)
 
 
 class DeclaredDeadError(Exception):
@@ -89,7 +85,7 @@ class Adoption:
             try:
                 gripping = self.outputs.mapping.gripping(self.controller.status())
                 if not self.outputs.agree(at, gripping=gripping):
-                    raise DeclaredDeadError(DECLARED_DEAD)
+                    raise DeclaredDeadError(self.outputs.disagreement)
                 self.outputs.retry(self.controller.status(), at)
             except LineBusyError as error:
                 # its will is being executed, or somebody else has its lines

@@ -39,11 +39,11 @@ class ChangerProgram(Program):
         self._fault = SensorFault(lines)
         super().__init__(description, lines, on_status, recorder, clock, judge)
 
-    def command(self, name: str) -> Answer:
-        """Give a command and wait for the decision of the automaton; an unlock first waits for its proof."""
+    def command(self, name: str, until_us: int | None = None) -> Answer:
+        """Like every program's; an unlock first waits for its proof."""
         if name == "unlock" and (changer := self._description.tool_changer):
             await_release(self._latest, changer)
-        return super().command(name)
+        return super().command(name, until_us)
 
     def _mapping(self) -> OutputMapping:
         return ChangerOutputs(self._description)

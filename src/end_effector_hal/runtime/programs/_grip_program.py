@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.runtime.outputs import GripOutputs, Maintenance, OutputMapping
+from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, TOO_LATE, ProgramCommand
 
 from ._maintenance_drive import drive, proof
 from ._program import Program
@@ -25,16 +26,33 @@ class GripProgram(Program):
             active: what its output becomes.
             timeout_s: longest wait for the evidence; default: as long as the actuator has in a grip or a release.
         """
+        answer = self._drive(name, None, active=active)
+        proven = answer.accepted and proof(self._latest, self._description, name, timeout_s, active=active)
+        return proven or answer
+
+    def _drive(self, name: str, until_us: int | None, *, active: bool) -> Answer:
+        """Write the line of an actuator in maintenance; after ``until_us`` it is not done any more."""
         line = self._description.actuators[name].line
 
         def question() -> tuple[Answer, list[Status]]:
             at = self._clock()
+            if until_us is not None and at > until_us:
+                return Answer(False, TOO_LATE), []
+            if obstacle := self._obstacle("activate" if active else "deactivate"):
+                return Answer(False, obstacle), []
             answer = drive(self._adoption, self._maintenance, line, at, active=active)
             return answer, [self._adoption.controller.status()] if answer.accepted else []
 
-        answer = self._ask(question, waits=True)
-        proven = answer.accepted and proof(self._latest, self._description, name, timeout_s, active=active)
-        return proven or answer
+        return self._ask(question, waits=True)
+
+    def _asked(self, asked: ProgramCommand) -> Answer:
+        """Maintenance is answered when the line is written: nobody else's command waits for what its sensor shows."""
+        if asked.command not in MAINTENANCE_WORDS:
+            return super()._asked(asked)
+        if asked.actuator not in self._description.actuators:
+            there = ", ".join(self._description.sequence)
+            return Answer(False, f"There is no actuator called {asked.actuator!r}; there are {there}.")
+        return self._drive(asked.actuator, asked.until_us, active=asked.command == "activate")
 
     def _mapping(self) -> OutputMapping:
         self._maintenance = Maintenance(self._description)

@@ -16,7 +16,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
-from end_effector_hal.runtime.stream import PROGRAM_WORDS
+from end_effector_hal.runtime.stream import PROGRAM_WORDS, TOO_LATE, ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
@@ -27,19 +27,19 @@ from ._serial_worker import FollowUp, SerialWorker
 
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
-ACTIVATING = ("grip", "unlock")
+ACTIVATING = ("grip", "unlock", "activate")
 """Commands that begin with an activation; the others only deactivate, and are carried out as soon as they can be."""
 
 
 class Program(ABC):
     """What :class:`GripProgram` and :class:`ChangerProgram` have in common; all methods are thread-safe.
 
-    Rule 1: The automata decide in the thread that brings an event, and the write to the line arbiter is sent there.
-        What waits for its reply runs in the program's own thread.
-    Rule 2: The listener is called there, once for each step of the automata, in order, after the lines are written.
-    Rule 3: No trouble leaves the program, and no trouble of a listener or of the recorder enters it: each is an alarm.
-    Rule 4: A program that was declared dead in the middle of a grip, or that does not find the lines as it left them,
-        restarts, and adopts what it finds. Until it knows, it claims no grip.
+    1. The automata decide in the thread that brings an event, and the write to the line arbiter is sent there.
+       What waits for its reply runs in the program's own thread.
+    2. The listener is called there, once for each step of the automata, in order, after the lines are written.
+    3. No trouble leaves the program, and no trouble of a listener or of the recorder enters it: each is an alarm.
+    4. A program that was declared dead in the middle of a grip, or that does not find the lines as it left them,
+       restarts, and adopts what it finds. Until it knows, it claims no grip.
 
     Args:
         description: the tool.
@@ -114,9 +114,9 @@ class Program(ABC):
         """Submit that alarms about what is held were seen: those that are over go; returns at once."""
         self._submit(lambda: self._adoption.controller.acknowledge(self._clock()))
 
-    def command(self, name: str) -> Answer:
-        """Give a command and wait for the decision of the automaton."""
-        return self._ask(lambda: self._decide(name))
+    def command(self, name: str, until_us: int | None = None) -> Answer:
+        """Give a command and wait for the decision of the automaton; after ``until_us`` it is not executed any more."""
+        return self._ask(lambda: self._decide(name, until_us))
 
     def close(self, ending: str = "sigterm") -> None:
         """End in good order: the line arbiter does what the description declares for this ending."""
@@ -160,11 +160,14 @@ class Program(ABC):
             return "Nothing can be activated while the line arbiter is lost."
         return ""
 
-    def _decide(self, name: str) -> tuple[Answer, list[Status]]:
+    def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:
+        at = self._clock()
+        if until_us is not None and at > until_us:
+            return Answer(False, TOO_LATE), []
         if obstacle := self._obstacle(name):
             return Answer(False, obstacle), []
         adoption = self._adoption
-        answer, statuses = adoption.controller.command(name, self._clock())
+        answer, statuses = adoption.controller.command(name, at)
         if answer.accepted:
             self._why = adoption.outputs.refused = ""
         return answer, statuses
@@ -193,12 +196,12 @@ class Program(ABC):
         """Something beside the automata may have changed."""
         self._worker.submit(lambda: self._reaction([]))
 
-    def _asked(self, word: str) -> Answer:
-        """A command by its word in `PROGRAM_WORDS`."""
-        if word == "acknowledge":
+    def _asked(self, asked: ProgramCommand) -> Answer:
+        """What a client of the stream asks for."""
+        if asked.command == "acknowledge":
             self.acknowledge()
             return Answer(True)
-        return self.command(word)
+        return self.command(asked.command, asked.until_us)
 
     # Jobs: in whatever thread has the turn, and nothing here waits.
 

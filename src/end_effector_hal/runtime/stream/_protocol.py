@@ -1,14 +1,15 @@
 """The messages on a program's socket: JSON lines.
 
 From the program, one line for each record: ``{"kind": …, "at": µs, "content": {…}}``, in the words of the recording
-(docs/recordings.md). The first is the ``header``; then comes ``state``, where the program stands (nothing, if it has
-not started yet), and from there on every record. Three kinds are in no recording: ``published`` (the status with what
-the program knows beside its automata), ``alive`` (each 0.4 s in which nothing else is sent, while the program works)
-and ``answer-to``. ``header`` comes again, with a new ``state``, when records were lost.
+(docs/reference/recordings.md). The first is the ``header``; then comes ``state``, where the program stands (nothing,
+if it has not started yet), and from there on every record. Three kinds are in no recording: ``published`` (the status
+with what the program knows beside its automata), ``alive`` (each 0.4 s in which nothing else is sent, while the program
+works) and ``answer-to``. ``header`` comes again, with a new ``state``, when records were lost.
 
-To the program: ``{"id": any, "command": "grip", "until_us": µs}``; the answer is ``{"kind": "answer-to", "id": …,
-"accepted": …, "reason": …}``. Only the automata accept a command or refuse it. After ``until_us`` on the monotonic
-clock (at most 2 s from now) it is not executed any more.
+To the program: ``{"id": any, "command": "grip", "until_us": µs}``, in maintenance with ``"actuator": name``. The answer
+is ``{"kind": "answer-to", "id": …, "accepted": …, "reason": …}``. Only the automata accept a command or refuse it; in
+maintenance the answer comes when the line is written, before a sensor shows anything. After ``until_us`` on the
+monotonic clock (at most 2 s from now) a command is not executed any more.
 """
 
 from __future__ import annotations
@@ -28,8 +29,11 @@ from end_effector_hal.errors import UsageError
 LONGEST = 1000
 """Bytes of a message to the program."""
 COMMAND_VALID_US = 2_000_000
+TOO_LATE = "The command came too late and was not executed."
+MAINTENANCE_WORDS = ("activate", "deactivate")
+"""Of one actuator (IL-12)."""
 PROGRAM_WORDS: Mapping[str, tuple[str, ...]] = {
-    "grip": ("grip", "drop", "cancel", "acknowledge"),
+    "grip": ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS),
     "tool_change": ("lock", "unlock", "arm", "reset"),
 }
 """What each program can be asked; ``acknowledge``: alarms that are over were seen."""
@@ -53,6 +57,7 @@ class ProgramCommand:
     id: Annotated[int, Field(ge=0, le=2**53)]
     command: Annotated[str, Field(max_length=40)]
     until_us: Annotated[int, Field(ge=0, le=2**62)]
+    actuator: Annotated[str, Field(max_length=100)] = ""
 
 
 _COMMAND = TypeAdapter(ProgramCommand)

@@ -6,22 +6,33 @@ import selectors
 import socket
 from collections.abc import Iterator
 
+from end_effector_hal.wires import Acceptor
+
 from ._protocol import LONGEST
 
 MOST_READERS = 16
+MOST_MESSAGES = 100
+"""Of one reader in a second: to read them takes time from the program."""
+SECOND_US = 1_000_000
 MOST_BYTES = 2_000_000
 """What waits for a reader who takes its time; one for whom more would wait is dropped."""
 
 
 class StreamReader:
-    """One connection; nothing here waits."""
+    """One connection; nothing here waits.
 
-    def __init__(self, sock: socket.socket) -> None:
+    Args:
+        sock: the connection.
+        longest: bytes of a message from it.
+    """
+
+    def __init__(self, sock: socket.socket, longest: int = LONGEST) -> None:
         sock.setblocking(False)
-        self.sock = sock
+        self.sock, self._longest = sock, longest
         self.follows = False
         """It has the state from which the records go on."""
         self.commands_waiting = 0
+        self._second = self._messages = 0
         self._out = bytearray()
         self._rest = b""
 
@@ -49,23 +60,35 @@ class StreamReader:
             return False
         return True
 
+    def floods(self, messages: int, at: int) -> bool:
+        """Whether more came within a second, with these, than anybody has to say."""
+        if at - self._second >= SECOND_US:
+            self._second, self._messages = at, 0
+        self._messages += messages
+        return self._messages > MOST_MESSAGES
+
     def receive(self) -> tuple[list[bytes], bool]:
         """The whole messages that came, and whether the connection goes on; an overlong one ends it."""
         try:
-            data = self.sock.recv(4 * LONGEST)
+            data = self.sock.recv(4 * self._longest)
         except BlockingIOError:
             return [], True
         except OSError:
             return [], False
         *lines, self._rest = (self._rest + data).split(b"\n")
-        return lines, bool(data) and len(self._rest) <= LONGEST
+        return lines, bool(data) and len(self._rest) <= self._longest
 
 
 class StreamReaders:
-    """All of them, registered with a selector, each with itself as its data."""
+    """All of them, registered with a selector, each with itself as its data.
 
-    def __init__(self, selector: selectors.BaseSelector) -> None:
-        self._selector = selector
+    Args:
+        selector: with which they are registered.
+        longest: bytes of a message from one.
+    """
+
+    def __init__(self, selector: selectors.BaseSelector, longest: int = LONGEST) -> None:
+        self._selector, self._longest = selector, longest
         self._open: dict[StreamReader, None] = {}
 
     def __iter__(self) -> Iterator[StreamReader]:
@@ -74,16 +97,14 @@ class StreamReaders:
     def __len__(self) -> int:
         return len(self._open)
 
-    def accept(self, listener: socket.socket) -> None:
+    def accept(self, acceptor: Acceptor) -> None:
         """Accept one who waits; who is too many is closed at once."""
-        try:
-            sock, _ = listener.accept()
-        except OSError:
+        if (sock := acceptor.accept()) is None:
             return
         if len(self._open) >= MOST_READERS:
             sock.close()
             return
-        reader = StreamReader(sock)
+        reader = StreamReader(sock, self._longest)
         self._open[reader] = None
         self._selector.register(sock, selectors.EVENT_READ, reader)
 

@@ -21,10 +21,17 @@ from pathlib import Path
 
 from end_effector_hal.control import Answer
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.wires import listen, now_us
+from end_effector_hal.wires import Acceptor, listen, now_us
 
-from ._protocol import COMMAND_VALID_US, ProgramCommand, answer_line, read_command_message, record_line
-from ._readers import StreamReader, StreamReaders
+from ._protocol import (
+    COMMAND_VALID_US,
+    TOO_LATE,
+    ProgramCommand,
+    answer_line,
+    read_command_message,
+    record_line,
+)
+from ._readers import MOST_MESSAGES, StreamReader, StreamReaders
 
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_WAITING = 2_000
@@ -34,11 +41,13 @@ LOOK_S = 0.05
 ALIVE_US = 400_000
 MOST_COMMANDS = 4
 """Of one reader, that wait to be decided."""
+MOST_COMMANDS_OF_ALL = 32
+"""Of all, those who have gone meanwhile among them."""
 END_S = 1.0
 
 Entry = tuple[str, int, object]
 """A record: its kind, its time and its content."""
-Commander = Callable[[str], Answer]
+Commander = Callable[[ProgramCommand], Answer]
 
 
 class RecordStream:
@@ -76,8 +85,9 @@ class RecordStream:
         """
         try:
             group = str(self._beside.stat().st_gid)
-            self._listener = listen(self._path, group, whose="a program")
-            self._inode = self._path.stat().st_ino
+            self._acceptor = Acceptor(
+                listen(self._path, group, whose="a program"), str(self._path), self._path
+            )
             # sockets, for one that is closed is never written to: its number may be somebody else's by then
             self._wake_read, self._wake = socket.socketpair()
         except (ReportedError, OSError) as error:
@@ -133,7 +143,7 @@ class RecordStream:
         selector = selectors.DefaultSelector()
         readers = StreamReaders(selector)
         try:
-            selector.register(self._listener, selectors.EVENT_READ)
+            selector.register(self._acceptor.listener, selectors.EVENT_READ)
             selector.register(self._wake_read, selectors.EVENT_READ)
             self._loop(selector, readers)
         except Exception:  # noqa: BLE001 it ends no program
@@ -143,10 +153,7 @@ class RecordStream:
             for reader in readers:
                 readers.drop(reader)
             selector.close()
-            self._listener.close()
-            with suppress(OSError):  # not that of one who came after us
-                if self._path.stat().st_ino == self._inode:
-                    self._path.unlink()
+            self._acceptor.close()
             self._wake_read.close()
 
     def _loop(self, selector: selectors.BaseSelector, readers: StreamReaders) -> None:
@@ -155,8 +162,8 @@ class RecordStream:
             for key, events in selector.select(LOOK_S if len(readers) else None):
                 if isinstance(key.data, StreamReader):
                     self._talk(readers, key.data, events)
-                elif key.fileobj is self._listener:
-                    readers.accept(self._listener)
+                elif key.fileobj is self._acceptor.listener:
+                    readers.accept(self._acceptor)
                 else:
                     self._wake_read.recv(100)
             sent = self._send_all(readers)
@@ -178,14 +185,19 @@ class RecordStream:
         if not events & selectors.EVENT_READ or reader.sock.fileno() < 0:
             return
         lines, goes_on = reader.receive()
+        if reader.floods(len(lines), now_us()):
+            too_many = Answer(False, f"More than {MOST_MESSAGES} messages came within a second.")
+            readers.put(reader, answer_line(None, too_many))
+            readers.drop(reader)
+            return
         for line in lines:
             try:
                 message = read_command_message(line)
             except UsageError as error:
                 readers.put(reader, answer_line(None, Answer(False, str(error))))
                 continue
-            if reader.commands_waiting >= MOST_COMMANDS:
-                busy = Answer(False, "Too many commands wait already: this one is not executed.")
+            if reader.commands_waiting >= MOST_COMMANDS or self._commands.qsize() >= MOST_COMMANDS_OF_ALL:
+                busy = Answer(False, "Too many commands are waiting: this one is not executed.")
                 readers.put(reader, answer_line(message.id, busy))
                 continue
             reader.commands_waiting += 1
@@ -244,7 +256,7 @@ class RecordStream:
             )
         at = now_us()
         if at > message.until_us:
-            return Answer(False, "The command came too late and was not executed.")
+            return Answer(False, TOO_LATE)
         if message.until_us > at + COMMAND_VALID_US:
             return Answer(False, "The command may wait for too long and was not executed: its time is wrong.")
-        return self._command(message.command)
+        return self._command(message)

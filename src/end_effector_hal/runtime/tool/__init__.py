@@ -2,7 +2,17 @@
 
 from ._end_effector import EndEffector
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
+from ._plain_outputs import PlainOutputs
 from ._ready import changer_is_sensed
 from ._reset import reset
 
-__all__ = ["EndEffector", "GoalRunner", "Refused", "Result", "RunningGoal", "changer_is_sensed", "reset"]
+__all__ = [
+    "EndEffector",
+    "GoalRunner",
+    "PlainOutputs",
+    "Refused",
+    "Result",
+    "RunningGoal",
+    "changer_is_sensed",
+    "reset",
+]

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer, Status, ending_in_words
 from end_effector_hal.control.goals import tool_status
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.arbiter import PredicatePublisher
@@ -27,6 +27,7 @@ from end_effector_hal.wires.sensors import SensorReader
 
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._listeners import Audience
+from ._plain_outputs import PlainOutputs
 from ._ready import changer_ready, gripper_ready, missing
 from ._reset import reset
 
@@ -73,6 +74,8 @@ class EndEffector(Closing):
                 ChangerProgram, description, self._changer_moved, traces=traces, limits=limits, judge=judge
             )
             undo.callback(self._change.close)
+            self._outputs = PlainOutputs(description)
+            undo.callback(self._outputs.close)
             self._goals = GoalRunner({"grip": self._grip, "tool_change": self._change}, lambda: self.status)
             self._predicates = PredicatePublisher(description, judge=judge)
             self._reader = SensorReader(description, on_frame=self._frame_came)
@@ -104,9 +107,14 @@ class EndEffector(Closing):
             unit.start()
 
     def close(self, ending: str = "sigterm") -> None:
-        """End: the line arbiter does what the description declares. Listeners get what waits for them, within 2 s."""
+        """End: the line arbiter does what the description declares. Listeners get what waits for them, within 2 s.
+
+        A command that runs ends UNREACHABLE, and says what becomes of the outputs.
+        """
+        self._goals.close(ending_in_words(self.description, self.status, on=ending))
         for unit in self._units:
             unit.close(ending)
+        self._outputs.close()
         self._reader.close()
         self._predicates.close()
         self._audience.close()
@@ -213,9 +221,25 @@ class EndEffector(Closing):
     def set_actuator(self, name: str, active: bool) -> Answer:
         """Drive one actuator in maintenance; raises UsageError for an unknown name."""
         if name not in self.description.actuators:
-            known = ", ".join(self.description.sequence)
-            raise UsageError(f"{name!r} is no actuator of {self.description.name}.", todo=f"It has {known}.")
+            raise self._unknown("actuator", name, self.description.sequence)
         return self._grip.set_actuator(name, active)
+
+    def set_output(self, name: str, active: bool) -> Answer:
+        """Switch a plain output; raises UsageError for an unknown name."""
+        if name not in self.description.outputs:
+            raise self._unknown("output", name, tuple(self.description.outputs))
+        return self._outputs.set(name, active)
+
+    @property
+    def outputs(self) -> Mapping[str, bool]:
+        """The plain outputs, and which are active, as the line arbiter reads them back; raises ArbiterError."""
+        return self._outputs.levels
+
+    def _unknown(self, what: str, name: str, names: Sequence[str]) -> UsageError:
+        hint = did_you_mean(name, names)
+        known = f"It has {', '.join(names)}." if names else "It has none."
+        todo = f"{hint[:1].upper()}{hint[1:]} {known}".lstrip()
+        return UsageError(f"{name!r} is no {what} of {self.description.name}.", todo=todo)
 
     @property
     def _units(self) -> tuple[Program, Program]:

@@ -113,6 +113,12 @@ class GoalRunner:
         with self._lock:
             self._look()
 
+    def close(self, todo: str) -> None:
+        """We end: a goal that runs gets its ending now, ``todo`` in it, and none is begun any more."""
+        with self._lock:
+            self._look()
+            self._keep(self._goals.close("This process", todo, now_us()))
+
     def _look(self) -> None:
         """See the newest statuses: the end of a goal is in them."""
         at = now_us()
@@ -149,5 +155,8 @@ class RunningGoal(Goal):
         if self.result is None:
             self.runner.wait(self, timeout_s)
         if self.result is None:
-            raise TimeoutError(f"{self.name} is not over after {timeout_s:g} s; it goes on.")
+            raise TimeoutError(
+                f"{self.name} has not finished after {timeout_s:g} s and is still running. "
+                "Call wait() again, or cancel()."
+            )
         return self.result

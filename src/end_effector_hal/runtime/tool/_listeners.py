@@ -13,6 +13,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import OVER
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.runtime")
@@ -113,7 +114,7 @@ class Listening(Generic[T]):
             lost, self._lost = self._lost, 0
         if self._failing:
             missed = f" {lost} were dropped." if lost else ""
-            self._over, self._failing = f"Over: {self._failing}{missed}", ""
+            self._over, self._failing = f"{OVER}{self._failing}{missed}", ""
 
 
 class Audience:

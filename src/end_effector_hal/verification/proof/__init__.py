@@ -1,21 +1,27 @@
 """The proof: every requirement of a UPPAAL file, what queries cannot say, and the worst cases."""
 
-from ._counterexample import write_counterexample
-from ._finding import Finding, Proof, Requirement, WorstCase, requirements_of
+from ._counterexample import counterexample_run, told_run, write_counterexample
+from ._finding import UNMET, Finding, Proof, Requirement, WorstCase, requirements_of
+from ._free_sensors import FREE_SENSORS, free_constants
 from ._prove import Progress, prove
 from ._verdict import Verdict, keep_verdict, kept_verdict, proof_verdict
 
 __all__ = [
+    "FREE_SENSORS",
+    "UNMET",
     "Finding",
     "Progress",
     "Proof",
     "Requirement",
     "Verdict",
     "WorstCase",
+    "counterexample_run",
+    "free_constants",
     "keep_verdict",
     "kept_verdict",
     "proof_verdict",
     "prove",
     "requirements_of",
+    "told_run",
     "write_counterexample",
 ]

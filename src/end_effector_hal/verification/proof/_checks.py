@@ -6,23 +6,38 @@ from dataclasses import replace
 from time import perf_counter
 
 from timed_automata import Network, make_network
-from timed_automata.explore import CoverageReport, Explorer, Overview, overview
+from timed_automata.explore import CoverageReport, Explorer, Overview, ReactionBound, overview
 
 from ._finding import Finding
 
+_ROOM = "Every time-out that is executed is due D ({} ms) before its invariant ends it."
+_TIME = "time", "Time can always pass: no timelock, and no endless run in finite time."
+_NO_TIMELOCK = "timelock", "Nowhere is time stopped: no timelock."
 
-def checks(explorer: Explorer, found: Overview) -> tuple[Finding, ...]:
+
+def checks(
+    explorer: Explorer, found: Overview, reaction: ReactionBound | None = None, *, flickers: bool = False
+) -> tuple[Finding, ...]:
     """Of one network, after the exploration ``found``; where that decides, states and seconds are zero.
+
+    ``flickers``: that time diverges is not asked.
 
     Raises:
         RunTimeError: a value leaves its range.
     """
     missing = found.coverage
+    room = () if reaction is None else (_nothing("room", _ROOM.format(reaction.room), found.late),)
+    time = (
+        _time(explorer, replace(found, zeno=False), *_NO_TIMELOCK)
+        if flickers
+        else _time(explorer, found, *_TIME)
+    )
     return (
         _nothing("locations", "Every location can be reached.", missing.locations),
         _nothing("edges", "Every edge can fire.", missing.edges),
         _nothing("channels", "Every channel has both ends.", found.open_channels),
-        _time(explorer, found),
+        *room,
+        time,
     )
 
 
@@ -46,8 +61,7 @@ def _nothing(id_: str, sentence: str, faults: tuple[str, ...]) -> Finding:
     return Finding(id_, sentence, "", not faults, 0, 0.0, "; ".join(faults))
 
 
-def _time(explorer: Explorer, found: Overview) -> Finding:
-    id_, sentence = "time", "Time can always pass: no timelock, and no endless run in finite time."
+def _time(explorer: Explorer, found: Overview, id_: str, sentence: str) -> Finding:
     if not (found.stopped or found.zeno):
         return Finding(id_, sentence, "", True, 0, 0.0)
     begun, verdict = perf_counter(), None

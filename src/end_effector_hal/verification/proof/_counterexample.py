@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import RunInfo, StatesLog, StatesWriter
+from end_effector_hal.recording import RunInfo, StatesLog, StatesWriter, Watched
 from end_effector_hal.verification._model_run import has_states, states_of
-from timed_automata import Trace
+from timed_automata.explain import Explanation, WatchedClock
 
 from ._finding import Finding
+from ._why import names_in, why
 
 Draw = Callable[[StatesLog, RunInfo, Path], list[Path]]
 
@@ -38,22 +40,65 @@ def write_counterexample(
     try:
         place.mkdir(parents=True, exist_ok=True)
         text = place / "run.txt"
-        text.write_text("\n".join((finding.sentence, finding.query, "", *trace.lines, "")), encoding="utf-8")
+        lines = (finding.sentence, finding.query, "", *told_run(finding, actuators), "")
+        text.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
         raise UsageError(f"Cannot be written: {error.strerror}.", where=str(place)) from None
-    if not has_states(trace.network):
+    if (run := counterexample_run(finding, info, actuators)) is None:
         return [text]
-    return [text, *_recording(finding, trace, place, info, draw, actuators)]
-
-
-def _recording(
-    finding: Finding, trace: Trace, place: Path, info: RunInfo, draw: Draw, actuators: Sequence[str]
-) -> list[Path]:
-    log = states_of(trace, actuators)
-    info = replace(info, scenario=f"counterexample: {finding.sentence}", simulated=True)
+    log, info = run
     states = place / "states.csv"
     states.unlink(missing_ok=True)
     with StatesWriter(states, log.actuators) as writer:
         for row in log.rows:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    return [states, info.write(place), *draw(log, info, place)]
+    return [text, states, info.write(place), *draw(log, info, place)]
+
+
+def told_run(finding: Finding, actuators: Sequence[str] = ()) -> list[str]:
+    """The run that refutes a requirement as text: its steps, and at last why it refutes it."""
+    trace = finding.trace
+    if trace is None:
+        return []
+    names = names_in(trace.network, actuators)
+    return [*trace.lines_with(names), "", why(finding, names).sentence]
+
+
+def counterexample_run(
+    finding: Finding, info: RunInfo, actuators: Sequence[str] = ()
+) -> tuple[StatesLog, RunInfo] | None:
+    """The states of a run that refutes a requirement, and what to say of it; None: it has none."""
+    if finding.trace is None or not has_states(finding.trace.network):
+        return None
+    network = finding.trace.network
+    found = why(finding, names_in(network, actuators))
+    info = replace(
+        info,
+        scenario="counterexample",
+        simulated=True,
+        violated=finding.sentence,
+        violated_s=_seconds(finding.trace.end),
+        because=found.sentence,
+        watched=_watched(found),
+    )
+    return states_of(finding.trace, actuators), info
+
+
+def _watched(found: Explanation) -> tuple[Watched, ...]:
+    """In seconds."""
+    return tuple(
+        Watched(
+            each.name,
+            each.wrong,
+            points=tuple((_seconds(at), _seconds(value)) for at, value in each.points),
+            limits=tuple((words, _seconds(value)) for words, value in each.limits),
+            deadline_s=None if each.deadline is None else _seconds(each.deadline),
+        )
+        if isinstance(each, WatchedClock)
+        else Watched(each.name, each.wrong, values=tuple((_seconds(at), words) for at, words in each.changes))
+        for each in found.watched
+    )
+
+
+def _seconds(ms: Fraction | int) -> float:
+    return float(ms) / 1000

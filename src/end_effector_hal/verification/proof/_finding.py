@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
 from end_effector_hal.errors import ModelError
 from timed_automata import Network, Trace
+from timed_automata.check import query_faults
 from timed_automata.queries import Query, parse_query
 
 _COMMENT = re.compile(r"\s*\[([a-z0-9][a-z0-9-]*)\]\s*(.*)", re.DOTALL)
+
+UNMET = "it says nothing here: its condition is never met"
+"""The remark of a requirement that holds and proves nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,24 +92,34 @@ class Requirement:
         return partial(Finding, self.id, self.sentence, str(self.query))
 
 
-def requirements_of(network: Network) -> tuple[Requirement, ...]:
-    """The requirements that are stored in the file of a network.
+def stored_requirements(network: Network) -> tuple[Requirement | Finding, ...]:
+    """What is stored in the file of a network; what cannot be asked is found to be open, with the reason.
 
     Raises:
-        ModelError: a query is outside of the supported subset, or two have one id.
+        ModelError: two queries have one id.
     """
-    found: dict[str, Requirement] = {}
+    found: dict[str, Requirement | Finding] = {}
     for number, stored in enumerate(network.document.queries, start=1):
         if not stored.formula.content.strip():
             continue
-        query = parse_query(stored.formula)
         named = _COMMENT.fullmatch(stored.comment)
         id_, sentence = (named[1], named[2]) if named else (f"query-{number}", stored.comment)
         if id_ in found:
             where = stored.formula.whole.where
             raise ModelError(f"Two queries are named [{id_}].", where=where, todo="Rename one of them.")
-        found[id_] = Requirement(id_, " ".join(sentence.split()) or str(query), query)
+        said, asked = " ".join(sentence.split()), " ".join(stored.formula.content.split())
+        fault = next(query_faults(network, stored), None)
+        if fault is None:
+            found[id_] = Requirement(id_, said or asked, parse_query(stored.formula))
+        else:
+            remark = f"not decided: {fault}"
+            found[id_] = Finding(id_, said or asked, asked, False, 0, 0.0, remark, decided=False)
     return tuple(found.values())
+
+
+def requirements_of(network: Network) -> tuple[Requirement, ...]:
+    """The requirements of the file of a network that can be asked; raises as `stored_requirements` does."""
+    return tuple(each for each in stored_requirements(network) if isinstance(each, Requirement))
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +148,11 @@ class Proof:
         """The worst cases by name: ``grip_s`` of the requirement ``grip``."""
         return {f"{f.id.replace('-', '_')}_s": f.worst for f in self.findings if f.worst is not None}
 
-    def document(self) -> dict[str, object]:
-        """As JSON: requirements, bounds in seconds, and edges that are switched off."""
+    def document(self, reasons: Mapping[str, str] | None = None) -> dict[str, object]:
+        """As JSON: requirements, bounds in seconds, and edges that are switched off.
+
+        ``reasons``: of requirements that do not hold why, by id; else what the remark says.
+        """
         return {
             "requirements": [
                 {
@@ -145,6 +162,7 @@ class Proof:
                     "holds": finding.holds,
                     "states": finding.states,
                     "seconds": round(finding.seconds, 6),
+                    "why": "" if finding.holds else (reasons or {}).get(finding.id, finding.remark),
                 }
                 for finding in self.findings
             ],

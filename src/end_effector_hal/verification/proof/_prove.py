@@ -2,52 +2,80 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from time import perf_counter
 
 from end_effector_hal.errors import RangeError
 from timed_automata import Network, Trace
-from timed_automata.explore import Explorer, Overview, RunTimeError, Verdict, overview, relaxed
+from timed_automata.explore import Explorer, Overview, ReactionBound, RunTimeError, Verdict, overview, relaxed
 from timed_automata.queries import Query
 
 from ._checks import checks, without_unused
-from ._finding import Finding, Proof, Requirement, WorstCase, requirements_of
+from ._finding import UNMET, Finding, Proof, Requirement, WorstCase, stored_requirements
 
 Progress = Callable[[str, int], None]
 _FAR = 4  # times the required bound: a worst case beyond is told as "at least"
 _LONG = 10  # times the states of the whole proof that may be spent on worst cases
 
 
-def prove(network: Network, progress: Progress | None = None) -> Proof:
+def prove(
+    network: Network,
+    progress: Progress | None = None,
+    *,
+    executed: Collection[str] = (),
+    flickers: bool = False,
+) -> Proof:
     """Prove or refute every requirement of a network.
 
     Args:
         network: with the constants of a description, or as its file stands.
         progress: called now and then with what is being done, and the number of states so far.
+        executed: templates that a program executes: their time-outs must leave the room `D`, a constant of the file.
+        flickers: its sensors may change any number of times at one instant. Such a run is endless and takes no time,
+            so that only timelocks are asked for, not whether time diverges.
+
+    A query that is not well-formed, or outside of the supported subset, is left open; the others are answered.
 
     Raises:
-        ModelError: a query is not well-formed, or outside of the supported subset.
+        ModelError: two queries have one id.
     """
-    return _Proving(network, progress or (lambda *_: None)).proof()
+    proving = _Proving(network, progress or (lambda *_: None), executed, flickers)
+    proof = proving.proof()
+    findings = list(proof.findings)
+    for at, finding in proving.unread:
+        findings.insert(at, finding)
+    return replace(proof, findings=tuple(findings))
 
 
 class _Proving:
-    def __init__(self, network: Network, progress: Progress) -> None:
-        self.requirements = requirements_of(network)
+    def __init__(
+        self, network: Network, progress: Progress, executed: Collection[str], flickers: bool
+    ) -> None:
+        self.flickers = flickers
+        stored = stored_requirements(network)
+        self.requirements = tuple(each for each in stored if isinstance(each, Requirement))
+        self.unread = [(at, each) for at, each in enumerate(stored) if isinstance(each, Finding)]
         self.network, self.progress, self.begun = network, progress, perf_counter()
+        bound = network.constants.get("D")
+        self.reaction = ReactionBound(executed, bound) if executed and isinstance(bound, int) else None
 
     def proof(self) -> Proof:
         queries = [requirement.query for requirement in self.requirements]
         try:
-            found = overview(self.network, queries, lambda states: self.progress("all requirements", states))
+            found = overview(
+                self.network,
+                queries,
+                lambda states: self.progress("all requirements", states),
+                reaction=self.reaction,
+            )
         except RangeError:
             return self._out_of_range()
         seconds = perf_counter() - self.begun
         found = without_unused(self.network, found)
         explorer = Explorer(self.network, lambda states: self.progress("the shortest runs", states))
         others = self._others(explorer, found)
-        extra = checks(explorer, found)
+        extra = checks(explorer, found, self.reaction, flickers=self.flickers)
         answered = sum(answer is not None for answer in found.answers)
         share = seconds / max(1, answered + sum(not check.seconds for check in extra))
         findings = [
@@ -62,13 +90,18 @@ class _Proving:
 
     def _finding(self, number: int, requirement: Requirement, found: Overview, share: float) -> Finding:
         """Of what the one exploration has answered."""
-        unmet = "it says nothing here: its condition is never met" if number in found.unmet else ""
+        unmet = UNMET if number in found.unmet else ""
         holds = found.answers[number] is True
         worst = None
         if response := found.bounded.get(number):
             longest = response.longest
             worst = WorstCase(longest.value if longest else None, response.most)
-        return requirement.finding(holds, found.states, share, unmet, worst=worst)
+        remark = unmet or self._nowhere(number, holds=holds)
+        return requirement.finding(holds, found.states, share, remark, worst=worst)
+
+    def _nowhere(self, number: int, *, holds: bool) -> str:
+        """The remark of what should be possible and is not: there is no run to show."""
+        return "no run leads there" if self.requirements[number].query.kind == "E<>" and not holds else ""
 
     def _others(self, explorer: Explorer, found: Overview) -> dict[int, Finding]:
         """What is left open: refuted with the shortest run, or of another kind."""
@@ -116,6 +149,7 @@ class _Proving:
 
     def _exact(self, number: int, verdict: Verdict, seconds: float) -> Finding:
         remark, trace = ", ".join(map(str, verdict.extremes)), None if verdict.holds else verdict.trace
+        remark = remark or self._nowhere(number, holds=verdict.holds)
         return self.requirements[number].finding(verdict.holds, verdict.states, seconds, remark, trace)
 
     def _out_of_range(self) -> Proof:

@@ -2,7 +2,7 @@
 
 from ._chain import SegmentEnd
 from ._differs import Difference
-from ._load import ProgramTrace, load_trace, traces_of
+from ._load import ProgramTrace, load_trace, runs_of, traces_of
 from ._missed import missed_moments
 from ._replay import Replay, replay
 from ._review import Review, review
@@ -17,5 +17,6 @@ __all__ = [
     "missed_moments",
     "replay",
     "review",
+    "runs_of",
     "traces_of",
 ]

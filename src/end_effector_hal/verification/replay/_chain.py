@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
+from end_effector_hal.description import Description
 from timed_automata import ExecutionSnapshot
 from timed_automata.monitor import Objection
 
 from ._load import ProgramTrace
+from ._written_lines import WrittenLines
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +24,8 @@ class SegmentEnd:
         complete: it was closed in good order.
         state: of its replayed controller, as JSON; None: it is not known.
         execution: of its automata, as the monitor followed them; None: they could not be followed to the end.
+        lines: what was written to them, and is owed to them.
+        path: of its file.
     """
 
     program: str
@@ -29,6 +34,8 @@ class SegmentEnd:
     complete: bool
     state: dict[str, Any] | None
     execution: ExecutionSnapshot | None
+    lines: WrittenLines
+    path: Path
 
 
 class Chain:
@@ -42,6 +49,7 @@ class Chain:
 
     def __init__(self, trace: ProgramTrace, before: SegmentEnd | None) -> None:
         header = trace.header
+        self._before_in_folder, self._path = before, trace.file.path
         ours = before is not None and bool(header.run)
         ours = ours and before is not None and (before.program, before.run) == (header.program, header.run)
         self._before = before if ours else None
@@ -51,6 +59,12 @@ class Chain:
         self.state = self._joined.state if self._joined is not None else None
         self.objections = tuple(Objection(header.at, "no run", what) for what in self._faults())
         self.notes = tuple(self._missing(trace))
+
+    def lines(self, tool: Description) -> WrittenLines:
+        """What is known of the lines where the segment begins."""
+        if self._joined is not None and self._joined.complete:
+            return self._joined.lines.copied()
+        return WrittenLines(tool, self._header.program)
 
     def compare(self, recorded: ExecutionSnapshot) -> Iterator[Objection]:
         """The state with which the segment begins, and the one in which the monitor saw the segment before it end."""
@@ -62,6 +76,7 @@ class Chain:
     def _faults(self) -> Iterator[str]:
         before, segment = self._before, self._header.segment
         if before is None:
+            yield from self._faults_of_run()
             return
         if before.segment >= segment:
             yield f"Segment {segment} was recorded after segment {before.segment}, but stands behind it."
@@ -69,6 +84,16 @@ class Chain:
             yield f"Between segment {before.segment} and this one, {segment}, others are missing."
         elif self._header.follows and not before.complete:
             yield f"Segment {before.segment} was closed in good order, and has no end now: something was cut off."
+        elif before.complete and self._joined is not None and not self._header.follows:
+            yield f"Segment {before.segment} was closed in good order, and this one does not say that it follows."
+
+    def _faults_of_run(self) -> Iterator[str]:
+        """Nothing of another run stands right before a segment that is not the first."""
+        other, header = self._before_in_folder, self._header
+        if other is None or not header.run or not other.run or header.segment <= 1:
+            return
+        if other.program == header.program and _number(other.path) + 1 == _number(self._path):
+            yield f"This is segment {header.segment} of a run, and the trace right before it is of another run."
 
     def _missing(self, trace: ProgramTrace) -> Iterator[str]:
         header = self._header
@@ -80,6 +105,12 @@ class Chain:
             )
         if header.segment > 1 and self._before is None:
             yield f"This is segment {header.segment}: it is judged from the state with which it begins."
+
+
+def _number(path: Path) -> int:
+    """Of a file ``NAME-N``; ``NAME`` alone is number 1."""
+    number = path.stem.rpartition("-")[2]
+    return int(number) if number.isdecimal() and len(number) < 10 else 1
 
 
 def _first_difference(seen: ExecutionSnapshot, recorded: ExecutionSnapshot) -> str:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+from end_effector_hal.control import word_of
+from end_effector_hal.description import Description
 
 NOTHING = "nothing"
 _UNTOLD = frozenset({"where"})
@@ -18,15 +21,30 @@ class Difference:
         at: µs, of the record.
         what: kind of the record, and the field in it.
         recorded, replayed: the values.
+        names: the word for each of them, where it is a number of Table II or the like.
     """
 
     at: int
     what: str
     recorded: object
     replayed: object
+    names: tuple[str | None, str | None] = (None, None)
 
     def __str__(self) -> str:
-        return f"{self.what}: recorded {_short(self.recorded)}, replayed {_short(self.replayed)}"
+        old, new = (
+            f"{_short(value)} ({name})" if name else _short(value)
+            for value, name in zip((self.recorded, self.replayed), self.names, strict=True)
+        )
+        return f"{self.what}: recorded {old}, replayed {new}"
+
+    def named(self, description: Description) -> Difference:
+        """The same with the words of a tool for its numbers."""
+        variable = self.what.rpartition(".")[2].replace("actuators[", "actuator[")
+        old, new = (
+            word_of(description, variable, value) if type(value) is int else None
+            for value in (self.recorded, self.replayed)
+        )
+        return replace(self, names=(old, new))
 
 
 def first_difference(kind: str, recorded: Any, replayed: Any) -> Difference | None:

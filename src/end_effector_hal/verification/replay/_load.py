@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import atexit
+import os
+import re
 import shutil
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -12,9 +14,9 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from end_effector_hal.control import PROGRAMS
+from end_effector_hal.control import PROGRAMS, network_of
 from end_effector_hal.description import Description, load
-from end_effector_hal.errors import DescriptionError, UsageError
+from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording import Record, TraceFile, read_trace
 from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL, Header
 
@@ -74,12 +76,27 @@ class ProgramTrace:
                 "This trace does not hold its description.", where=str(self.file.path), todo=todo
             )
         try:
-            return _unpacked(files[DESCRIPTION], files[MODEL])
-        except DescriptionError as error:
-            what = f"The description in this trace is not valid any more: {error.faults[0]}"
+            description = _unpacked(files[DESCRIPTION], files[MODEL])
+            network_of(description)  # it is kept, and asked for next
+        except ReportedError as error:
             raise UsageError(
-                what, where=str(self.file.path), todo="Name another with --description."
+                f"{self._doubt} {re.sub(r'^[^:]*/', '', str(error).splitlines()[0])}",
+                where=str(self.file.path),
+                todo="Name another with --description.",
             ) from None
+        return description
+
+    @property
+    def _doubt(self) -> str:
+        """Why the description of a trace, or its UPPAAL file, cannot be read; it was valid when it was written."""
+        if self.file.damaged:
+            return f"The trace is damaged ({self.file.note}), and with it the description in it:"
+        if self.file.complete:
+            return "This version does not take the description in this trace any more:"
+        return (
+            "Bytes of the description in this trace were changed, or this version does not take it any more "
+            "(the trace was not closed, so that no checksum tells):"
+        )
 
     def _fault(self, number: int, record: Record, error: Exception) -> UsageError:
         what = f"Record {number} ({record.kind}) cannot be read: {_short(error)}."
@@ -124,16 +141,39 @@ def traces_of(path: str | Path) -> tuple[Path, ...]:
     """The traces in a folder, or the one that is named, each program's in the order of writing.
 
     Raises:
-        UsageError: there is none.
+        UsageError: there is none, or the folder cannot be read.
     """
     path = Path(path)
     if path.suffix == SUFFIX and not path.is_dir():
         return (path,)
-    found = tuple(sorted(path.glob(f"*{SUFFIX}"), key=_order)) if path.is_dir() else ()
+    found = tuple(sorted(_listed(path), key=_order)) if path.is_dir() else ()
     if not found:
         todo = "Name a folder that `eehal run --record` or `eehal demo` wrote, or a .mcap file in it."
         raise UsageError("There is no trace here.", where=str(path), todo=todo)
     return found
+
+
+def runs_of(path: str | Path) -> tuple[Path, ...]:
+    """The folders of runs in a folder, however deep, in the order of their names; itself, if it has traces.
+
+    Links to other folders are not followed; one that cannot be read is among them, and told by `traces_of`. A file is
+    itself. Raises UsageError when there is none.
+    """
+    path = Path(path)
+    if not path.is_dir() or any(_listed(path)):
+        traces_of(path)
+        return (path,)
+    unread: list[Path] = []
+    walk = os.walk(path, onerror=lambda error: unread.append(Path(error.filename)))
+    found = [Path(folder) for folder, _, names in walk if any(name.endswith(SUFFIX) for name in names)]
+    return tuple(sorted(found + unread)) or traces_of(path)
+
+
+def _listed(folder: Path) -> list[Path]:
+    try:
+        return [each for each in folder.iterdir() if each.name.endswith(SUFFIX)]
+    except OSError as error:
+        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(folder)) from None
 
 
 def _order(path: Path) -> tuple[str, int]:

@@ -11,6 +11,7 @@ from pydantic_core import to_json
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.plugins import named
 from end_effector_hal.runtime.boundary import DECIDED, INPUTS, STATE, RecordedController, feed
 from timed_automata import Network
 
@@ -116,6 +117,8 @@ class _Replay:
             feed(self._controller, kind, record)
         except ReportedError as error:
             return Difference(record.at, kind, "taken", f"refused: {error}")
+        except Exception as error:  # noqa: BLE001 a recorded state may fit its form, and make no sense
+            return Difference(record.at, kind, "taken", f"impossible in this state: {named(error)}")
         return None
 
     def _take(self, kind: str, at: int, content: object) -> None:

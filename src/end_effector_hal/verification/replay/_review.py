@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from end_effector_hal.control import model_constants, network_of
 from end_effector_hal.description import Description, load
-from end_effector_hal.errors import DescriptionError
+from end_effector_hal.errors import DescriptionError, ReportedError, UsageError
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import OBSERVED, STATE
+from timed_automata import Step
 from timed_automata.monitor import Monitor, Objection
 
 from ._chain import Chain, SegmentEnd
+from ._header import header_objections
 from ._load import ProgramTrace
+from ._places import EdgePlaces
 from ._replay import Replay, replay
 
 
@@ -70,6 +73,8 @@ class Review:
                 "what": difference.what,
                 "recorded": difference.recorded,
                 "replayed": difference.replayed,
+                "recorded_name": difference.names[0],
+                "replayed_name": difference.names[1],
             },
             "steps": self.steps,
             "requirements": self.requirements,
@@ -95,16 +100,40 @@ def review(
         UsageError: a record cannot be read.
         ModelError: the automata cannot be executed.
     """
-    if description is None:
-        description = trace.description()
+    try:
+        return _reviewed(trace, description, before)
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        if isinstance(error, ReportedError):
+            raise
+        what = f"A record fits its form and makes no sense: {type(error).__name__}: {error}."
+        raise UsageError(what, where=str(trace.file.path)) from None
+
+
+def _reviewed(trace: ProgramTrace, description: Description | None, before: SegmentEnd | None) -> Review:
+    recorded_tool = trace.description()
+    description = description or recorded_tool
     chain = Chain(trace, before)
     network = network_of(description)
     processes = getattr(description.automata, trace.header.program)
     monitor = Monitor(network, processes, description.automata.interface, requirements=True)
     joint: list[Objection] = list(chain.objections)
+    joint += header_objections(trace, recorded_tool)
+    written, places = chain.lines(recorded_tool), EdgePlaces(network_of(recorded_tool))
+    writes = [number for number, record in enumerate(trace.file.records) if record.kind == "lines"]
     for number, record in enumerate(trace.file.records):
         if record.kind in OBSERVED:
-            monitor.observe(trace.typed(number))
+            observed = trace.typed(number)
+            monitor.observe(observed)
+            if isinstance(observed, Step):
+                joint += places.step(observed)
+        elif record.kind == "start":
+            joint += written.begin(trace.typed(number))
+        elif record.kind == "status":
+            written.status(trace.typed(number))
+        elif record.kind == "lines":
+            joint += written.lines(trace.typed(number), final=number == writes[-1])
+        elif record.kind == "owner" and not trace.typed(number).there:
+            written.lose()
         elif record.kind == STATE:
             recorded = trace.typed(number).execution
             monitor.resume(recorded)
@@ -114,6 +143,8 @@ def review(
         monitor.end(last_at)
     used = content_hash(description)
     replayed = replay(trace, description, network, chain.state)
+    if replayed.difference is not None:
+        replayed = replace(replayed, difference=replayed.difference.named(description))
     complete, header = trace.file.complete, trace.header
     return Review(
         trace,
@@ -130,6 +161,8 @@ def review(
             complete,
             replayed.end,
             monitor.snapshot if complete else None,
+            written,
+            trace.file.path,
         ),
     )
 

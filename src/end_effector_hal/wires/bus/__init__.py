@@ -1,8 +1,7 @@
 """Buses that are commanded: outputs that are registers, and what the same bus brings, for all who read it."""
 
-from ._lines import BusLines, BusLink
+from ._lines import BusLines, BusLink, bus_relay
 from ._outputs import BusOutputs
-from ._relay import RelayServer, connect_relay, relay_path
 from ._traffic import BusTraffic
 
 __all__ = [
@@ -10,7 +9,5 @@ __all__ = [
     "BusLink",
     "BusOutputs",
     "BusTraffic",
-    "RelayServer",
-    "connect_relay",
-    "relay_path",
+    "bus_relay",
 ]

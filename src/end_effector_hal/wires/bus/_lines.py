@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, cycle_record
+from end_effector_hal.description import Description
 from end_effector_hal.errors import LinkBusyError, WireError
 from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires._relay import RelayServer, relay_path
 from end_effector_hal.wires.bus._outputs import BusOutputs
-from end_effector_hal.wires.bus._relay import RelayServer
 from end_effector_hal.wires.bus._traffic import BusTraffic
 from end_effector_hal.wires.link import open_port
 
@@ -45,6 +46,11 @@ class BusLink(NamedTuple):
     codec: BusCodec
     baudrate: int
     parity: str
+
+
+def bus_relay(description: Description, socket: Path, name: str) -> Path:
+    """Where the line arbiter at ``socket`` hands on what a bus brings; ``name``: of its link."""
+    return relay_path(socket, f"bus.{name}" if len(description.buses) > 1 else "bus")
 
 
 class BusLines:

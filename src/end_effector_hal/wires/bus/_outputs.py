@@ -39,6 +39,8 @@ class BusOutput:
         """Why the last command was given up, a clause; empty: it was not."""
         self._rows: deque[tuple[int, ...]] = deque()
         self._undecided = False  # whether the device must be activated first is not known yet
+        self._was_off = False  # before the last command
+        self._waits = False  # for an activation of its device that another output has begun
         self._awaits_ready: int | None = None  # reported after this time, µs
         self._give_up_at: int | None = None
         self._commanded_at = self._progress_at = 0
@@ -51,6 +53,7 @@ class BusOutput:
 
     def command(self, level: bool, at: int) -> None:
         """What it is to be from now on; what was still to be written is forgotten."""
+        self._was_off, self._waits = self.known(at) is False, False
         # not before a late answer to the write before would be noise
         self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
         self._commanded_at = self._progress_at = at
@@ -77,8 +80,24 @@ class BusOutput:
         value, when = self._reports.get(channel or "", (None, 0))
         return value if at - when <= self._fresh_us else None
 
-    def advance(self, at: int, *, others_may_hold: bool) -> None:
-        """Time has come to ``at``; ``others_may_hold``: another output of the unit is active, or may be."""
+    @property
+    def begins(self) -> bool:
+        """Whether it was inactive, and nothing of its activation is done yet."""
+        return self._undecided and self._was_off
+
+    @property
+    def activates(self) -> bool:
+        """Whether the activation of its device is under way."""
+        return self._awaits_ready is not None
+
+    def advance(self, at: int, *, others_may_hold: bool, is_activated: bool) -> None:
+        """Time has come to ``at``.
+
+        Args:
+            at: µs.
+            others_may_hold: another output of the unit is active, or may be.
+            is_activated: another output of the unit has begun an activation that is under way.
+        """
         activation = self.stanza.activation
         if self._give_up_at is not None and self.pending and at >= self._give_up_at:
             not_ready = self._awaits_ready is not None
@@ -89,9 +108,12 @@ class BusOutput:
             return
         ready = self.reported(activation.ready, at)
         if self._undecided and ready is not None:
+            if not ready and is_activated and self.begins:
+                self._waits = True
+                return
             self._undecided = False
             if ready:
-                self._rows.append(self.stanza.command_on)
+                self._rows.extend((self.stanza.command_off, self.stanza.command_on)[not self._waits :])
             elif others_may_hold:
                 self._give_up("the device must be activated, and another actuator of it may hold a part")
             else:
@@ -191,7 +213,13 @@ class BusOutputs:
     def advance(self, at: int) -> None:
         """Time has come to ``at``."""
         for each in self._outputs.values():
-            each.advance(at, others_may_hold=self._others_may_hold(each, at))
+            of_unit = [other for other in self._outputs.values() if other.stanza.unit == each.stanza.unit]
+            others = [other for other in of_unit if other is not each]
+            each.advance(
+                at,
+                others_may_hold=any(not o.begins and o.known(at) is not False for o in others),
+                is_activated=any(other.activates for other in others),
+            )
 
     def next_write(self, at: int) -> RegisterWrite | None:
         """What is to be written now; registers of one unit that stand side by side are written together."""
@@ -242,13 +270,6 @@ class BusOutputs:
     def due(self) -> int | None:
         """When `next_write` is to be asked at the latest."""
         return min((each.due for each in self._outputs.values() if each.due is not None), default=None)
-
-    def _others_may_hold(self, output: BusOutput, at: int) -> bool:
-        return any(
-            each.known(at) is not False
-            for each in self._outputs.values()
-            if each is not output and each.stanza.unit == output.stanza.unit
-        )
 
     def _together(self, first: BusOutput, row: tuple[int, ...], at: int) -> RegisterWrite:
         """With the rows of others that stand right before or behind it and are due as well."""

@@ -20,6 +20,59 @@ class Cycle(NamedTuple):
     frame: Frame | None
 
 
+class EchoFilter:
+    """Takes what an RS-485 adapter hears of itself out of what comes.
+
+    The answer to a write of one register or coil repeats the request, so only other requests show whether it does. A
+    glitch may precede an echo, or destroy one: it is looked for anywhere, and one that is missing proves little.
+    """
+
+    SAME_ANSWER = (5, 6)
+    MOST_MISSED = 3
+
+    def __init__(self) -> None:
+        self.echoes = False
+        """Whether the adapter hears itself: a read has shown it, and the last three have not all shown the contrary."""
+        self._request, self._heard, self._passed, self._missed = b"", b"", True, 0
+
+    def sent(self, request: bytes) -> None:
+        """This is what comes first, if it does."""
+        self._learn()
+        self._request, self._heard, self._passed = request, b"", False
+
+    def feed(self, data: bytes) -> bytes:
+        """What has come without the echo; what may be the beginning of one waits."""
+        self._heard = (self._heard + data)[-MOST_KEPT:]
+        if self._passed:
+            return data
+        heard, request = self._heard, self._request
+        if self._shows and heard.startswith(request):
+            self.echoes = True
+        if self.echoes:
+            _, echo, rest = heard.partition(request)
+            self._passed = bool(echo)
+            return rest
+        if len(heard) < len(request) and request.startswith(heard):
+            return b""
+        self._passed = True
+        return heard
+
+    @property
+    def _shows(self) -> bool:
+        """Whether the answer to this request is another than its echo."""
+        return len(self._request) > 1 and self._request[1] not in self.SAME_ANSWER
+
+    def _learn(self) -> None:
+        if not self._shows or not self._heard:
+            return
+        if self._request in self._heard:
+            self.echoes, self._missed = True, 0
+            return
+        self._missed += 1
+        if self._missed >= self.MOST_MISSED:
+            self.echoes = False
+
+
 class BusTraffic:
     """Asks and commands, one request at a time.
 
@@ -34,9 +87,10 @@ class BusTraffic:
         self._until = 0
         self._free_at = 0
         self._rest = b""
-        self._read_next = (
-            False  # after a write that failed: one dead device must not end the reading of the others
-        )
+        # a read shows whether the adapter hears itself; and after a write that failed it comes first, or one dead
+        # device would end the reading of the others
+        self._read_next = True
+        self._echo = EchoFilter()
         self.unacknowledged = 0
         """Writes that were refused or not answered."""
 
@@ -51,16 +105,22 @@ class BusTraffic:
         if free and not self._read_next and (write := self._outputs.next_write(at)) is not None:
             self._write, self._rest, request = write, b"", write_request(write)
             self._until = at + self._master.answered_within_us(request)
+            self._echo.sent(request)
             return request, None
         if at < self._free_at:
             return b"", None
         before = self._master.answers
         polled = self._master.poll(at)
         self._read_next = self._read_next and not polled.data
+        if polled.data:
+            self._echo.sent(polled.data)
         return polled.data, self._cycle(at, polled.frames, before)
 
     def feed(self, data: bytes, at: int) -> Cycle | None:
         """The cycle that ends with what has come."""
+        data = self._echo.feed(data)
+        if not data:
+            return None
         if self._write is None:
             before = self._master.answers
             return self._cycle(at, tuple(self._master.feed(data, at)), before)

@@ -3,7 +3,8 @@
 from ._analog import AnalogReader, find_device
 from ._gpiod import INPUT_CONSUMER, GpiodInputLines
 from ._lines import Edges, InputLines, LineEdge, input_lines, pulls_of
-from ._reader import InputsHealth, InputsReader
+from ._reader import InputsHealth, InputsReader, lines_of
+from ._relayed import RelayedInputs, inputs_record
 from ._virtual import VirtualInputLines
 
 __all__ = [
@@ -15,8 +16,11 @@ __all__ = [
     "InputsHealth",
     "InputsReader",
     "LineEdge",
+    "RelayedInputs",
     "VirtualInputLines",
     "find_device",
     "input_lines",
+    "inputs_record",
+    "lines_of",
     "pulls_of",
 ]

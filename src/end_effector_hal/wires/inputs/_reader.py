@@ -87,7 +87,7 @@ class InputsReader:
         inputs = board_inputs(description)
         self._period_us = inputs.period_us if inputs else 0
         self._inputs = input_lines(description)
-        self._lines = lines or _lines_of(description)
+        self._lines = lines or lines_of(description)
         self._by_line = {
             line: {
                 name: each
@@ -303,7 +303,8 @@ def _noise(line: str, period_us: int) -> str:
     )
 
 
-def _lines_of(description: Description) -> InputLines:
+def lines_of(description: Description, reader: str = "inputs") -> InputLines:
+    """The input lines of a tool, for one of its two readers: that of the sensors, or the line arbiter."""
     if description.lines.backend == "virtual":
-        return VirtualInputLines(description.lines.path or "")
+        return VirtualInputLines(description.lines.path or "", reader=reader)
     return GpiodInputLines()

@@ -26,10 +26,13 @@ class VirtualInputLines:
     Args:
         path: the file of the chip.
         clock: µs, that of those who write into it.
+        reader: whose lines these are; each of them has a claim of its own.
     """
 
-    def __init__(self, path: str | Path, *, clock: Callable[[], int] = now_us) -> None:
-        self._path, self._clock = Path(path), clock
+    def __init__(
+        self, path: str | Path, *, clock: Callable[[], int] = now_us, reader: str = "inputs"
+    ) -> None:
+        self._path, self._clock, self._reader = Path(path), clock, reader
         self._claim: Claim | None = None
         self._watcher: ChipWatcher | None = None
         self._came: deque[Edge] = deque(maxlen=MOST_EDGES)
@@ -39,11 +42,11 @@ class VirtualInputLines:
         self._pending: dict[str, LineEdge] = {}
 
     def request(self, inputs: Mapping[str, DigitalInput]) -> None:
-        """Claim the inputs of the chip, whichever they are; see `InputLines.request`."""
+        """Claim the inputs that this reader has on the chip; see `InputLines.request`."""
         found = VirtualChip(self._path).read().lines
         if missing := [name for name in inputs if name not in found]:
             raise line_not_found(missing, list(found), looked_at=[str(self._path)])
-        self._claim = Claim(f"{self._path}.inputs.lock", "an input line of the virtual chip")
+        self._claim = Claim(f"{self._path}.{self._reader}.lock", "an input line of the virtual chip")
         self._debounce_us = {name: 1000 * each.debounce_ms for name, each in inputs.items()}
         self._came.clear()
         self._pending.clear()

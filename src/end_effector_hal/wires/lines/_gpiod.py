@@ -131,7 +131,11 @@ class GpiodLines:
                     request.release()
                 if error.errno == errno.EBUSY:
                     raise busy(chip, path, offsets) from error
-                raise WireError(f"the lines cannot be claimed: {error.strerror}.", where=path) from error
+                raise WireError(
+                    f"the lines cannot be claimed: {error.strerror}.",
+                    where=path,
+                    todo="`gpioinfo` shows who holds them; `eehal doctor --only lines` checks them.",
+                ) from error
             return request
 
 

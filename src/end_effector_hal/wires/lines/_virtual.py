@@ -158,7 +158,7 @@ class VirtualPins:
             raise WireError(
                 f"the virtual chip cannot be driven: {error.strerror}.",
                 where=str(self._path),
-                todo="Start `eehal testbench` anew: it makes the chip.",
+                todo="Restart `eehal testbench`: it makes the chip.",
             ) from error
 
     def close(self) -> None:
@@ -268,5 +268,9 @@ class VirtualLines:
                 todo="Make room on the disk.",
             ) from error
         if written != len(text):
-            raise WireError("the virtual chip cannot be written: no space.", where=str(self._chip.path))
+            raise WireError(
+                "the virtual chip cannot be written: no space.",
+                where=str(self._chip.path),
+                todo="Make room on the disk.",
+            )
         self._levels |= changes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from itertools import islice
 from typing import cast
 
@@ -47,14 +48,21 @@ class GuardedDecoder:
         self._kinds = calls.run("channels", lambda: dict(codec.channels))
         self._decoder = calls.run("decoder()", codec.decoder)
         self.asks = calls.run("decoder()", lambda: asks(self._decoder))
+        self._period_us = calls.run("period_us", lambda: int(codec.period_us))
         self._idle = False
         self._last = 0
         self.counters = self._count()
 
-    def feed(self, data: bytes) -> list[Frame]:
-        """The frames that end in what was just read."""
+    def feed(self, data: bytes, looked_at: int | None = None) -> list[Frame]:
+        """The frames that end in what was just read, each stamped with the time at which it came, see `as_they_came`.
+
+        Args:
+            data: what was read.
+            looked_at: µs, when nothing was there yet; default: a moment ago.
+        """
         at = now_us()
-        return self._frames("feed()", lambda: self._decoder.feed(data, at), len(data))
+        frames = self._frames("feed()", lambda: self._decoder.feed(data, at), len(data))
+        return as_they_came(frames, at, 0 if looked_at is None else at - looked_at, self._period_us)
 
     def poll(self) -> Polled:
         """What is to be sent now, and the frames that ended for want of an answer; of one that asks."""
@@ -97,3 +105,28 @@ class GuardedDecoder:
         if counters is None:
             raise self._calls.failure("its counters are no whole numbers by name")
         return counters
+
+
+STANDSTILL_US = 500_000
+"""Who has not looked for so long does not know when it came."""
+
+
+def as_they_came(frames: list[Frame], at: int, away_us: int, period_us: int) -> list[Frame]:
+    """Frames that were read at once with the times at which they came, as far as they are known.
+
+    A process that stood still finds what waited for it. Frames that fill this time came evenly until now. Of fewer,
+    nobody knows whether the link was silent before them or after them: they are as old as they can be.
+
+    Args:
+        frames: of one read, in order; those with a stamp of their own keep it.
+        at: µs, of this read.
+        away_us: since nothing was there yet.
+        period_us: between two frames.
+    """
+    count = len(frames)
+    known = away_us < STANDSTILL_US or 2 * count * period_us >= away_us
+    step_us = min(away_us // max(1, count), max(0, period_us))
+    return [
+        replace(frame, at=at - (behind * step_us if known else away_us)) if frame.at == at else frame
+        for behind, frame in zip(range(count - 1, -1, -1), frames, strict=True)
+    ]

@@ -67,4 +67,8 @@ def _explained(path: str, baudrate: int, error: OSError | ValueError) -> LinkErr
             where=path,
             todo="Give the device of the UART, such as /dev/verdin-uart1.",
         )
-    return LinkError(f"the port cannot be opened at {baudrate} baud: {error}.", where=path)
+    return LinkError(
+        f"the port cannot be opened at {baudrate} baud: {error}.",
+        where=path,
+        todo="Does the port support this rate? The key is link.baudrate.",
+    )

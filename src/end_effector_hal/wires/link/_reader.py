@@ -73,6 +73,10 @@ _log = logging.getLogger("end_effector_hal.wires")
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
 CLOSE_S = 2.0
 READ_BYTES = 4096
+LOOK_S = 0.03
+"""So often it is looked whether something has come, so that a process that stood still knows it."""
+FULL_BYTES = 4000
+"""So many at once, and the buffer of the kernel was full (4,095): nobody knows how old the newest is."""
 
 
 class LinkReader:
@@ -85,7 +89,8 @@ class LinkReader:
         port: device, or a link to it.
         codec: or its name.
         baudrate, parity: default: those of the codec.
-        on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read.
+        on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read, or, of several that
+            waited to be read, at which it must have come.
         on_change: each change of state, and of the error while it is down.
         on_bytes: what was read, before it is decoded.
         connect: opens something else in the place of the port; raises LinkError.
@@ -229,18 +234,26 @@ class LinkReader:
 
     def _read(self, port: OpenPort, decoder: GuardedDecoder) -> None:
         """Until the end; raises OSError when the port is lost, LinkError when the codec fails."""
-        fd = port.fileno()
+        fd, looked_at = port.fileno(), now_us()
         while not self._closed:
-            ready = select.select([fd, self._wake_read], [], [], decoder.wait_s())[0]
+            begun, wait_s = now_us(), decoder.wait_s()
+            wait_s = LOOK_S if wait_s is None else min(wait_s, LOOK_S)
+            ready = select.select([fd, self._wake_read], [], [], wait_s)[0]
             if self._wake_read in ready:
                 return
             if fd in ready:
+                begun = now_us()  # what comes from now on is in the next read
                 data = os.read(fd, READ_BYTES)
                 if not data:
                     raise OSError("end of file")
                 if self._on_bytes:
                     self._call(self._on_bytes, data)
-                self._deliver(decoder.feed(data))
+                if len(data) < FULL_BYTES or not os.isatty(fd):
+                    self._deliver(decoder.feed(data, looked_at))
+                else:
+                    _throw_away(fd)
+                    self._before = self._before.plus(Counters(errors={"late": len(data)}))
+            looked_at = begun
             if decoder.asks and not self._closed:
                 polled = decoder.poll()
                 if self._closed:
@@ -289,3 +302,10 @@ class LinkReader:
             callback(argument)
         except BaseException:  # noqa: BLE001 a callback may raise anything; the next frame counts
             _log.exception("a listener of %s failed", self._port)
+
+
+def _throw_away(fd: int) -> None:
+    """What waits to be read at a terminal."""
+    import termios  # what needs no port needs no POSIX
+
+    termios.tcflush(fd, termios.TCIFLUSH)

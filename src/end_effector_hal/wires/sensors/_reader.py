@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
-from end_effector_hal.codecs import board_inputs, codec_of
+from end_effector_hal.codecs import Codec, codec_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.signals import Frame
-from end_effector_hal.wires.inputs import InputsHealth, InputsReader
+from end_effector_hal.wires import connect_relay, relay_path
+from end_effector_hal.wires.inputs import InputsHealth, InputsReader, RelayedInputs
 from end_effector_hal.wires.link import LinkHealth, LinkReader
+
+from ._frame_order import FrameOrder
 
 if TYPE_CHECKING:
     from end_effector_hal.codecs.modbus import BusCodec
@@ -24,10 +27,6 @@ class SensorHealth:
 
     links: Mapping[str, LinkHealth]
     inputs: InputsHealth | None
-
-
-MOST_OVERTAKEN_US = 20_000
-"""Threads of two sources take turns within this; what waited longer was heard long before (a relay's backlog)."""
 
 
 class SensorReader:
@@ -59,31 +58,36 @@ class SensorReader:
         """Where the readings come from, for people."""
         self._on_frame, self._on_change = on_frame, on_change
         self._lock, self._change_lock = threading.Lock(), threading.Lock()
-        self._last, self._closed = 0, False
-        inputs = board_inputs(description)
+        self._order, self._closed = FrameOrder(), False
+        own = {name for name, each in description.channels.items() if each.on_board}
+        relayed = description.arbiter_inputs
+        own -= relayed
         self._links = {
             name: self._reader(description, name, partial(on_bytes, name) if on_bytes else None)
             for name in links
         }
         changed = partial(self._changed, "inputs of the board")
-        self._inputs = InputsReader(description, self._deliver, changed) if inputs else None
+        self._inputs = InputsReader(description.with_inputs(own), self._deliver, changed) if own else None
+        relay = relay_path(socket_path(description), "inputs")
+        self._relayed = RelayedInputs(relay, relayed, self._deliver, changed) if relayed else None
 
     def _reader(
         self, description: Description, name: str, on_bytes: Callable[[bytes], None] | None
     ) -> LinkReader:
         """Of the port; or of the line arbiter, where that masters the bus because it commands devices on it."""
         link, codec, connect = description.links[name], codec_of(description, name), None
-        if name == description.bus:
+        deliver = partial(self._deliver, waits_us=answers_us(codec))
+        if name in description.buses:
             from end_effector_hal.codecs.modbus import RelayedBus
-            from end_effector_hal.wires.bus import connect_relay, relay_path
+            from end_effector_hal.wires.bus import bus_relay
 
-            connect = partial(connect_relay, relay_path(socket_path(description)))
+            connect = partial(connect_relay, bus_relay(description, socket_path(description), name))
             codec = RelayedBus(cast("BusCodec", codec))
         return LinkReader(
             link.port,
             codec,
             link.baudrate,
-            self._deliver,
+            deliver,
             partial(self._changed, description.link_name(name) if name else "sensor link"),
             parity=link.parity,
             on_bytes=on_bytes,
@@ -114,24 +118,40 @@ class SensorReader:
     def health(self) -> SensorHealth:
         """As it is now; for any thread."""
         links = {name: link.health for name, link in self._links.items()}
-        return SensorHealth(links, self._inputs.health if self._inputs else None)
+        found = [each.health for each in (self._inputs, self._relayed) if each]
+        return SensorHealth(links, together(found) if found else None)
 
     @property
-    def _sources(self) -> tuple[LinkReader | InputsReader, ...]:
-        return (*self._links.values(), *([self._inputs] if self._inputs else []))
+    def _sources(self) -> tuple[LinkReader | InputsReader | RelayedInputs, ...]:
+        board = [each for each in (self._inputs, self._relayed) if each]
+        return (*self._links.values(), *board)
 
     def _changed(self, source: str, health: LinkHealth | InputsHealth) -> None:
         if self._on_change:
             with self._change_lock:
                 self._on_change(source, health)
 
-    def _deliver(self, frame: Frame) -> None:
+    def _deliver(self, frame: Frame, waits_us: int = 0) -> None:
         with self._lock:
             if self._closed:
                 return
-            late_us = self._last - frame.at
-            if 0 < late_us <= MOST_OVERTAKEN_US:  # of another source
-                frame = replace(frame, at=self._last)
-            # one that is older keeps its stamp: what judges frames refuses it, and says so
-            self._last = max(self._last, frame.at)
-            self._on_frame(frame)
+            self._on_frame(self._order.next(frame, waits_us))
+
+
+LONGEST_ANSWERS_US = 150_000
+
+
+def answers_us(codec: Codec) -> int:
+    """How long a cycle of Modbus may wait for devices that are dead, when the others have answered already."""
+    reads, timeout_us = getattr(codec, "reads", ()), getattr(codec, "timeout_us", 0)
+    return min(len(reads) * int(timeout_us), LONGEST_ANSWERS_US)
+
+
+def together(found: Sequence[InputsHealth]) -> InputsHealth:
+    """Of all inputs of the board, whoever reads them."""
+    frames = [each.last_frame for each in found if each.last_frame is not None]
+    counted = ("opened", "frames", "edges", "lost")
+    counters = {name: sum(getattr(each, name) for each in found) for name in counted}
+    error = " ".join(each.error for each in found if each.error)
+    since = max(each.since for each in found if each.error or not error)
+    return InputsHealth(error=error, since=since, last_frame=max(frames, default=None), **counters)

@@ -19,8 +19,7 @@ class VirtualInputs:
     Args:
         path: the file of the chip.
         names: the lines.
-        power_cycle: make the chip anew even if there is one.
-        others: further lines of a chip that is made; nothing hangs on them.
+        power_cycle: make a new chip even if there is one.
         pulled: further lines of it which the chip reads, and how it holds them.
     """
 
@@ -30,11 +29,10 @@ class VirtualInputs:
         names: Iterable[str],
         *,
         power_cycle: bool = False,
-        others: Iterable[str] = (),
         pulled: Mapping[str, Pull] | None = None,
     ) -> None:
         self._path, self._names, self._power_cycle = Path(path), tuple(names), power_cycle
-        self._others, self._pulled = tuple(others), dict(pulled or {})
+        self._pulled = dict(pulled or {})
         self._watcher: ChipWatcher | None = None
         self._pins = VirtualPins(self._path)
 
@@ -53,7 +51,7 @@ class VirtualInputs:
             ) from error
         chip = VirtualChip.create(
             self._path,
-            [*self._names, *self._others, *self._pulled],
+            [*self._names, *self._pulled],
             self._pulled,
             exist_ok=not self._power_cycle,
         )
@@ -62,7 +60,7 @@ class VirtualInputs:
             raise LineNotFoundError(
                 f"the virtual chip has no line {', '.join(missing)}, only {', '.join(lines)}.",
                 where=str(self._path),
-                todo="It was made for another tool: give another path, or --power-cycle to make it anew.",
+                todo="It was made for another tool: give another path, or --power-cycle to make a new one.",
             )
 
         levels: dict[str, bool] = {}

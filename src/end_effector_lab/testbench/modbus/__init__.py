@@ -1,7 +1,7 @@
 """Modbus devices at the far end of a bus: two of Robotiq's by their registers, and any that a description commands."""
 
 from ._commanded import CommandedRegisters
-from ._robotiq import EPick, Gripper2F85
+from ._robotiq import Gripper2F85, SimulatedEPick
 from ._rtu import RegisterMap, RtuServer
 
-__all__ = ["CommandedRegisters", "EPick", "Gripper2F85", "RegisterMap", "RtuServer"]
+__all__ = ["CommandedRegisters", "Gripper2F85", "RegisterMap", "RtuServer", "SimulatedEPick"]

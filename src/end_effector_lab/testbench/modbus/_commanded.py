@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-from end_effector_hal.description import Description
+from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Value
 
 from ._rtu import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer, read_request
@@ -14,12 +14,12 @@ class CommandedRegisters:
     """Obeys command_on and command_off of each output, once its unit is activated; others are refused.
 
     Args:
-        description: whose outputs these are.
+        outputs: of one bus, by their names.
         obey: called with the name and the level of an output that was commanded.
     """
 
-    def __init__(self, description: Description, obey: Callable[[str, bool], None]) -> None:
-        self._outputs, self._obey = description.register_outputs, obey
+    def __init__(self, outputs: Mapping[str, RegisterOutput], obey: Callable[[str, bool], None]) -> None:
+        self._outputs, self._obey = outputs, obey
         self._levels: dict[str, bool] = {}
         self._activated: set[int] = set()
 

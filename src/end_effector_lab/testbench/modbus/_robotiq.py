@@ -9,6 +9,8 @@ OUTPUTS, INPUTS = 0x03E8, 0x07D0
 SILENCE_US = 1_000_000
 """Without any message for so long: fault 9."""
 STANDS_IDLE = 9
+MAJOR = range(0x0A, 0x10)
+"""Faults that only an activation clears, by the drivers that give their codes."""
 TRAVEL_US = 700_000
 """Of the fingers, from open to closed at full speed; a guess."""
 ACTIVATION_US = 1_500_000
@@ -26,6 +28,8 @@ class _Robotiq:
 
     def __init__(self, at: int = 0) -> None:
         self.has_part = True
+        self.fault = 0
+        """Its fault status, beside that of a silent bus."""
         self.written: list[tuple[int, ...]] = []
         """All that was commanded, in order."""
         self.power_up(at)
@@ -58,6 +62,7 @@ class _Robotiq:
         active, was_active = self.commands[0] & 1, before[0] & 1
         if not active:
             self._activated_at, self._lost = None, False
+            self.fault = 0 if self.fault in MAJOR else self.fault
         elif not was_active:
             self._activated_at = at + self.ACTIVATION_US
         self._commanded(before, at)
@@ -84,7 +89,7 @@ class _Robotiq:
 
     @property
     def _fault(self) -> int:
-        return STANDS_IDLE if self._lost else 0
+        return self.fault or (STANDS_IDLE if self._lost else 0)
 
     def _status(self, at: int) -> list[int]:
         raise NotImplementedError
@@ -134,7 +139,7 @@ class Gripper2F85(_Robotiq):
         return [first, 0, self._fault, self.commands[3], round(self.position), 0]
 
 
-class EPick(_Robotiq):
+class SimulatedEPick(_Robotiq):
     """A pump; after 1 s without a message it stops, and releases: what its driver's authors saw, a guess here."""
 
     ACTIVATION_US = 500_000

@@ -5,7 +5,7 @@ under the name of the kind, and a test that inherits `PhysicsConformance` of its
 """
 
 from ._cylinder import Cylinder
-from ._device import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, Device, Plant
+from ._device import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, STICKS, Device, Plant
 from ._fingers import Fingers
 from ._magnet import HoldingMagnet
 from ._parts import STEP_S, STEP_US, Model, Sensor, Supply, Valve
@@ -21,6 +21,7 @@ __all__ = [
     "PRESSURE",
     "STEP_S",
     "STEP_US",
+    "STICKS",
     "Cylinder",
     "Device",
     "Fingers",

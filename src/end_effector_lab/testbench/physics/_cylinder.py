@@ -29,6 +29,8 @@ class Cylinder(Device):
     """
 
     traits: ClassVar = frozenset({ACTUATOR, PRESSURE})
+    grips_bit: ClassVar = "extended"
+    released_bit: ClassVar = "retracted"
 
     def __init__(
         self,
@@ -60,14 +62,6 @@ class Cylinder(Device):
     @property
     def draw_kpa(self) -> float:
         return 10.0 if self.valve.is_open and 0.0 < self.position < 1.0 else 0.0
-
-    @property
-    def grips(self) -> bool:
-        return self.bits["extended"]
-
-    @property
-    def is_released(self) -> bool:
-        return self.bits["retracted"]
 
     @property
     def settled(self) -> bool:

@@ -9,19 +9,25 @@ from typing import ClassVar, Self
 from ._parts import Model, Supply, Valve
 
 ACTUATOR, PRESSURE, LEAKS, PARTS, CHANGER = "actuator", "pressure", "leaks", "parts", "changer"
+STICKS = "sticks"
 """What the faults of a scenario ask for: it holds something, has a pressure sensor, can leak, may have no part to
-grip, is a tool changer."""
+grip, is a tool changer, has parts that may stick to it."""
 
 
 class Device(Model):
     """A model behind a valve that a line switches.
 
     Attributes:
-        traits: which faults it can have: `ACTUATOR`, `PRESSURE`, `LEAKS`, `PARTS`, `CHANGER`.
+        traits: which faults it can have: `ACTUATOR`, `PRESSURE`, `LEAKS`, `PARTS`, `CHANGER`, `STICKS`.
+        grips_bit, released_bit, empty_bit: which of its `bits` shows that it has done what an activation is for, what a
+            deactivation is for, or that it gripped nothing; empty: none does.
         valve_us: the least and the longest dead time of its valve.
     """
 
     traits: ClassVar[frozenset[str]] = frozenset({ACTUATOR})
+    grips_bit: ClassVar[str] = ""
+    released_bit: ClassVar[str] = ""
+    empty_bit: ClassVar[str] = ""
     valve_us: ClassVar[tuple[int, int]] = (15_000, 60_000)
 
     def __init__(self, valve: Valve, start: int = 0) -> None:
@@ -50,6 +56,14 @@ class Device(Model):
         if not part:
             raise ValueError(f"{type(self).__name__} does not know of parts")
 
+    def stick(self, sticks: bool) -> None:
+        """Whether the part stays on it when it is released, until it is blown off; only what `STICKS` does."""
+        if sticks:
+            raise ValueError(f"nothing sticks to {type(self).__name__}")
+
+    def blow(self, active: bool, at: int) -> None:
+        """Its blow-off valve is energised, or not any more; of most devices nothing hangs on it."""
+
     @property
     def draw_kpa(self) -> float:
         """How far it pulls down the supply at this moment."""
@@ -67,17 +81,17 @@ class Device(Model):
     @property
     def grips(self) -> bool:
         """Whether it has done what an activation is for; it decides what sensors show that only conditions know."""
-        return self.settled and self.valve.is_open
+        return self.bits[self.grips_bit] if self.grips_bit else self.settled and self.valve.is_open
 
     @property
     def is_released(self) -> bool:
         """Whether it has done what a deactivation is for."""
-        return self.settled and not self.valve.is_open
+        return self.bits[self.released_bit] if self.released_bit else self.settled and not self.valve.is_open
 
     @property
     def is_empty(self) -> bool:
         """Whether it has gripped nothing."""
-        return False
+        return bool(self.empty_bit) and self.bits[self.empty_bit]
 
     @property
     @abstractmethod

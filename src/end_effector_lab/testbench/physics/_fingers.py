@@ -24,6 +24,9 @@ class Fingers(Device):
     """
 
     traits: ClassVar = frozenset({ACTUATOR, PARTS})
+    grips_bit: ClassVar = "part"
+    released_bit: ClassVar = "open"
+    empty_bit: ClassVar = "closed"
 
     def __init__(self, valve: Valve | None = None, *, start: int = 0) -> None:
         super().__init__(valve or Valve(30_000), start)
@@ -42,18 +45,6 @@ class Fingers(Device):
             "closed": self.position >= 1 - _SWITCH,
             "part": self._on_part and self.position == PART_AT,
         }
-
-    @property
-    def grips(self) -> bool:
-        return self.bits["part"]
-
-    @property
-    def is_released(self) -> bool:
-        return self.bits["open"]
-
-    @property
-    def is_empty(self) -> bool:
-        return self.bits["closed"]
 
     @property
     def settled(self) -> bool:

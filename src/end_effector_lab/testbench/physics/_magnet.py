@@ -24,6 +24,8 @@ class HoldingMagnet(Device):
     """
 
     traits: ClassVar = frozenset({ACTUATOR, PARTS})
+    grips_bit: ClassVar = "part"
+    released_bit: ClassVar = "gone"
 
     def __init__(self, valve: Valve | None = None, *, start: int = 0) -> None:
         super().__init__(valve or Valve(20_000), start)
@@ -37,14 +39,6 @@ class HoldingMagnet(Device):
     @property
     def bits(self) -> Mapping[str, bool]:
         return {"part": self._holds, "gone": not self._holds}
-
-    @property
-    def grips(self) -> bool:
-        return self.bits["part"]
-
-    @property
-    def is_released(self) -> bool:
-        return self.bits["gone"]
 
     @property
     def settled(self) -> bool:

@@ -1,4 +1,4 @@
-"""A tool changer: active unlocks, inactive locks (ISO 11593)."""
+"""A tool changer: active unlocks, inactive locks."""
 
 from __future__ import annotations
 

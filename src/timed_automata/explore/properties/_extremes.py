@@ -125,8 +125,7 @@ class _Attempt:
 
     def _endless(self, node: SearchNode) -> bool:
         """Whether time can pass without end where the condition holds."""
-        discrete = node.record.discrete
-        if not discrete.delays or discrete.invariant:
+        if not node.record.discrete.endless:
             return False
         return any(all(j for _, j, _ in constraints) for constraints, _ in self.cases.of(node.record))
 

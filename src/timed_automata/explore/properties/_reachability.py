@@ -67,8 +67,9 @@ def timelock() -> Reachability:
     deadlocks = Deadlocks()
 
     def part(record: StateRecord, zone: Zone) -> Zone | None:
-        endless = record.discrete.delays and not record.discrete.invariant
-        return None if endless or deadlocks.ruled_out(record) else deadlocks.part(record, zone)
+        return (
+            None if record.discrete.endless or deadlocks.ruled_out(record) else deadlocks.part(record, zone)
+        )
 
     remark = "no transition is possible, and time cannot go on"
     return Reachability("", part, remark, invariance=True, about_deadlock=True)

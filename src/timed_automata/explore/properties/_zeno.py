@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
+from timed_automata.compiler import Bound
 from timed_automata.explore.search import (
     Leg,
     NoRunError,
@@ -68,20 +69,31 @@ class Arc(NamedTuple):
     set: frozenset[int]
 
 
-def _marks(action: Action) -> tuple[frozenset[int], frozenset[int], frozenset[int]]:
-    tested = frozenset(clock for clock, op, value in action.guard if op in (">=", ">", "==") and value >= 1)
+def _marks(
+    action: Action, invariant: tuple[Bound, ...]
+) -> tuple[frozenset[int], frozenset[int], frozenset[int]]:
+    """Of an action that leads to where an invariant holds: its lower bounds test what is not set on the way."""
+    kept = (bound for bound in invariant if bound.clock not in action.resets)
+    tested = frozenset(
+        clock for clock, op, value in (*action.guard, *kept) if op in (">=", ">", "==") and value >= 1
+    )
     zeroed = frozenset(clock for clock, value in action.resets.items() if not value)
     return tested, zeroed, frozenset(action.resets) - zeroed
 
 
+def _kind(one: Taken) -> tuple[Action, tuple[Bound, ...]]:
+    _, target, move = one
+    return move.action, target.form.entry
+
+
 def zeno_cycle(taken: Sequence[Taken]) -> list[Arc] | None:
     """A cycle on which no time needs to pass, the shortest of its kind through one state; None if there is none."""
-    actions = {move.action for _, _, move in taken}
-    marks = {action: _marks(action) for action in actions}
-    blind = frozenset[int]().union(*(marks[action][2] for action in actions))
-    slow = {action for action, (tested, zeroed, _) in marks.items() if (tested & zeroed) - blind}
-    quick = _round([one for one in taken if one[2].action not in slow])
-    pending = [[Arc(source, target, move, *marks[move.action]) for source, target, move in quick]]
+    kinds = {_kind(one) for one in taken}
+    marks = {kind: _marks(*kind) for kind in kinds}
+    blind = frozenset[int]().union(*(marks[kind][2] for kind in kinds))
+    slow = {kind for kind, (tested, zeroed, _) in marks.items() if (tested & zeroed) - blind}
+    quick = _round([one for one in taken if _kind(one) not in slow])
+    pending = [[Arc(*one, *marks[_kind(one)]) for one in quick]]
     while pending:
         for part in _strong(pending.pop()):
             clocks = _opposed(part)

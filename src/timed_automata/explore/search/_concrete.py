@@ -71,6 +71,7 @@ def concrete(
             for clock, value in leg.move.action.resets.items():
                 timing.set(clock, value)
             instants.append(timing.now)
+        timing.require(visit.record.form.entry)
         _require(timing, visit.record, visit.entry)
         timing.advance(delays=visit.record.discrete.delays)
         timing.require(visit.record.discrete.invariant)

@@ -83,8 +83,6 @@ def _enabling(record: StateRecord, step: PlannedMove) -> tuple[Constraint, ...] 
     for bound in target.discrete.invariant if move.error is None else ():
         if bound.clock not in resets:
             found += record.constraints((bound,))
-        elif not (
-            resets[bound.clock] < bound.value or (bound.op == "<=" and resets[bound.clock] == bound.value)
-        ):
+        elif not bound.allows(resets[bound.clock]):
             return None
     return tuple(found)

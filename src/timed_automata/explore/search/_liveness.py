@@ -156,7 +156,7 @@ class LassoSearch:
     def _end(self, state: LassoState) -> Lasso | None:
         record, zone = state.record, state.zone
         if record.discrete.delays and unbounded(zone, record.n):
-            return Lasso(self._legs(state), _endless, "from here time can pass for ever", None)
+            return Lasso(self._legs(state), _endless, "from here time can pass without end", None)
         if self._stuck(record, zone) is not None:
             return Lasso(self._legs(state), self._stuck, "from here nothing can happen any more", None)
         return None
@@ -182,7 +182,7 @@ class LassoSearch:
         legs = self._legs(state)
         loop = sum(leg.move is not None for leg in legs)
         legs += [Leg(move, self.within) for move in shortest_cycle(state, lambda at: at.following)]
-        return Lasso(legs, anywhere, "and so on for ever", loop)
+        return Lasso(legs, anywhere, "repeats indefinitely", loop)
 
 
 def _endless(record: StateRecord, zone: Zone) -> Zone | None:

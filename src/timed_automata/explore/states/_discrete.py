@@ -114,6 +114,11 @@ class DiscreteState:
         return State(self.vector.locations, self._space.packing.unpack(self.packed))
 
     @property
+    def endless(self) -> bool:
+        """Whether time can pass without end."""
+        return self.delays and all(bound.lower for bound in self.invariant)
+
+    @property
     def moves(self) -> tuple[Move, ...]:
         """All transitions, whatever the clocks say; those into a violated data invariant left out."""
         if self._moves is None:
@@ -203,6 +208,6 @@ class DiscreteSpace:
         return firing
 
     def invariant(self, state: State, vector: LocationVector) -> tuple[Bound, ...]:
-        """Upper bounds of clocks in a discrete state; equal ones are one object."""
+        """Bounds of clocks in a discrete state; equal ones are one object."""
         bounds = vector.invariant_at(state.values)
         return self._invariants.setdefault(bounds, bounds)

@@ -9,7 +9,16 @@ from timed_automata.compiler import Bound
 from timed_automata.errors import ModelError
 from timed_automata.explore.states._discrete import Action, DiscreteSpace, DiscreteState, Move
 from timed_automata.explore.states._plan import Plan
-from timed_automata.explore.zones import Constraint, Limit, Limits, Widening, Zone, as_constraints, widening
+from timed_automata.explore.zones import (
+    IMPOSSIBLE,
+    Constraint,
+    Limit,
+    Limits,
+    Widening,
+    Zone,
+    as_constraints,
+    widening,
+)
 
 
 class PlannedMove(NamedTuple):
@@ -30,10 +39,11 @@ class Form:
         n: the size of the zones.
         widening: what ``extrapolated`` takes.
         invariant: on the zones.
+        entry: lower bounds of the invariant: what time cannot break, and a move into it can.
         delays: whether time passes.
     """
 
-    __slots__ = ("clocks", "delays", "index", "invariant", "limits", "n", "widening")
+    __slots__ = ("clocks", "delays", "entry", "index", "invariant", "limits", "n", "widening")
 
     def __init__(
         self, limits: dict[int, Limit], widening: Widening, bounds: tuple[Bound, ...], delays: bool
@@ -41,6 +51,7 @@ class Form:
         self.limits, self.clocks, self.widening, self.delays = limits, tuple(limits), widening, delays
         self.index = {clock: number for number, clock in enumerate(self.clocks, start=1)}
         self.n, self.invariant = len(self.clocks) + 1, as_constraints(bounds, self.index)
+        self.entry = tuple(bound for bound in bounds if bound.lower)
 
 
 class StateRecord:
@@ -162,6 +173,7 @@ class SymbolicSpace:
         zone = None
         if discrete is not None:
             record = self.record(discrete)
+        if discrete is not None and all(bound.allows(0) for bound in discrete.invariant):
             zone = self._plan(1, (), ((0, 0),) * record.n, record.form)((1,))
         if zone is None:
             raise self._outside()
@@ -172,8 +184,7 @@ class SymbolicSpace:
         for process, at in zip(network.processes, state.locations, strict=True):
             location = process.locations[at]
             bounds = [part.at(state.values) for part in location.invariant.clocks]
-            late = any(value < 0 or (not value and op == "<") for _, op, value in bounds)
-            if late or not location.invariant.holds(state.values):
+            if not all(bound.allows(0) for bound in bounds) or not location.invariant.holds(state.values):
                 text = location.drawn.labels["invariant"].text
                 what = f"The invariant '{text.whole.snippet}' does not hold in the initial state."
                 return ModelError(
@@ -211,7 +222,7 @@ class SymbolicSpace:
         if plan is None:
             index, resets = source.form.index, action.resets
             sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in target.form.clocks]
-            guard = self.guard(source, action)
+            guard = (*self.guard(source, action), *_entering(source, action, target))
             plan = self._planned[key] = self._plan(source.n, guard, ((0, 0), *sources), target.form)
         return plan
 
@@ -234,6 +245,15 @@ class SymbolicSpace:
     def widens_in(self, form: Form) -> bool:
         """Whether zones are widened there."""
         return self.widens
+
+
+def _entering(source: StateRecord, action: Action, target: StateRecord) -> Iterator[Constraint]:
+    """The lower bounds of the target's invariant, as a guard of the move: what it does not set keeps its value."""
+    for bound in target.form.entry:
+        if bound.clock not in action.resets:
+            yield from source.constraints((bound,))
+        elif not bound.allows(action.resets[bound.clock]):
+            yield IMPOSSIBLE
 
 
 class InvariantGuardedSpace(SymbolicSpace):

@@ -17,7 +17,7 @@ class LocationVector:
     Attributes:
         locations: them, as numbers.
         delays: whether no urgent or committed location stops time.
-        invariant: upper bounds of clocks, where they are the same whatever the values; None otherwise.
+        invariant: bounds of clocks, where they are the same whatever the values; None otherwise.
         states: for the user, what is known of the discrete states here, by their packed values.
     """
 
@@ -35,7 +35,7 @@ class LocationVector:
         self.states: dict[bytes, Any] = {}
 
     def invariant_at(self, values: Values) -> tuple[Bound, ...]:
-        """The upper bounds of clocks in a discrete state."""
+        """The bounds of clocks in a discrete state."""
         return tuple(part.at(values) for part in self._parts)
 
 

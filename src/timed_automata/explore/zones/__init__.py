@@ -4,6 +4,7 @@ from ._extrapolation import Widening, extrapolated, widening
 from ._limits import NEVER, Limit, Limits, QueryLimits, largest, limits_of, merged, tested_clocks
 from ._zone import (
     AT_MOST_ZERO,
+    IMPOSSIBLE,
     INFINITY,
     LARGEST,
     Constraint,
@@ -26,6 +27,7 @@ from ._zone import (
 
 __all__ = [
     "AT_MOST_ZERO",
+    "IMPOSSIBLE",
     "INFINITY",
     "LARGEST",
     "NEVER",

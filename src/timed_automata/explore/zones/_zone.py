@@ -50,6 +50,7 @@ class Unique(tuple[int, ...]):
 
 
 Constraint = tuple[int, int, int]  # i, j, bound: x_i - x_j within bound
+IMPOSSIBLE: Constraint = (0, 0, 0)  # x_0 - x_0 < 0
 
 
 def as_constraints(bounds: Iterable[Bound], places: Mapping[int, int]) -> tuple[Constraint, ...]:

@@ -10,9 +10,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
+from click.testing import CliRunner
 
 from end_effector_hal.arbiter import ArbiterServer
+from end_effector_hal.cli.check import _check
 from end_effector_hal.cli.doctor import _arbiter
+from end_effector_hal.errors import LineBusyError
 from end_effector_hal.wires.link import PtyPair
 from end_effector_lab.processes import EEHAL
 from tests.support.proving import proving
@@ -37,6 +40,25 @@ def test_an_arbiter_and_its_clients(machine: Machine, arbiter: ArbiterServer) ->
             ("ok", "by the sensors: locked yes, nothing_gripped no, parked yes", ""),
         ]
         assert client.levels()["SODIMM_208"], "a look is not a death"
+
+
+def test_a_description_is_refused_in_the_place_of_one_that_runs_with_an_active_line(
+    machine: Machine, arbiter: ArbiterServer
+) -> None:
+    from end_effector_hal.arbiter import ArbiterClient
+
+    def check() -> None:
+        options = [str(machine.path), "--instead-of", str(machine.path)]
+        CliRunner().invoke(_check.command, options, catch_exceptions=False)
+
+    check()
+    proven = proving(machine.socket, locked=True, nothing_gripped=False, parked=True)
+    with ArbiterClient(machine.socket, "grip", ["SODIMM_208"]) as client, proven:
+        client.set({"SODIMM_208": True}, will=[("SODIMM_208", False, 0)])
+        with pytest.raises(LineBusyError, match=r"a part may be held: SODIMM_208 \(bottom_vacuum\)"):
+            check()
+        client.set({"SODIMM_208": False}, will=[])
+    check()
 
 
 def test_an_arbiter_that_nobody_tells_of_the_sensors_and_its_faults(

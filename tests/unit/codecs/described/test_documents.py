@@ -1,4 +1,4 @@
-"""What stands in docs/channels.md and on the pages of examples/tools is true."""
+"""What stands in docs/reference/channels.md and on the pages of examples/tools is true."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from end_effector_hal.description import examine_text
 from end_effector_hal.signals import Value
 from tests.support.places import DOCS
 
-PAGE = (DOCS / "channels.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "reference/channels.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
 REST = """\
 name: tool

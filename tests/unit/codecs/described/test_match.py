@@ -127,7 +127,7 @@ def test_without_pymodbus_the_command_is_said(monkeypatch: pytest.MonkeyPatch) -
         "{kind: vacuum, line: A, channel: cup}",
     )
     assert "a Modbus frame needs pymodbus, which is not installed" in fault
-    assert "pip install 'end-effector-hal[modbus]'" in fault
+    assert "pip install '.[modbus]' in a checkout of end-effector-hal" in fault
 
 
 def test_a_recorded_description_can_be_read_again() -> None:

@@ -14,7 +14,15 @@ from typing import Any
 import pytest
 
 from end_effector_hal.control import Answer
-from end_effector_hal.runtime.stream import MOST_BYTES, MOST_READERS, MOST_WAITING, RecordStream
+from end_effector_hal.runtime.stream import (
+    MOST_BYTES,
+    MOST_READERS,
+    MOST_WAITING,
+    ProgramCommand,
+    RecordStream,
+)
+from end_effector_hal.runtime.stream._readers import MOST_MESSAGES
+from end_effector_hal.runtime.stream._record_stream import MOST_COMMANDS, MOST_COMMANDS_OF_ALL
 from end_effector_hal.wires import now_us
 from tests.support.patience import wait_until
 
@@ -36,10 +44,13 @@ class Served:
         self.stream.serve(self.command, lambda: self.works, self.nudge)
         self.state = 0
 
-    def command(self, word: str) -> Answer:
+    def command(self, asked: ProgramCommand) -> Answer:
         self.hold.wait(10)
-        self.asked.append(word)
-        return Answer(word == "grip", "" if word == "grip" else "There is nothing to cancel.")
+        self.asked.append(asked.command)
+        self.until_us = asked.until_us
+        return Answer(
+            asked.command == "grip", "" if asked.command == "grip" else "There is nothing to cancel."
+        )
 
     def nudge(self) -> None:
         self.state += 1
@@ -164,6 +175,7 @@ def test_a_command_is_answered_and_one_that_is_late_or_unknown_is_not_executed(s
     assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
     soon = now_us() + 1_000_000
     assert reader.ask(id=1, command="grip", until_us=soon)["accepted"]
+    assert served.until_us == soon  # the program looks once more, when it decides
     refused = reader.ask(id=2, command="cancel", until_us=soon)
     assert (refused["id"], refused["reason"]) == (2, "There is nothing to cancel.")
     assert "too late" in reader.ask(id=3, command="grip", until_us=now_us() - 1)["reason"]
@@ -187,7 +199,7 @@ def test_commands_that_wait_are_bounded_and_a_command_that_waited_too_long_is_no
         reader.sock.sendall(json.dumps(message).encode() + b"\n")
     answers = [reader.next() for _ in range(4)]
     assert {answer["reason"] for answer in answers} == {
-        "Too many commands wait already: this one is not executed."
+        "Too many commands are waiting: this one is not executed."
     }
     wait_until("their time is over", lambda: now_us() > until)
     served.hold.set()
@@ -195,6 +207,40 @@ def test_commands_that_wait_are_bounded_and_a_command_that_waited_too_long_is_no
     assert [answer["accepted"] for answer in rest] == [True, False, False, False]
     assert served.asked == ["grip"]
     reader.close()
+
+
+def test_commands_of_those_who_have_gone_do_not_pile_up(served: Served) -> None:
+    served.hold.clear()
+    until = now_us() + 1_900_000
+    message = json.dumps({"id": 1, "command": "grip", "until_us": until}).encode() + b"\n"
+    for _ in range(MOST_COMMANDS_OF_ALL // MOST_COMMANDS + 1):
+        reader = served.reader()
+        assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
+        reader.sock.sendall(message * (MOST_COMMANDS + 1))
+        assert "Too many commands are waiting" in reader.next()["reason"], "all of them were read"
+        reader.close()
+    last = served.reader()
+    assert [last.next()["kind"], last.next()["kind"]] == ["header", "state"]
+    assert "Too many commands are waiting" in last.ask(id=2, command="cancel", until_us=until)["reason"]
+    served.hold.set()
+    wait_until("they are decided", lambda: len(served.asked) == MOST_COMMANDS_OF_ALL + 1)
+    assert last.ask(id=3, command="grip", until_us=now_us() + 1_000_000)["accepted"]
+    last.close()
+
+
+@pytest.mark.parametrize("message", [b"[]\n", b'{"id": 1, "command": "fly", "until_us": 1}\n'])
+def test_a_flood_of_messages_ends_its_connection_only(served: Served, message: bytes) -> None:
+    reader, other = served.reader(), served.reader()
+    reader.sock.sendall(message * (9000 // len(message)))
+    found = [reader.next()]
+    while found[-1]["kind"] != "end":
+        found.append(reader.next())
+    assert "messages came within a second" in found[-2].get("reason", "")
+    assert len(found) <= 2 * MOST_MESSAGES
+    assert [other.next()["kind"], other.next()["kind"]] == ["header", "state"]
+    assert other.ask(id=1, command="grip", until_us=now_us() + 1_000_000)["accepted"]
+    reader.close()
+    other.close()
 
 
 def test_there_is_a_sign_of_life_only_while_the_program_works(served: Served) -> None:

@@ -20,6 +20,8 @@ def constants(n: int) -> dict[str, object]:
         "T_RESET": [10 * i for i in range(n)],
         "T_GONE": [2000] * n,
         "RELEASE_ORDER": [(i + 1) % n for i in range(n)],
+        **{name: [0] * n for name in ("T_BLOW", "T_GAP", "IL_08_GAP")},
+        "UNTIL_GONE": [False] * n,
         "D": 20,
         **{f"{ending}_KEEPS": [i % 2 == 0 for i in range(n)] for ending in ENDINGS},
         "IL_07": False,
@@ -84,5 +86,5 @@ def test_layout_comments_and_queries_are_kept():
         for old, new in zip(before.source.split(b"\n"), after.source.split(b"\n"), strict=True)
         if old != new
     ]
-    assert len(changed) == 15
+    assert len(changed) == 19
     assert changed[0][1].startswith(b"const int N = 8;  ")

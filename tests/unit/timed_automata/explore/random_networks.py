@@ -40,19 +40,28 @@ def edges(draw: st.DrawFn) -> str:
 
 
 @st.composite
-def templates(draw: st.DrawFn, name: str) -> Template:
-    invariants = {}
+def templates(draw: st.DrawFn, name: str, *, executable: bool) -> Template:
+    """``executable``: without lower bounds in invariants; else often with one where an edge leads."""
+    invariants: dict[str, list[str]] = {place: [] for place in PLACES}
     for place in PLACES:
         if draw(st.integers(0, 2)) == 0:
             op = draw(st.sampled_from(("<=", "<=", "<")))
-            invariants[place] = f"{draw(st.sampled_from(CLOCKS))} {op} {draw(st.integers(1, LARGEST))}"
+            invariants[place].append(f"{draw(st.sampled_from(CLOCKS))} {op} {draw(st.integers(1, LARGEST))}")
             if draw(st.integers(0, 5)) == 0:
-                invariants[place] += " && i < 2"
+                invariants[place].append("i < 2")
+    drawn = draw(st.lists(edges(), min_size=1, max_size=5))
+    if not executable and draw(st.booleans()):
+        # not in the first one: a run begins where all clocks are zero
+        place, clock = draw(st.sampled_from(PLACES[1:])), draw(st.sampled_from(CLOCKS))
+        bound = draw(st.sampled_from(("> 0", ">= 1", "> 1", ">= 2", ">= 3", ">= i")))
+        invariants[place].append(f"{clock} {bound}")
+        update = draw(st.sampled_from(("", "", "x = 0", "y = 0", "x = 1", "i = 2 - i")))
+        drawn.append(f"a -> {place}" + (f"; do: {update}" if update else ""))
     marks = draw(st.lists(st.sampled_from(("", "", "b", "c")), min_size=2, max_size=2))
     return Template(
         name,
-        draw(st.lists(edges(), min_size=1, max_size=5)),
-        invariants=invariants,
+        drawn,
+        invariants={place: " && ".join(parts) for place, parts in invariants.items() if parts},
         urgent=marks[0],
         committed=marks[1],
         initial="a",
@@ -61,8 +70,8 @@ def templates(draw: st.DrawFn, name: str) -> Template:
 
 
 @st.composite
-def networks(draw: st.DrawFn, processes: int = 2) -> Network:
-    parts = [draw(templates(f"P{number}")) for number in range(processes)]
+def networks(draw: st.DrawFn, processes: int = 2, *, executable: bool = False) -> Network:
+    parts = [draw(templates(f"P{number}", executable=executable)) for number in range(processes)]
     return network("clock x, y; int[0,2] i; chan p; broadcast chan b; urgent chan u;", *parts)
 
 

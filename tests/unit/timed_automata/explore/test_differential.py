@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import product
 
 import pytest
 from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 
 from tests.support.nightly import NIGHTLY, PHASES, examples
-from tests.unit.timed_automata.explore.random_networks import CLOCKS, LARGEST, Condition, conditions, networks
+from tests.unit.timed_automata.explore.random_networks import (
+    CLOCKS,
+    LARGEST,
+    PLACES,
+    Condition,
+    conditions,
+    networks,
+)
 from tests.unit.timed_automata.explore.regions import BEYOND, Region, Regions, compare
 from timed_automata import Network
 from timed_automata.explore import Explorer, Verdict
@@ -36,6 +44,25 @@ def test_reachability(network: Network, p: Condition) -> None:
 
 
 @many
+@given(networks())
+def test_where_and_with_which_clocks_a_run_comes(network: Network) -> None:
+    """Each location of each process, with each clock on either side of each number."""
+    explorer, regions = both(network)
+    reachable = regions.reachable()
+    asked, expected = [], []
+    for process, place in product((0, 1), range(len(PLACES))):
+        there = [region for region in reachable if region.locations[process] == place]
+        for clock, op, value in product(range(len(CLOCKS)), ("<", "<=", ">"), range(LARGEST + 1)):
+            asked.append(f"E<> P{process}.{PLACES[place]} && {CLOCKS[clock]} {op} {value}")
+            expected.append(any(compare(region.clocks[clock], op, value) for region in there))
+    found = explorer.check_all(asked)
+    assert [verdict.holds for verdict in found] == expected
+    for verdict in found:
+        if verdict.trace is not None:
+            assert list(replayed(verdict, regions))[-1] in reachable
+
+
+@many
 @given(networks(), conditions(1))
 def test_deadlock(network: Network, p: Condition) -> None:
     explorer, regions = both(network)
@@ -45,6 +72,20 @@ def test_deadlock(network: Network, p: Condition) -> None:
     assert explorer.check("A[] not deadlock").holds is not bool(stuck)
     assert explorer.check(f"A[] (deadlock imply {p})").holds is all(map(p.holds, stuck))
     assert explorer.check(f"E<> !deadlock && ({p})").holds is any(map(p.holds, reachable - stuck))
+
+
+@many
+@given(networks())
+def test_where_time_stands_still(network: Network) -> None:
+    explorer, regions = both(network)
+
+    def stopped(region: Region | None) -> bool:
+        while region is not None and (later := regions.later(region)) != region:
+            region = later
+        return region is None
+
+    stuck = any(regions.deadlocked(region) and stopped(region) for region in regions.reachable())
+    assert explorer.timelock().holds is not stuck
 
 
 @many

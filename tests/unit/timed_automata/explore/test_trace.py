@@ -67,7 +67,7 @@ def test_a_run_for_ever_says_where_it_returns_to() -> None:
     run = trace(verdict)
     assert run.loop is not None
     assert run.steps[-1].state.locations == (run.steps[run.loop - 1].state.locations if run.loop else (0,))
-    assert run.lines[-1].endswith("and so on for ever")
+    assert run.lines[-1].endswith("repeats indefinitely")
     assert sum("↻" in line for line in run.lines) == len(run.steps) - run.loop
 
 

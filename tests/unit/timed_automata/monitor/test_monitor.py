@@ -114,6 +114,61 @@ def test_another_change_another_edge_another_channel(model, seen):
         assert found[0].at == step.at
 
 
+def test_the_edges_that_a_step_names_are_not_believed(model, seen):
+    """Whatever they say, the run is followed as the network goes on, and each is objected to."""
+    for number, step in enumerate(seen):
+        if not isinstance(step, Step):
+            continue
+        for key, value in (("source", "x"), ("target", "x"), ("index", 99), ("index", -1), ("process", "x")):
+            false = replace(step, edges=(replace(step.edges[0], **{key: value}), *step.edges[1:]))
+            monitor = Monitor(model, *SIDE)
+            for observation in [*seen[:number], false, *seen[number + 1 :]]:
+                monitor.observe(observation)
+            monitor.end(200_000)
+            assert {(each.at, each.kind) for each in monitor.objections} == {(step.at, "no run")}
+            assert monitor.steps == sum(isinstance(each, Step) for each in seen)
+
+
+def test_another_edge_that_does_the_same_is_not_followed(tmp_path):
+    path = tmp_path / "model.xml"
+    path.write_text(
+        """<nta><template><name>P</name><location id="a"><name>A</name><urgent/></location>
+        <location id="b"><name>B</name></location><location id="c"><name>C</name></location><init ref="a"/>
+        <transition><source ref="a"/><target ref="b"/></transition>
+        <transition><source ref="a"/><target ref="c"/></transition></template><system>system P;</system></nta>""",
+        encoding="utf-8",
+    )
+    made, seen = load_network(path), []
+    Execution(made, ["P"], observe=seen.append).start(0)
+    step = seen[-1]
+    assert step.edges[0].target == "B"
+    other = replace(step, edges=(replace(step.edges[0], target="C", index=1),))
+    monitor = Monitor(made, ["P"])
+    for observation in [*seen[:-1], other]:
+        monitor.observe(observation)
+    (found,) = monitor.objections
+    assert found.what == "P A → C is recorded, but P A → B comes first, and does what was seen."
+    assert monitor.snapshot is not None
+    assert monitor.snapshot.locations == {"P": "B"}
+
+
+def test_what_is_due_and_late_is_recorded_as_it_was(model, seen):
+    for number, step in enumerate(seen):
+        if isinstance(step, Step):
+            for changes in (
+                {"due": None if step.due is not None else step.at},
+                {"late_us": 10**400},
+                {"due": 0},
+            ):
+                if replace(step, **changes) == step:
+                    continue
+                false = [*seen[:number], replace(step, **changes), *seen[number + 1 :]]
+                assert [each.kind for each in objections(model, false, 200_000)] == ["no run"], (
+                    step,
+                    changes,
+                )
+
+
 def test_time_does_not_run_backwards(model, seen):
     number = next(i for i, o in enumerate(seen) if isinstance(o, Received) and o.at == 85_000)
     turned = [*seen[:number], replace(seen[number], at=1), *seen[number + 1 :]]
@@ -158,7 +213,9 @@ def test_every_execution_is_a_run_however_late(model, gaps, late):
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(model=networks(), late=st.lists(st.sampled_from([0, 0, 1, 999, 1000, 5000]), max_size=12))
+@given(
+    model=networks(executable=True), late=st.lists(st.sampled_from([0, 0, 1, 999, 1000, 5000]), max_size=12)
+)
 def test_executions_of_random_networks_are_runs_of_them(model, late):
     """All of it executed: no environment, so that only time and order are at stake."""
     seen = []

@@ -15,16 +15,18 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import RangeError
 from end_effector_hal.verification.proof import requirements_of
 from timed_automata import Network, make_network, read_document
-from timed_automata.explore import Explorer, Overview, overview
+from timed_automata.explore import Explorer, Overview, ReactionBound, overview
 
 _TRANSITION = re.compile(r"\t*<transition\b.*?</transition>\n", re.DOTALL)
 _LOCATION = re.compile(r'<location id="([^"]+)"[^>]*>\s*<name[^>]*>(\w+)</name>.*?</location>', re.DOTALL)
 _LABEL = re.compile(r"(?<=>)[^<>]*(?=</(?:label|declaration)>)")
 
+REACTION = ReactionBound(("Gripper", "Actuator", "Changer", "Arming"), 50)
 _CHECKS = {
     "locations": lambda found: bool(found.coverage.locations),
     "edges": lambda found: bool(found.coverage.edges),
     "channels": lambda found: bool(found.open_channels),
+    "room": lambda found: bool(found.late),
 }
 """What no query says: whether it fails, by id."""
 
@@ -80,7 +82,7 @@ def _fails(network: Network, by: str) -> bool:
         found, explorer = overview(network, []), Explorer(network)
         return (found.stopped and not explorer.timelock().holds) or (found.zeno and not explorer.zeno().holds)
     if by in _CHECKS:
-        return _CHECKS[by](overview(network, []))
+        return _CHECKS[by](overview(network, [], reaction=REACTION))
     query = {requirement.id: requirement.query for requirement in requirements_of(network)}[by]
     if overview(network, [query], stop=True).answers[0]:
         return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.verification.proof import requirements_of
+from tests.unit.verification.mutants.conftest import REACTION
 from tests.unit.verification.mutants.mutants import MUTANTS, first_of_each
 from timed_automata.explore import overview
 
@@ -15,7 +16,7 @@ def test_the_mutant_is_caught(mutant, shipped):
 def test_the_shipped_automata_are_none(shipped):
     network = shipped.network()
     requirements = requirements_of(network)
-    found = overview(network, [requirement.query for requirement in requirements])
+    found = overview(network, [requirement.query for requirement in requirements], reaction=REACTION)
     assert [r.id for r, holds in zip(requirements, found.answers, strict=True) if not holds] == []
     assert shipped.failing_checks(found) == []
     assert not found.unmet

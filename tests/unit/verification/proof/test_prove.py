@@ -176,7 +176,7 @@ def proved(model: Network, texts: list[str]) -> Proof:
     """The proof of a network, asked something else than what stands in its file."""
     requirements = tuple(Requirement(f"q{at}", text, parse_query(text)) for at, text in enumerate(texts))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(proving, "requirements_of", lambda _: requirements)
+        patch.setattr(proving, "stored_requirements", lambda _: requirements)
         return prove(model)
 
 

@@ -1,4 +1,4 @@
-"""The computed worst cases equal those derived by hand (docs/verification.md), whatever the tool."""
+"""The computed worst cases equal those derived by hand (docs/explanation/verification.md), whatever the tool."""
 
 from __future__ import annotations
 
@@ -49,6 +49,8 @@ class Tool:
             "T_RESET": list(self.reset),
             "T_GONE": list(self.gone),
             "RELEASE_ORDER": list(self.release_order),
+            **{name: [0] * len(self.attempts) for name in ("T_BLOW", "T_GAP", "IL_08_GAP")},
+            "UNTIL_GONE": [False] * len(self.attempts),
             "D": self.late,
             **{
                 f"{ending}_KEEPS": [False] * len(self.attempts)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +16,9 @@ from click.testing import CliRunner, Result
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import profile_path
 from end_effector_hal.verification.replay import ProgramTrace, load_trace, review
-from tests.unit.verification.replay.conftest import RecordedTool, edited, numbers
+from end_effector_hal.vocabulary import EndEffectorState
+from tests.support.recorded_tool import RecordedTool
+from tests.unit.verification.replay.conftest import edited, numbers
 
 
 def run(*args: object) -> Result:
@@ -33,14 +38,14 @@ def folder(tool: Callable[..., RecordedTool]) -> Path:
 def test_a_folder_is_replayed_program_by_program(folder: Path) -> None:
     result = run(folder)
     assert result.exit_code == 0
-    assert result.output.count("decides the same") == 2
-    assert result.output.count("a run of the network") == 2
+    assert result.output.count("decisions, all identical") == 2
+    assert result.output.count("all allowed by the automata") == 2
     assert "tool_change of verdin_gripper" in result.output
 
 
 def test_the_findings_as_json(folder: Path) -> None:
     result = run(folder / "grip.mcap", "--json")
-    (found,) = json.loads(result.output)
+    (found,) = json.loads(result.output)["traces"]
     assert (result.exit_code, found["ok"], found["difference"], found["objections"]) == (0, True, None, [])
     assert found["recorded_hash"] == found["replayed_hash"]
     assert found["requirements"] > 10
@@ -83,8 +88,27 @@ def test_a_changed_byte_is_told(folder: Path, tmp_path: Path) -> None:
     path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
     result = run(path)
     assert result.exit_code == 1
-    assert "replay: decides the same" in result.output
+    assert "decisions, all identical" in result.output
     assert "note: The trace is damaged: bytes in it were changed since it was written." in result.output
+
+
+@pytest.mark.parametrize("within", [b'"attempts"', b"<committed/>"])
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_changed_byte_of_the_description_does_not_blame_the_tool(
+    folder: Path, tmp_path: Path, within: bytes, closed: bool
+) -> None:
+    data = bytearray((folder / "grip.mcap").read_bytes())
+    data[data.index(within) + 2] ^= 1
+    path = tmp_path / "changed.mcap"
+    path.write_bytes(data if closed else data[:-3000])
+    told = str(run(path).exception)
+    why = (
+        "The trace is damaged (bytes in it were changed"
+        if closed
+        else "Bytes of the description in this trace were changed"
+    )
+    assert told.startswith(f"{path}: {why}")
+    assert "eehal-replay" not in told
 
 
 def test_one_that_is_cut_within_its_header_says_so(folder: Path, tmp_path: Path) -> None:
@@ -102,8 +126,8 @@ def test_a_trace_without_a_header_does_not_keep_the_others_from_being_judged(fol
     result = run(folder)
     assert result.exit_code == 2
     assert f"{folder}/a_cut.mcap: The trace ends after 100 bytes, before its header" in result.stderr
-    assert result.stdout.count("decides the same") == 2
-    found = json.loads(run(folder, "--json").stdout)
+    assert result.stdout.count("decisions, all identical") == 2
+    found = json.loads(run(folder, "--json").stdout)["traces"]
     assert [(Path(each["trace"]).name, each["ok"]) for each in found] == [
         ("grip.mcap", True),
         ("tool_change.mcap", True),
@@ -136,3 +160,66 @@ def test_a_description_that_has_changed_since_is_named(gripped: ProgramTrace, tm
     found = review(replace(moved, header=replace(moved.header, source=str(source))))
     assert found.ok
     assert f"{source} or its automata have changed since ({moved.header.hash}, now " in found.notes[0]
+
+
+def test_a_folder_of_runs_is_walked_into_and_ends_with_a_table(folder: Path, tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    for name in ("monday/1", "monday/2", "tuesday"):
+        shutil.copytree(folder, runs / name)
+    other = runs / "monday" / "2" / "grip.mcap"
+    data = other.read_bytes()
+    other.write_bytes(data.replace(b'"reason":""', b'"reason":"x"', 1)[: len(data)])
+    (runs / "tuesday" / "grip.mcap").write_bytes(b"")
+    (runs / "notes.txt").touch()
+    (runs / "again").symlink_to(runs / "monday")
+    result = run(runs)
+    *_, head, first, second, third, sum_ = (line.rstrip() for line in result.stdout.splitlines())
+    assert head.split() == ["run", "traces", "seconds", "inputs", "decisions", "replay"]
+    assert (first.split()[:2], first[-8:]) == (["monday/1", "2"], "the same")
+    assert second.split()[0] == "monday/2"
+    assert not second.endswith("the same")
+    assert (third.split()[0], third.endswith("1 unreadable")) == ("tuesday", True)
+    assert sum_ == "3 runs: 1 identical, 2 not identical or unreadable"
+    assert result.exit_code in (1, 2)
+    assert "monday/1/grip.mcap" not in result.stdout  # of what is as recorded the table says enough
+    told = json.loads(run(runs, "--json").stdout)
+    assert (told["schema_version"], told["ok"], len(told["traces"])) == (1, False, 6)
+
+
+def test_a_folder_that_cannot_be_read_is_told_and_the_others_are_judged(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the kernel refuses it; root, who runs many tests, may read every folder."""
+    runs, scan, listing = tmp_path / "runs", os.scandir, os.listdir
+    for name in ("closed", "open"):
+        shutil.copytree(folder, runs / name)
+
+    def refusing(real: Callable[[str], object]) -> Callable[[str], object]:
+        def read(path: str) -> object:
+            if Path(path) == runs / "closed":
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+            return real(path)
+
+        return read
+
+    monkeypatch.setattr(os, "scandir", refusing(scan))
+    monkeypatch.setattr(os, "listdir", refusing(listing))
+    result = run(runs)
+    assert result.exit_code == 2
+    assert "closed: Cannot be read: Permission denied." in result.stderr
+    assert result.stdout.splitlines()[-1] == "2 runs: 1 identical, 1 not identical or unreadable"
+
+
+def test_a_folder_without_a_run_says_so(tmp_path: Path) -> None:
+    (tmp_path / "runs" / "empty").mkdir(parents=True)
+    result = run(tmp_path / "runs")
+    assert "There is no trace here." in str(result.exception)
+
+
+def test_a_number_that_differs_has_its_word_beside_it(gripped: ProgramTrace) -> None:
+    (last,) = numbers(gripped, "status", lambda content: content["ee"] == EndEffectorState.GRIPPED)[:1]
+    changed = edited(gripped, last, lambda content: content.update(ee=EndEffectorState.RELEASING))
+    found = review(changed)
+    assert str(found.replay.difference) == "status.ee: recorded 4 (RELEASING), replayed 3 (GRIPPED)"
+    told = found.as_json()["difference"]
+    assert (told["recorded"], told["recorded_name"], told["replayed_name"]) == (4, "RELEASING", "GRIPPED")

@@ -9,7 +9,7 @@ import pytest
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.verification.replay import review
 from end_effector_hal.vocabulary import Cause, EndEffectorState
-from tests.unit.verification.replay.conftest import RecordedTool
+from tests.support.recorded_tool import RecordedTool
 
 TOOL = """
 name: jaw_tool

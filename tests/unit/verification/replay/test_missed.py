@@ -15,7 +15,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.recording import Recording, StatesWriter, read_run, read_states, run_info
 from end_effector_hal.verification.replay import missed_moments
 from end_effector_lab.figures import timeline
-from tests.unit.verification.replay.conftest import RecordedTool
+from tests.support.recorded_tool import RecordedTool
 
 
 @pytest.fixture

@@ -5,20 +5,24 @@ from __future__ import annotations
 import inspect
 import json
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
+import click
 import pytest
 
+from end_effector_hal.cli.recorded._replay import _tell
 from end_effector_hal.control import Controller
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.runtime.boundary import RecordedController
-from end_effector_hal.verification.replay import ProgramTrace, review
+from end_effector_hal.verification.replay import ProgramTrace, _load, load_trace, review
 from end_effector_hal.vocabulary import Command
 from end_effector_lab.demo import scenarios
-from tests.support.nightly import first_of
-from tests.unit.verification.replay.conftest import Edit, RecordedTool, edited, numbers
+from tests.support.nightly import examples, first_of
+from tests.support.recorded_tool import RecordedTool
+from tests.unit.verification.replay.conftest import Edit, edited, numbers
 
 SCENARIOS = {each.name: each for each in scenarios(load(profile_path()), everything=True)}
 WORDS = {
@@ -30,7 +34,7 @@ WORDS = {
 }
 TELLING = {"start", "command", "begin", "write", "event", "step", "answer", "status"}
 QUESTIONS = {
-    "blocking", "deadline", "discrete_state", "hold", "locations", "look_ahead", "refusal", "refuse_maintenance",
+    "at", "blocking", "deadline", "discrete_state", "hold", "locations", "look_ahead", "refusal", "refuse_maintenance",
     "senses", "snapshot", "status",
 }  # fmt: skip
 """What changes nothing in a controller, and so is not recorded."""
@@ -217,11 +221,47 @@ def test_arbitrary_damage_is_found_or_refused_in_words(tool: Callable[..., Recor
     assert found == {"judged", "refused"}
 
 
-def damage(chooser: random.Random, content: dict[str, Any] | list[Any]) -> None:
+DAMAGE = (None, -1, 0, 10**30, "x", "", [], {}, True, 1.5, [[]], {"a": 1})
+HOSTILE = (
+    float("nan"), float("inf"), 10**400, -(10**30), 2**63, "\ud800", "9" * 5_000, [], [[1]], {"at": []}, None, True,
+)  # fmt: skip
+
+
+def test_hostile_records_get_sentences(
+    gripped: ProgramTrace, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of every kind, the header too, from the file to what is printed; a list as deep as a stack is."""
+    chooser, found = random.Random(2), set()
+    kinds = sorted({record.kind for record in gripped.file.records})
+    for turn in range(examples(40, 1_000)):
+        kind = kinds[turn % len(kinds)]
+        number = chooser.choice([n for n, record in enumerate(gripped.file.records) if record.kind == kind])
+        hostile = edited(gripped, number, lambda content: damage(chooser, content, HOSTILE))
+        if turn % 10 == 9:
+            deep = b'{"at": ' + b"[" * 20_000 + b"]" * 20_000 + b"}"
+            records = [*hostile.file.records]
+            records[number] = replace(records[number], data=deep)
+            hostile = replace(hostile, file=replace(hostile.file, records=tuple(records)))
+        monkeypatch.setattr(_load, "read_trace", lambda _, file=hostile.file: file)
+        try:
+            judged = review(load_trace(gripped.file.path))
+            json.dumps(judged.as_json())
+            _tell(judged)
+            found.add("judged")
+        except UsageError as error:
+            click.echo(str(error))
+            found.add("refused")
+    assert found == {"judged", "refused"}
+    assert capsys.readouterr().out.encode()
+
+
+def damage(
+    chooser: random.Random, content: dict[str, Any] | list[Any], values: Sequence[object] = DAMAGE
+) -> None:
     """One value of a record, somewhere in its depths, becomes something else."""
     key = chooser.choice([*content] if isinstance(content, dict) else range(len(content)))
     value = content[key]
     if isinstance(value, dict | list) and value and chooser.random() < 0.8:
-        damage(chooser, value)
+        damage(chooser, value, values)
     else:
-        content[key] = chooser.choice([None, -1, 0, 10**30, "x", "", [], {}, True, 1.5, [[]], {"a": 1}])
+        content[key] = chooser.choice(values)

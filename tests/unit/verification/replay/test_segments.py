@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.recording import Gap, RecordingLimits
 from end_effector_hal.verification.replay import (
     ProgramTrace,
     Review,
@@ -21,7 +21,8 @@ from end_effector_hal.verification.replay import (
     traces_of,
 )
 from tests.support.nightly import first_of
-from tests.unit.verification.replay.conftest import Edit, RecordedTool, edited, numbers
+from tests.support.recorded_tool import RecordedTool
+from tests.unit.verification.replay.conftest import Edit, edited, numbers
 
 LIMITS = RecordingLimits(segment_bytes=60_000, total_bytes=100_000_000)
 
@@ -218,6 +219,34 @@ def test_a_changed_byte_in_a_later_segment_is_found(folder: Path, tmp_path: Path
     path = tmp_path / "grip-4.mcap"
     path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
     assert load_trace(path).file.damaged
+
+
+def with_header(trace: ProgramTrace, **changed: Any) -> ProgramTrace:
+    content = trace.content(0) | changed
+    record = replace(trace.file.records[0], data=json.dumps(content).encode())
+    file = replace(trace.file, records=(record, *trace.file.records[1:]))
+    return replace(trace, header=replace(trace.header, **changed), file=file)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"run": "0123456789abcdef"}, "the trace right before it is of another run"),
+        ({"follows": False}, "this one does not say that it follows"),
+        ({"segment": 1}, "there is a state with which a later one begins"),
+        ({"segment": 4}, "others are missing"),
+        ({"segment": 0}, "they are counted from 1 on"),
+        ({"gap": Gap(10**12, 1, "full")}, "nothing is missing before this segment, and that records are"),
+    ],
+)
+def test_a_changed_header_is_found_in_the_row(
+    segments: tuple[ProgramTrace, ...], changed: dict[str, Any], said: str
+) -> None:
+    content = {key: asdict(value) if key == "gap" else value for key, value in changed.items()}
+    third = replace(with_header(segments[2], **content), header=replace(segments[2].header, **changed))
+    found = in_a_row((*segments[:2], third))
+    assert not found[2].ok
+    assert any(said in each.what for each in found[2].objections), found[2].objections
 
 
 def test_a_trace_without_segments_is_read_as_before(segments: tuple[ProgramTrace, ...]) -> None:

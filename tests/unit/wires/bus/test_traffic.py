@@ -12,7 +12,7 @@ from end_effector_hal.codecs.modbus import ModbusMaster, RelayedBus, cycle_recor
 from end_effector_hal.description import Description, examine_text
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic
-from end_effector_lab.testbench.modbus import EPick, Gripper2F85, RegisterMap, RtuServer
+from end_effector_lab.testbench.modbus import Gripper2F85, RegisterMap, RtuServer, SimulatedEPick
 
 MS, S = 1_000, 1_000_000
 EXAMPLES = Path(__file__).parents[4] / "examples" / "tools"
@@ -316,7 +316,7 @@ def test_the_newest_command_counts(bus: Bus, gripper: Gripper2F85) -> None:
 
 
 def test_an_epick_is_released_before_its_first_grip_and_reads_keep_it_alive() -> None:
-    pick = EPick()
+    pick = SimulatedEPick()
     bus = Bus(example("epick_commanded"), {9: pick})
     bus.to(1 * S)
     bus.command(True)
@@ -330,7 +330,7 @@ def test_an_epick_is_released_before_its_first_grip_and_reads_keep_it_alive() ->
 
 
 def test_an_epick_that_heard_nothing_for_a_second_has_let_go_and_is_not_commanded_again() -> None:
-    pick = EPick()
+    pick = SimulatedEPick()
     bus = Bus(example("epick_commanded"), {9: pick})
     bus.command(True)
     bus.to(5 * S)
@@ -455,3 +455,145 @@ def test_what_is_handed_on_gives_the_same_frames_and_noise_gives_none(bus: Bus) 
     assert relayed.decoder().feed(relayed.encode(frame), frame.at) == [frame]
     assert decoder.feed(b"x" * 100_000, bus.at) == []
     assert len(decoder._rest) < 50_000
+
+
+# An adapter that hears itself
+
+
+def echoing(request: bytes, answer: bytes) -> bytes:
+    return request + answer
+
+
+def test_an_adapter_that_hears_itself_acknowledges_nothing_in_the_place_of_a_dead_device() -> None:
+    device, a = Registers(), "modbus:65/0x0000"
+    bus = Bus(described(VG10), {65: device})
+    bus.wire = lambda request, answer: request  # no device at all
+    bus.to(300 * MS)
+    bus.outputs.command({a: True}, bus.at)
+    bus.to(bus.at + 900 * MS)
+    assert any(request[1] == 6 for request in bus.requests)
+    assert a not in bus.outputs.known(bus.at)
+    assert "no device acknowledges it" in bus.outputs.troubles(bus.at)[a]
+
+
+def test_over_such_an_adapter_a_device_is_read_and_commanded_like_any_other() -> None:
+    device, a = Registers(), "modbus:65/0x0000"
+    bus = Bus(described(VG10), {65: device})
+    bus.wire = echoing
+    bus.to(300 * MS)
+    assert bus.frames
+    bus.outputs.command({a: True}, bus.at)
+    bus.to(bus.at + 100 * MS)
+    assert device.written == [(0, (0x0150,))]
+    assert bus.outputs.known(bus.at)[a] is True
+
+
+def test_an_adapter_that_is_changed_for_one_without_an_echo_is_noticed_by_the_next_read() -> None:
+    device, a = Registers(), "modbus:65/0x0000"
+    bus = Bus(described(VG10), {65: device})
+    bus.wire = echoing
+    bus.to(300 * MS)
+    bus.wire = lambda request, answer: answer
+    bus.outputs.command({a: True}, bus.at)
+    bus.to(bus.at + 500 * MS)
+    assert bus.outputs.known(bus.at)[a] is True
+    bus.wire = echoing
+    bus.to(bus.at + 200 * MS)
+    bus.wire = lambda request, answer: request
+    bus.outputs.command({a: False}, bus.at)
+    bus.to(bus.at + 900 * MS)
+    assert a not in bus.outputs.known(bus.at)
+
+
+def test_a_write_never_comes_before_a_read_has_shown_what_the_adapter_does() -> None:
+    a = "modbus:65/0x0000"
+    bus = Bus(described(VG10), {65: Registers()})
+    bus.wire = lambda request, answer: request
+    bus.outputs.command({a: False}, bus.at)
+    bus.to(bus.at + 900 * MS)
+    assert bus.requests[0][1] == 3
+    assert a not in bus.outputs.known(bus.at)
+
+
+# Two outputs of a device that must be activated
+
+ACTIVATED = VG10.replace(
+    "  a_grips", "  ready: {modbus: {unit: 65, address: 20}, on: [1]}\n  a_grips"
+).replace("_grips}}", "_grips, activation: {write: [[9]], ready: ready, ready_within_s: 2}}}")
+
+
+class Activated(Registers):
+    """A device that is ready 0.3 s after its activation; it obeys nothing before."""
+
+    ready_at = 0
+
+    def read(self, function: int, address: int, count: int, at: int) -> list[int]:
+        self.words[20] = int(bool(self.ready_at) and at >= self.ready_at)
+        return super().read(function, address, count, at)
+
+    def write(self, address: int, values: tuple[int, ...], at: int) -> bool:
+        if 9 in values:
+            self.ready_at = at + 300 * MS
+        return super().write(address, values, at)
+
+
+def test_two_that_are_commanded_together_share_one_activation_and_then_both_grip() -> None:
+    device, a, b = Activated(), "modbus:65/0x0000", "modbus:65/0x0001"
+    bus = Bus(described(ACTIVATED), {65: device})
+    bus.to(300 * MS)
+    assert bus.outputs.known(bus.at) == {a: False, b: False}
+    bus.outputs.command({a: True, b: True}, bus.at)
+    bus.to(bus.at + 1 * S)
+    assert bus.outputs.known(bus.at) == {a: True, b: True}
+    assert [values for _, values in device.written].count((9,)) == 1
+    off = [index for index, (_, values) in enumerate(device.written) if 0 in values]
+    on = [index for index, (_, values) in enumerate(device.written) if 0x0150 in values]
+    assert max(off) < min(on)
+
+
+def test_one_that_may_hold_still_keeps_the_other_from_an_activation() -> None:
+    device, a = Activated(), "modbus:65/0x0000"
+    device.words[1] = 0x0150
+    bus = Bus(described(ACTIVATED), {65: device})
+    bus.to(300 * MS)
+    bus.outputs.command({a: True}, bus.at)
+    bus.to(bus.at + 1 * S)
+    assert not device.written
+    assert "another actuator of it may hold a part" in bus.outputs.troubles(bus.at)[a]
+
+
+def test_one_whose_level_nobody_knew_is_no_partner_of_an_activation() -> None:
+    device, a, b = Activated(), "modbus:65/0x0000", "modbus:65/0x0001"
+    bus = Bus(described(ACTIVATED), {65: device})
+    bus.outputs.command({a: True, b: True}, bus.at)  # before anything was read
+    bus.to(bus.at + 1 * S)
+    assert not device.written
+
+
+@pytest.mark.parametrize("glitch", [b"", b"\x00", b"\xff\x41"], ids=["none", "a byte", "two"])
+def test_an_echo_behind_a_glitch_acknowledges_nothing(glitch: bytes) -> None:
+    """The line may be disturbed whenever its direction turns, also before the very first echo."""
+    device, a = Registers(), "modbus:65/0x0000"
+    bus = Bus(described(VG10), {65: device})
+    bus.wire = lambda request, answer: glitch + request + answer
+    bus.to(300 * MS)
+    bus.wire = lambda request, answer: glitch + request
+    bus.outputs.command({a: True}, bus.at)
+    bus.to(bus.at + 900 * MS)
+    assert any(request[1] == 6 for request in bus.requests)
+    assert a not in bus.outputs.known(bus.at)
+
+
+def test_one_echo_that_a_glitch_destroys_unlearns_nothing() -> None:
+    device, a = Registers(), "modbus:65/0x0000"
+    bus = Bus(described(VG10), {65: device})
+    bus.wire = echoing
+    bus.to(300 * MS)
+    bus.wire = lambda request, answer: b"\x00" + request[1:] + answer
+    reads = len(bus.requests)
+    while len(bus.requests) == reads:
+        bus.to(bus.at + 5 * MS)
+    bus.wire = lambda request, answer: request
+    bus.outputs.command({a: True}, bus.at)
+    bus.to(bus.at + 900 * MS)
+    assert a not in bus.outputs.known(bus.at)

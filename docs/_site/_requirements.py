@@ -1,0 +1,66 @@
+"""Each requirement of the shipped automata: its sentence, its query, and what finds out that it does not hold."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+
+from end_effector_hal.control import network_of
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.verification.coils import COILS_FILE
+from end_effector_hal.verification.proof import Requirement, requirements_of
+from timed_automata import load_network
+from timed_automata.monitor import Monitor
+
+from ._markdown import ROOT, link, plain, tests_with
+
+FOLDER = "tests/unit/verification/"
+MUTANTS = ROOT / FOLDER / "mutants" / "mutants.toml"
+
+
+def requirements() -> str:
+    """All of them, in the order of the file."""
+    tool = load(profile_path())
+    network, automata = network_of(tool), tool.automata
+    recordings = {
+        f"`{program}.mcap`": {
+            query.comment
+            for query in Monitor(network, processes, automata.interface, requirements=True).queries
+        }
+        for program, processes in (("grip", automata.grip), ("tool_change", automata.tool_change))
+    }
+    mutants = tomllib.loads(MUTANTS.read_text(encoding="utf-8"))["mutant"]
+    parts = [
+        part
+        for each in requirements_of(network)
+        for part in _requirement(
+            each,
+            [file for file, judged in recordings.items() if any(f"[{each.id}]" in words for words in judged)],
+            [mutant for mutant in mutants if mutant["caught_by"] == each.id],
+        )
+    ]
+    parts.append("## Of outputs with two coils")
+    parts.append(
+        "A network of their own proves them, with the times of each; that of the tool may then assume it."
+    )
+    coils = requirements_of(load_network(COILS_FILE))
+    parts += [part.replace("## ", "### ", 1) for each in coils for part in _requirement(each, [], [])]
+    return "\n\n".join(parts)
+
+
+def _requirement(each: Requirement, recordings: list[str], found: list[dict[str, str]]) -> Iterator[str]:
+    yield f"## `{each.id}`"
+    yield plain(each.sentence)
+    yield f"```text\n{each.query}\n```"
+    if recordings:
+        yield f"Recordings that speak of it: {' and '.join(recordings)} of any run; `eehal replay` judges it there."
+    if found:
+        yield "It finds these out:"
+        yield "\n".join(
+            f"- {mutant.get('template', 'declarations')}: {plain(mutant['name'])}" for mutant in found
+        )
+    named = re.compile(rf"""["'\\[]{re.escape(each.id)}["'\\]]""")
+    tests = [path for path in tests_with(named) if f"{FOLDER}" in path.as_posix()]
+    if tests:
+        yield "Tests that name it: " + ", ".join(link(path) for path in tests) + "."

@@ -1,0 +1,103 @@
+"""``eehal completion``, and what the shell proposes for values: kinds, links, faults, scenarios, profiles."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import click
+from click.shell_completion import CompletionItem, get_completion_class
+
+from end_effector_hal.description import Description, load, profile_names, profile_path
+from end_effector_hal.errors import ReportedError, UsageError
+
+SHELLS = ("bash", "zsh", "fish")
+Names = Callable[[click.Context], Iterable[str]]
+Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+
+
+@click.command("completion")
+@click.argument("shell", type=click.Choice(SHELLS), required=False)
+def command(shell: str | None) -> None:
+    """Print what makes a shell complete commands, options, files and values; SHELL defaults to $SHELL.
+
+    \b
+    bash: add to ~/.bashrc    eval "$(eehal completion bash)"
+    zsh:  add to ~/.zshrc     eval "$(eehal completion zsh)"
+    fish: eehal completion fish > ~/.config/fish/completions/eehal.fish
+    """
+    from ._main import eehal
+
+    name = shell or Path(os.environ.get("SHELL", "")).name
+    if name not in SHELLS:
+        raise UsageError(f"The shell {name!r} is not known.", todo=f"Name one of {', '.join(SHELLS)}.")
+    found = get_completion_class(name)
+    assert found is not None
+    if name == "bash":  # else it would complete what follows a colon as a word of its own
+        click.echo("COMP_WORDBREAKS=${COMP_WORDBREAKS//:}")
+    click.echo(found(eehal, {}, "eehal", "_EEHAL_COMPLETE").source())
+
+
+def completed(names: Names, *, separator: str = "", after_colon: bool = False) -> Complete:
+    """Proposes the names that begin with what is typed.
+
+    Args:
+        names: all that there are.
+        separator: several stand with it between them; the last is completed.
+        after_colon: a name of the user's and a colon stand before.
+    """
+
+    def complete(context: click.Context, _: click.Parameter, typed: str) -> list[CompletionItem]:
+        start = typed.rfind(separator) + 1 if separator else 0
+        start += len(typed[start:]) - len(typed[start:].lstrip())
+        start = max(start, typed.rfind(":") + 1 if after_colon else 0)
+        kept, begun = typed[:start], typed[start:]
+        try:
+            return [CompletionItem(kept + name) for name in names(context) if name.startswith(begun)]
+        except (ReportedError, ImportError, OSError):  # a shell wants proposals, no errors
+            return []
+
+    return complete
+
+
+def typed_tool(context: click.Context) -> Description:
+    """The tool whose description is typed already, else the shipped one; raises DescriptionError."""
+    # behind an option without its value, which is being typed, click leaves the arguments as they are
+    given = context.params.get("description") or next(iter(context.args), None)
+    return load(Path(str(given)) if given else profile_path())
+
+
+def kinds(_: click.Context) -> Iterable[str]:
+    """Of actuators."""
+    from end_effector_hal.kinds import kind_names
+
+    return kind_names()
+
+
+def links(_: click.Context) -> Iterable[str]:
+    """What `eehal init --link` takes."""
+    from end_effector_hal.codecs import codec_names
+
+    from .init import LINKS
+
+    return (*LINKS, *codec_names())
+
+
+def profiles(_: click.Context) -> Iterable[str]:
+    """Shipped tools."""
+    return profile_names()
+
+
+def session_words(_: click.Context) -> Iterable[str]:
+    """Of `eehal run`."""
+    from end_effector_hal.runtime import WORDS
+
+    return WORDS
+
+
+def scenarios(context: click.Context) -> Iterable[str]:
+    """That the simulated tool can have, if what simulates it is installed."""
+    from .run import possible_scenarios
+
+    return possible_scenarios(typed_tool(context))

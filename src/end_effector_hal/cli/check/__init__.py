@@ -1,0 +1,5 @@
+"""``eehal check``: everything that is wrong with a description, with its place."""
+
+from ._check import check
+
+__all__ = ["check"]

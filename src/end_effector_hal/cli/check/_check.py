@@ -1,0 +1,236 @@
+"""``eehal check``: everything that is wrong with a description, or what it says in short."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli._json_output import print_document
+from end_effector_hal.cli._options import PathName
+from end_effector_hal.description import Description, Fault, examine, load, profile_path, socket_path
+from end_effector_hal.errors import ArbiterError, Diagnostic, LineBusyError, ReportedError
+
+from ._excerpt import MarkedFault, marked
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+BAD_DESCRIPTION = 2
+
+
+@click.command(name="check")
+@click.argument("file", type=PathName(), required=False)
+@click.option(
+    "--instead-of",
+    metavar="RUNNING",
+    type=PathName(),
+    help="Also refuse while the tool of this description runs with an active line: exit code 3.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print {ok, exit_code, faults, ...} as JSON.")
+def command(file: Path | None, instead_of: Path | None, as_json: bool) -> None:
+    """Check a description, its codec and its automata; FILE defaults to the shipped one.
+
+    Every fault is a line on stderr, file:line:column: what (offending text), expected …; hint [code], and below it the
+    line of the file with the offending text marked; the exit code is 2. Without faults: a summary, bounds that were
+    computed, what the link does not carry, and times that it is too slow for.
+    """
+    checked = check(file or profile_path())
+    if instead_of is not None and not checked.faults:
+        _refuse_while_active(load(instead_of))
+    if as_json:
+        print_document(checked.as_json())
+    for each in checked.found if not as_json else ():
+        click.echo(str(each.diagnostic), err=True)
+        for line in each.excerpt():
+            click.echo(line, err=True)
+    if checked.faults or checked.description is None:
+        sys.exit(BAD_DESCRIPTION)
+    if not as_json:
+        _print_summary(checked.description, checked)
+
+
+def _refuse_while_active(running: Description) -> None:
+    """What is held would be adopted by other automata; where no arbiter runs, nothing can be asked."""
+    from end_effector_hal.arbiter import ArbiterClient
+
+    path = socket_path(running)
+    try:
+        with ArbiterClient(path, "check", patience_s=0) as client:
+            levels = client.levels()
+    except ArbiterError as error:
+        if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):
+            return
+        raise
+    labels = {actuator.line: name for name, actuator in running.ordered}
+    if running.tool_changer is not None:
+        labels[running.tool_changer.line] = "tool changer"
+    active = [
+        f"{line} ({labels[line]})" if line in labels else line for line, level in levels.items() if level
+    ]
+    active += [f"{line} (its level is unknown)" for line in sorted(running.may_be_unknown - levels.keys())]
+    if active:
+        raise LineBusyError(
+            f"{running.name} runs with active lines, a part may be held: {', '.join(active)}.",
+            where=str(path),
+            todo="Drop it first; nothing has changed.",
+        )
+
+
+@dataclass(frozen=True)
+class Checked:
+    """All that there is to say of a description before it is used.
+
+    Attributes:
+        description: None where its keys or values are faulty.
+        found: every fault, with its line.
+        not_fitted, slow, hints: sentences about a description without faults.
+    """
+
+    description: Description | None
+    found: tuple[MarkedFault, ...]
+    not_fitted: tuple[str, ...] = ()
+    slow: tuple[str, ...] = ()
+    hints: tuple[str, ...] = ()
+
+    @property
+    def faults(self) -> tuple[Diagnostic, ...]:
+        """Without their lines."""
+        return tuple(each.diagnostic for each in self.found)
+
+    def as_json(self) -> dict[str, object]:
+        """For ``--json``."""
+        return {
+            "ok": not self.faults,
+            "exit_code": BAD_DESCRIPTION if self.faults else 0,
+            "faults": [fault.as_json() for fault in self.faults],
+            "not_fitted": list(self.not_fitted),
+            "warnings": list(self.slow),
+            "hints": list(self.hints),
+            "computed_bounds": computed_bounds(self.description) if self.description is not None else {},
+        }
+
+
+def computed_bounds(description: Description) -> dict[str, float]:
+    """The bounds that a description does not write, by their key, in seconds."""
+    durations = description.durations
+    return {key: durations.seconds(key) for key in durations.computed}
+
+
+def check(path: Path) -> Checked:
+    """A description with its codec and its automata; all faults at once.
+
+    Where a part is faulty, the others are judged all the same: with defaults in the place of what is wrong, and without
+    what only follows from it.
+    """
+    examination = examine(path)
+    faults, likely = list(examination.faults), examination.likely
+    match, automata = None, tuple[Diagnostic, ...]()
+    codecs = [(*likely.link_path(name), "codec") for name in likely.links] if likely is not None else []
+    broken = any(examination.is_broken(*each) for each in (*codecs, ("link", "codec")))
+    if likely is not None and not broken and all(_carries(likely, each) for each in likely.links):
+        from end_effector_hal.codecs import match_codec
+        from end_effector_hal.nodes.interface import name_faults
+
+        match = match_codec(likely)
+        further: list[Fault] = sorted((*match.faults, *name_faults(likely)))
+        faults += [each for each in further if not examination.is_broken(*each.path)]
+        # without a codec nothing is put together
+        without_codec = any(each.code == "EE-226" for each in match.faults)
+        if not without_codec and not examination.is_broken("automata"):
+            automata = _automata_faults(likely)
+    description = examination.description
+    found = [marked(each, examination.name, examination.text) for each in sorted(set(faults))]
+    found += [MarkedFault(each) for each in automata]
+    if description is None or match is None:
+        return Checked(description, tuple(found))
+    return Checked(description, tuple(found), match.not_fitted, match.slow, tuple(_hints(description)))
+
+
+def _carries(likely: Description, name: str) -> bool:
+    """Whether something is left that comes over a link: its frame, or each of its channels, may be faulty."""
+    frame = likely.links[name].frame
+    return frame is None or any(
+        channel.source == frame.format for channel in likely.channels_over(name).values() if frame.format
+    )
+
+
+def _hints(description: Description) -> Iterator[str]:
+    """How to say it the new way."""
+    if description.schema_version == 1:
+        yield (
+            f"{description.where('schema')}: write schema: 2; all that stands here keeps its meaning, and "
+            "channels of names of your own may come from the link and the board's inputs (docs/reference/channels.md)"
+        )
+
+
+def _automata_faults(description: Description) -> tuple[Diagnostic, ...]:
+    from end_effector_hal.runtime import load_automata
+
+    try:
+        load_automata(description)
+    except ReportedError as error:
+        return error.diagnostics
+    return ()
+
+
+def _print_summary(description: Description, checked: Checked) -> None:
+    from rich.console import Console
+
+    # No markup: names and summaries are the user's.
+    console = Console(highlight=False, markup=False, emoji=False, soft_wrap=True)
+    console.print(description.name, style="bold", end="  ")
+    console.print(f"{description.summary} ({description.fingerprint()})")
+    console.print(_actuators(description), soft_wrap=False)
+    for line in _rest(description):
+        console.print(line)
+    if computed := computed_bounds(description):
+        said = ", ".join(f"{key} = {seconds:g}" for key, seconds in computed.items())
+        console.print(f"bounds    computed, for they are not written: {said}")
+    switched_off = [key for key, on in description.interlocks.model_dump(by_alias=True).items() if not on]
+    if switched_off:
+        console.print(f"switched off  {', '.join(switched_off)}", style="bold yellow")
+    for sentence in checked.not_fitted:
+        console.print(f"not fitted  {sentence}", style="yellow")
+    for sentence in checked.slow:
+        console.print(f"warning  {sentence}", style="bold yellow")
+    for sentence in checked.hints:
+        console.print(f"hint  {sentence}")
+
+
+def _actuators(description: Description) -> Table:
+    """In the order of a grip."""
+    from rich.table import Table
+
+    columns = ("actuator", "kind", "line", "pin", "channel", "time-out", "reset", "gone")
+    table = Table(*columns, box=None, pad_edge=False, padding=(0, 1))
+    for name, each in description.ordered:
+        times = (f"{each.attempts} x {each.timeout_s:g} s", f"{each.reset_s:g} s", f"{each.release_s:g} s")
+        table.add_row(name, each.kind, each.line, each.pin, each.channel, *times)
+    return table
+
+
+def _rest(description: Description) -> Iterator[str]:
+    """Tool changer and wires, a line each."""
+    from end_effector_hal.codecs import board_inputs, codec_of, line_of
+
+    lines = description.lines
+    if changer := description.tool_changer:
+        pin = f", {changer.pin}" if changer.pin else ""
+        proof = f"{changer.locked_bit} or {changer.unlocked_bit} within {changer.prove_s:g} s"
+        at_most = "latching" if changer.latching else f"unlock at most {changer.unlock_max_s:g} s"
+        yield f"changer   {changer.line}{pin}; {proof}; {at_most}"
+    yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
+    for name, link in description.links.items():
+        codec = codec_of(description, name)
+        baudrate, parity = line_of(link, codec)
+        own = f" 8{parity}1" if link.frame or link.parity else ""
+        called = f"{name}: " if name else ""
+        yield f"link      {called}{link.port}, {codec.name}, {baudrate} baud{own}"
+    if inputs := board_inputs(description):
+        yield f"inputs    {', '.join(inputs.channels)}, each {inputs.period_us / 1000:g} ms"
+    yield f"automata  {description.automata_path}"

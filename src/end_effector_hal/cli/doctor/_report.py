@@ -1,0 +1,135 @@
+"""What a bug report needs, in one file, without what concerns nobody else."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import platform
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+
+from end_effector_hal._extras import DISTRIBUTION
+from end_effector_hal.cli._json_output import json_text
+from end_effector_hal.cli._options import write_whole
+
+from ._check_result import CheckResult
+
+VARIABLES = (
+    "LANG", "LC_ALL", "PYTHONPATH", "RMW_IMPLEMENTATION", "ROS_DISTRO", "ROS_DOMAIN_ID", "ROS_VERSION", "SHELL", "TERM",
+)  # fmt: skip
+"""Of the environment only these: any other may hold a secret."""
+LONGEST = 200_000
+"""Characters of a description."""
+_SECRETS = (
+    (re.compile(r"(?<=://)[^/@\s]+@"), ""),
+    (
+        re.compile(r"(?i)\b((?:[\w-]*(?:password|passwd|secret|token|api[_-]?key))[\"']?\s*[=:]\s*)\S+"),
+        r"\1<removed>",
+    ),
+)
+
+
+def write_report(
+    file: Path, description: Path, answer: Mapping[str, object], findings: Sequence[CheckResult]
+) -> None:
+    """Write the report: JSON where the file is called so, else text.
+
+    Args:
+        file: is written whole.
+        description: of the tool that was looked at.
+        answer: of the command, as ``--json`` prints it.
+        findings: the same for people.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    facts: dict[str, object] = {
+        "made": datetime.now(UTC).isoformat(timespec="seconds"),
+        DISTRIBUTION: _version(DISTRIBUTION),
+        "python": sys.version,
+        "platform": platform.platform(),
+        "command": " ".join(sys.argv[1:]),
+    }
+    parts: dict[str, str | dict[str, str]] = {
+        "environment": {name: os.environ[name] for name in VARIABLES if name in os.environ},
+        "packages": _packages(),
+        "description": _text_of(description),
+    }
+    if file.suffix == ".json":
+        cleaned = {name: _cleaned(value) for name, value in {**facts, **answer, **parts}.items()}
+        text = json_text(cleaned, indent=2) + "\n"
+    else:
+        lines = "\n".join(
+            [
+                *(f"{name}: {value}" for name, value in facts.items()),
+                "",
+                *(line for finding in findings for line in finding.lines),
+                *(line for name, part in parts.items() for line in ("", f"## {name}", *_lines(part))),
+                "",
+            ]
+        )
+        text = without_secrets(lines)
+    write_whole(file, text.encode())
+
+
+def without_secrets(text: str) -> str:
+    """A text without the names of this user and this machine, home folders, and what looks like a secret."""
+    home = str(Path.home())
+    if len(home) > 1:
+        text = re.sub(rf"{re.escape(home)}(?![\w.-])", "~", text)
+    text = re.sub(r"/home/[^/\s\"']+", "~", text)
+    for name, shown in ((_user(), "<user>"), (platform.node(), "<host>")):
+        if len(name) > 2 and name not in ("root", "localhost"):
+            text = re.sub(rf"(?<![\w-]){re.escape(name)}(?![\w-])", shown, text)
+    for pattern, instead in _SECRETS:
+        text = pattern.sub(instead, text)
+    return text
+
+
+def _lines(part: str | Mapping[str, str]) -> list[str]:
+    return (
+        part.splitlines() if isinstance(part, str) else [f"{name}: {value}" for name, value in part.items()]
+    )
+
+
+def _cleaned(value: object) -> object:
+    """Each text in it cleaned; before it is JSON, whose syntax must stay."""
+    if isinstance(value, str):
+        return without_secrets(value)
+    if isinstance(value, Mapping):
+        return {name: _cleaned(each) for name, each in value.items()}
+    return [_cleaned(each) for each in value] if isinstance(value, list) else value
+
+
+def _user() -> str:
+    with suppress(OSError, KeyError):  # a user id without a name, as in a container
+        return getpass.getuser()
+    return ""
+
+
+def _version(name: str) -> str:
+    with suppress(metadata.PackageNotFoundError):
+        return metadata.version(name)
+    return "not installed"
+
+
+def _packages() -> dict[str, str]:
+    """What we need, extras included."""
+    needed: list[str] = []
+    with suppress(metadata.PackageNotFoundError):
+        needed = metadata.requires(DISTRIBUTION) or []
+    names = {found[0] for each in needed if (found := re.match(r"[\w.-]+", each))} - {DISTRIBUTION}
+    return {name: _version(name) for name in sorted(names)}
+
+
+def _text_of(description: Path) -> str:
+    try:
+        with description.open(encoding="utf-8", errors="replace") as file:
+            return file.read(LONGEST)
+    except OSError as error:
+        return f"(not readable: {error.strerror})"

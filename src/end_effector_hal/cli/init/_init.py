@@ -1,0 +1,115 @@
+"""``eehal init``: a folder to start an own tool from."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import click
+
+from end_effector_hal.cli._completion import completed, kinds
+from end_effector_hal.cli._completion import links as links_known
+from end_effector_hal.cli._json_output import print_document
+from end_effector_hal.cli._options import PathName, the_folder, write_whole
+from end_effector_hal.description import profile_path, schema_path
+from end_effector_hal.errors import UsageError
+
+
+@click.command(name="init")
+@click.argument("folder", type=PathName())
+@click.option(
+    "--actuators",
+    metavar="NAME:KIND,...",
+    shell_complete=completed(kinds, separator=",", after_colon=True),
+    help="Of the tool, in the order of a grip.",
+)
+@click.option(
+    "--link",
+    "links",
+    metavar="[NAME:]LINK",
+    multiple=True,
+    shell_complete=completed(links_known, separator=",", after_colon=True),
+    help="text, binary, modbus, none (inputs of the board), or a codec; several times with a NAME each, such as "
+    "front:text: the actuators are distributed among them in turn, or as NAME:KIND:LINK says.  [default: text]",
+)
+@click.option("--tool-changer/--no-tool-changer", default=None, help="Whether one is fitted.  [default: yes]")
+@click.option("--virtual", is_flag=True, help="On virtual lines and a pty in FOLDER, for `eehal testbench`.")
+@click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
+def command(
+    folder: Path,
+    actuators: str | None,
+    links: tuple[str, ...],
+    tool_changer: bool | None,
+    virtual: bool,
+    as_json: bool,
+) -> None:
+    """Write a description into FOLDER as a starting point. Change it to fit your tool.
+
+    With --actuators it describes a tool of these, and `eehal check` and `eehal verify` accept it as it stands; what
+    else there is to say is asked for on a terminal, and taken by default elsewhere. Without, it is a copy of the
+    paper's tool.
+
+    Beside it the schema that its first line names: an editor that knows the YAML language server completes and
+    checks while you type. Nothing that is there already is touched.
+    """
+    files = [folder / source.name for source in (profile_path(), schema_path())]
+    for path in files:
+        if path.exists():
+            raise UsageError("This file is there already.", where=str(path), todo="Name another folder.")
+    asking = sys.stdin.isatty() and not as_json
+    if actuators is None and (links or tool_changer is not None or virtual):
+        if not asking:
+            raise UsageError(
+                "No actuators are named.", todo="Give --actuators, such as cups:vacuum,rod:cylinder."
+            )
+        actuators = _asked("Actuators, in the order of a grip (NAME:KIND,...)")
+    description = profile_path().read_bytes()
+    if actuators is not None:
+        description = _described(folder, actuators, links, tool_changer, virtual, asking).encode()
+    the_folder(folder)
+    for path, content in zip(files, (description, schema_path().read_bytes()), strict=True):
+        write_whole(path, content)
+    if as_json:
+        print_document({"files": [str(path) for path in files]})
+        return
+    for path in files:
+        click.echo(str(path))
+    file = shlex.quote(str(files[0]))
+    click.echo(f"Next: edit {file}, then `eehal check {file}`.", err=True)
+    if actuators is not None:
+        click.echo(f"To try it without hardware: `eehal run --simulate {file}`.", err=True)
+
+
+def _described(
+    folder: Path,
+    actuators: str,
+    links: tuple[str, ...],
+    tool_changer: bool | None,
+    virtual: bool,
+    asking: bool,
+) -> str:
+    from ._new_tool import LINKS, new_description, wanted_actuators, wanted_links
+
+    wanted = wanted_actuators(actuators)
+    if not links:
+        links = (_asked(f"Link ({', '.join(LINKS)}, or a codec)", "text") if asking else "text",)
+    wanted_by = wanted_links(links)
+    if tool_changer is None:
+        tool_changer = not asking or click.confirm("Is a tool changer fitted?", default=True, err=True)
+    return new_description(
+        folder,
+        wanted,
+        wanted_by,
+        tool_changer=tool_changer,
+        virtual=virtual,
+        ask=_asked if asking else _refuse,
+    )
+
+
+def _asked(what: str, default: str | None = None) -> str:
+    return str(click.prompt(what, default=default, err=True)).strip()
+
+
+def _refuse(what: str) -> str:
+    raise UsageError(f"This cannot be guessed: {what}.", todo="Call it on a terminal, where it asks.")

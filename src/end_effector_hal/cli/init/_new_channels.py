@@ -1,0 +1,155 @@
+"""Where the signals of a new tool come from: channels of its own in a declared frame, or on inputs of the board."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Any
+
+from end_effector_hal.description import ToolChanger as ChangerStanza
+from end_effector_hal.kinds import DeviceKind
+from end_effector_hal.kinds.stanza import NO_CHANNEL
+from end_effector_hal.signals import Kind
+
+CHANGER_BITS = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+CHANGER_DEFAULTS = tuple(str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS)
+
+
+@dataclass
+class NewChannels:
+    """The signals of a tool, in the order in which they come.
+
+    Attributes:
+        carried: what each carries, by name.
+        given: for each actuator, the channel of each of its keys.
+        of_codec: what the codec of the link calls those that are renamed.
+    """
+
+    carried: dict[str, Kind] = field(default_factory=dict)
+    given: dict[str, dict[str, str]] = field(default_factory=dict)
+    of_codec: dict[str, str] = field(default_factory=dict)
+
+
+def new_channels(
+    actuators: Sequence[tuple[str, DeviceKind[Any]]], *, on_board: bool, tool_changer: bool
+) -> NewChannels:
+    """A signal for each sensor that may prove something.
+
+    A kind that is proven by a pressure gets that alone, where the link carries pressures; any other its switches.
+    """
+    found = NewChannels()
+    for name, kind in actuators:
+        pressures = [each for each in kind.channels if each.carries is Kind.PRESSURE and each.confirms]
+        wanted = kind.channels if on_board or not pressures else pressures
+        found.given[name] = {each.key: NO_CHANNEL for each in kind.channels}
+        for each in wanted:
+            if each.carries is Kind.BIT or not on_board:
+                channel = _own_name(name, each.meaning, each.carries)
+                found.carried[channel] = each.carries
+                found.given[name][each.key] = channel
+    if tool_changer:
+        found.carried |= dict.fromkeys(CHANGER_DEFAULTS, Kind.BIT)
+    return found
+
+
+def renamed_channels(
+    actuators: Sequence[tuple[str, DeviceKind[Any]]],
+    chosen: Mapping[str, Mapping[str, str]],
+    carried: Mapping[str, Kind],
+    *,
+    tool_changer: bool,
+) -> NewChannels:
+    """Channels of a codec under names of their own, as several links have them.
+
+    Args:
+        actuators: that it proves.
+        chosen: for each, the channel of the codec of each of its keys.
+        carried: what the codec carries.
+        tool_changer: whether its bits come from here, as far as the codec has them.
+    """
+    found = NewChannels()
+    for name, kind in actuators:
+        found.given[name] = dict(chosen[name])
+        for each in kind.channels:
+            if (channel := chosen[name][each.key]) != NO_CHANNEL:
+                own = _own_name(name, each.meaning, carried[channel])
+                found.given[name][each.key] = own
+                found.carried[own], found.of_codec[own] = carried[channel], channel
+    for bit in CHANGER_DEFAULTS if tool_changer else ():
+        if carried.get(bit) is Kind.BIT:
+            found.carried[bit], found.of_codec[bit] = Kind.BIT, bit
+    return found
+
+
+def _own_name(actuator: str, meaning: str, carries: Kind) -> str:
+    return f"{actuator}_{meaning}" if carries is Kind.BIT or actuator in CHANGER_DEFAULTS else actuator
+
+
+def frame_lines(link: str, channels: NewChannels) -> Iterator[str]:
+    """The frame of a link in which the channels stand: text, binary or modbus."""
+    match link:
+        case "text":
+            yield '  frame: {text: {start: "$", separator: ",", checksum: xor8}}   # $1,2.5,...*hh, a line each'
+        case "binary":
+            length = 2 * _count(channels, Kind.PRESSURE) + -(-_count(channels, Kind.BIT) // 8)
+            yield f"  frame: {{record: {{framing: cobs, length: {length}, checksum: crc16-modbus}}}}"
+        case _:
+            yield "  frame: {modbus: {}}                # the HAL asks, the devices answer"
+
+
+CHANNELS_HEAD = (
+    "",
+    "channels:                          # yours: where each signal stands; docs/reference/channels.md",
+)
+
+
+def channel_lines(link: str, name_of_link: str, channels: NewChannels) -> Iterator[str]:
+    """Where each channel of a link stands: lines of the stanza ``channels``."""
+    for name, channel in channels.of_codec.items():
+        yield f"  {name}: {{link: {name_of_link}, codec: {{channel: {channel}}}}}"
+    if channels.of_codec:
+        return
+    place = {"text": _text, "binary": _binary(channels), "modbus": _modbus(), "none": _board()}[link]
+    over = f"link: {name_of_link}, " if name_of_link and link != "none" else ""
+    for number, (name, kind) in enumerate(channels.carried.items(), start=1):
+        more = "" if kind is Kind.BIT else ", unit: kPa, scale: 0.1"
+        yield f"  {name}: {{{over}{place(number, kind)}{more}}}"
+
+
+def _count(channels: NewChannels, kind: Kind) -> int:
+    return sum(each is kind for each in channels.carried.values())
+
+
+Place = Callable[[int, Kind], str]
+
+
+def _text(number: int, kind: Kind) -> str:
+    decimals = "" if kind is Kind.BIT else ", decimals: 0"
+    return f"text: {{field: {number}{decimals}}}"
+
+
+def _binary(channels: NewChannels) -> Place:
+    """Pressures first, 16 bits each; then the bits, eight in a byte."""
+    first = 2 * _count(channels, Kind.PRESSURE)
+    return _counted(
+        lambda index: f"record: {{byte: {2 * index}, value_type: int16}}",
+        lambda index: f"record: {{byte: {first + index // 8}, bitmask: {1 << index % 8}}}",
+    )
+
+
+def _modbus() -> Place:
+    return _counted(
+        lambda index: f"modbus: {{unit: 1, address: {index}, register_type: input, value_type: int16}}",
+        lambda index: f"modbus: {{unit: 1, address: {index}, register_type: discrete_input}}",
+    )
+
+
+def _counted(pressure: Callable[[int], str], bit: Callable[[int], str]) -> Place:
+    """Pressures and bits are counted apart, each from 0 on."""
+    written, numbers = {Kind.PRESSURE: pressure, Kind.BIT: bit}, {Kind.PRESSURE: count(), Kind.BIT: count()}
+    return lambda _, kind: written[kind](next(numbers[kind]))
+
+
+def _board() -> Place:
+    return lambda number, _: f"digital: {{line: INPUT_{number}, bias: pull_up, debounce_ms: 2}}, invert: true"

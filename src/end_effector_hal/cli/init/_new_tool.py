@@ -1,0 +1,390 @@
+"""A description for tools that nobody has described yet: of its kinds and the channels of a link."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from end_effector_hal.codecs import Codec, codec_names, get_codec, match_codec
+from end_effector_hal.description import ToolChanger as ChangerStanza
+from end_effector_hal.description import did_you_mean, examine_text, schema_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import DeviceKind, get_kind
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator
+from end_effector_hal.nodes.interface import name_faults
+from end_effector_hal.signals import Kind
+
+from ._new_channels import (
+    CHANGER_BITS,
+    CHANGER_DEFAULTS,
+    CHANNELS_HEAD,
+    NewChannels,
+    channel_lines,
+    frame_lines,
+    new_channels,
+    renamed_channels,
+)
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_OTHER_WORDS = ("null", "true", "false", NO_CHANNEL)
+_WHAT = 34
+"""Column of the comments."""
+_TIMES = ("timeout_s", "reset_s", "attempts", "release_s")
+BOARD = "none"
+LINKS = ("text", "binary", "modbus", BOARD)
+"""A frame that is declared, or inputs of the board; the name of a codec is a link as well."""
+
+Ask = Callable[[str], str]
+"""Asks the user; raises UsageError where there is none to ask."""
+
+
+@dataclass(frozen=True)
+class WantedActuator:
+    """One of the tool, in the order of a grip; ``link``: the name of the one that proves it, empty: any."""
+
+    name: str
+    kind: DeviceKind[Any]
+    link: str = ""
+
+
+@dataclass(frozen=True)
+class WantedLink:
+    """What proves actuators: one of `LINKS`, or a codec; ``name``: among several, empty for the only one."""
+
+    name: str
+    what: str
+
+
+def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
+    """Of ``cups:vacuum,jaw:gripper``, or with the link of each, ``cups:vacuum:front``; raises UsageError."""
+    found: dict[str, WantedActuator] = {}
+    for each in text.split(","):
+        name, colon, rest = each.strip().partition(":")
+        kind, _, link = rest.partition(":")
+        if not colon:
+            raise UsageError(
+                f"{each.strip()!r} is no actuator.", todo="Write NAME:KIND, such as cups:vacuum,rod:cylinder."
+            )
+        if not _NAME.fullmatch(name):
+            raise UsageError(
+                f"{name!r} is no name of an actuator.", todo="Write lower-case letters, digits and '_'."
+            )
+        if name in _OTHER_WORDS:
+            raise UsageError(
+                f"{name!r} is no name of an actuator: in a description it means something else.",
+                todo=f"Write another one, such as {name}_1.",
+            )
+        if name in found:
+            raise UsageError(f"Two actuators are named {name!r}.", todo="Give each a name of its own.")
+        found[name] = WantedActuator(name, get_kind(kind), link)
+    return tuple(found.values())
+
+
+def wanted_links(texts: Sequence[str]) -> tuple[WantedLink, ...]:
+    """Of ``text``, or of ``front:text`` and ``arm:modbus``; raises UsageError."""
+    each_text = [each.strip() for text in texts for each in text.split(",")]
+    found: dict[str, WantedLink] = {}
+    for each in each_text:
+        name, colon, what = each.partition(":")
+        if not colon:
+            name, what = BOARD if each == BOARD and len(each_text) > 1 else "", each
+        elif not _NAME.fullmatch(name) or name in _OTHER_WORDS:
+            raise UsageError(
+                f"{name!r} is no name of a link.",
+                todo="Write lower-case letters, digits and '_': front:text.",
+            )
+        if not name and len(each_text) > 1:
+            raise UsageError(f"The link {each!r} has no name.", todo=f"Write NAME:{each}, one for each link.")
+        if name in found:
+            raise UsageError(f"Two links are named {name!r}.", todo="Give each a name of its own.")
+        if colon and what == BOARD:
+            raise UsageError(
+                "Inputs of the board have no link.", todo=f"Write --link {BOARD}, without a name."
+            )
+        found[name] = WantedLink(name, _known_link(what))
+    return tuple(found.values())
+
+
+def _known_link(link: str) -> str:
+    if link not in LINKS and link not in codec_names():
+        known = [*LINKS, *codec_names()]
+        meant = did_you_mean(link, known)
+        hint = f"{meant[0].upper()}{meant[1:]} " if meant else ""
+        raise UsageError(f"There is no link {link!r}.", todo=f"{hint}There are: {', '.join(known)}.")
+    return link
+
+
+def new_description(
+    folder: Path,
+    actuators: Sequence[WantedActuator],
+    links: Sequence[WantedLink],
+    *,
+    tool_changer: bool,
+    virtual: bool,
+    ask: Ask,
+) -> str:
+    """The text of a description that is valid as it stands.
+
+    Args:
+        folder: where it will stand; names the tool.
+        actuators: in the order of a grip.
+        links: they prove the actuators. Of several each gets those that name it, and the others in turn.
+        tool_changer: whether one is fitted.
+        virtual: on virtual lines and a pty in the folder, for the testbench.
+        ask: for what a kind needs and nobody can guess.
+
+    Raises:
+        UsageError: the link carries too little, or the description would have a fault.
+    """
+    shares = _shares(actuators, links, tool_changer=tool_changer)
+    changers_link = next((link for link in links if link.what in LINKS), links[0]) if tool_changer else None
+    given: dict[str, dict[str, str]] = {}
+    stanzas: list[str] = []
+    declared: list[str] = []
+    carried: dict[str, Kind] = {}
+    for number, (link, share) in enumerate(shares.items()):
+        channels = _channels(link, share, tool_changer=link is changers_link)
+        given |= channels.given
+        if not link.name:
+            carried = channels.carried
+        stanzas += _link(folder, link, number, channels, virtual=virtual) if link.what != BOARD else ()
+        declared += channel_lines(link.what, link.name, channels) if link.what in LINKS or link.name else ()
+        carried |= {name: kind for name, kind in channels.carried.items() if name in CHANGER_DEFAULTS}
+    text = "\n".join(
+        [
+            *_head(folder, virtual=virtual),
+            *(["", "links:" if links[0].name else "link:"] if stanzas else ()),
+            *stanzas,
+            *(CHANNELS_HEAD if declared else ()),
+            *declared,
+            *_sequence(actuators),
+            *(
+                line
+                for number, each in enumerate(actuators, start=1)
+                for line in _actuator(each, number, given[each.name], ask)
+            ),
+            *(_changer(len(actuators) + 1, carried) if tool_changer else ()),
+            *_supply(carried if not declared else {}),
+            "",
+            "# bounds: grip_s, release_s and cancel_s are computed from the times above; write them to require less.",
+            "",
+        ]
+    )
+    _refuse_faulty(text, folder)
+    return text
+
+
+def _channels(link: WantedLink, share: Sequence[WantedActuator], *, tool_changer: bool) -> NewChannels:
+    """What comes over a link for the actuators that it proves."""
+    pairs = [(each.name, each.kind) for each in share]
+    if link.what in LINKS:
+        return new_channels(pairs, on_board=link.what == BOARD, tool_changer=tool_changer)
+    codec = get_codec(link.what)
+    chosen = _CodecChannels(codec, tool_changer=tool_changer).given(share)
+    if not link.name:
+        return NewChannels(dict(codec.channels), chosen)
+    return renamed_channels(pairs, chosen, codec.channels, tool_changer=tool_changer)
+
+
+def _shares(
+    actuators: Sequence[WantedActuator], links: Sequence[WantedLink], *, tool_changer: bool
+) -> dict[WantedLink, list[WantedActuator]]:
+    """The actuators of each link; raises UsageError where one fits nowhere, or a link would carry nothing."""
+    shares: dict[WantedLink, list[WantedActuator]] = {link: [] for link in links}
+    by_name = {link.name: link for link in links}
+    for number, each in enumerate(actuators):
+        if each.link and each.link not in by_name:
+            todo = (
+                did_you_mean(each.link, by_name) or f"there are: {', '.join(filter(None, by_name)) or 'none'}"
+            )
+            raise UsageError(
+                f"{each.name}: no --link is named {each.link!r}.", todo=f"{todo[0].upper()}{todo[1:]}."
+            )
+        turn = number % len(links)
+        choice = [by_name[each.link]] if each.link else [*links[turn:], *links[:turn]]
+        fits = (link for link in choice if _fits(link, [*shares[link], each], tool_changer=tool_changer))
+        shares[next(fits, choice[0])].append(each)
+    idle = [link.name for link, share in shares.items() if not share]
+    if idle:
+        raise UsageError(
+            f"The link {idle[0]!r} would prove no actuator.",
+            todo="Name fewer links, or NAME:KIND:LINK for one.",
+        )
+    return shares
+
+
+def _fits(link: WantedLink, share: Sequence[WantedActuator], *, tool_changer: bool) -> bool:
+    try:
+        _channels(link, share, tool_changer=tool_changer)
+    except UsageError:
+        return False
+    return True
+
+
+def _refuse_faulty(text: str, folder: Path) -> None:
+    """Whatever a kind of somebody else says of itself: nothing faulty is written."""
+    examination = examine_text(text, folder / "end_effector.yaml")
+    faults = list(examination.faults)
+    if examination.description is not None:
+        faults += (*match_codec(examination.description).faults, *name_faults(examination.description))
+    if faults:
+        first = faults[0]
+        named = f"Name the actuator {first.path[1]!r} otherwise." if first.path[:1] == ("actuators",) else ""
+        raise UsageError(f"This tool cannot be described so: {first.message}.", todo=named)
+
+
+class _CodecChannels:
+    """What a codec carries and nobody has yet."""
+
+    def __init__(self, codec: Codec, *, tool_changer: bool) -> None:
+        self._codec = codec
+        own = {str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS}
+        self._free = {
+            name: kind
+            for name, kind in codec.channels.items()
+            if name not in ("supply", "estop_ok") and (name not in own or not tool_changer)
+        }
+        self._meant = own
+
+    def given(self, actuators: Sequence[WantedActuator]) -> dict[str, dict[str, str]]:
+        """A channel or none for each key of each actuator; what is named alike goes first."""
+        found: dict[str, dict[str, str]] = {each.name: {} for each in actuators}
+        for exact in (True, False):
+            for each in actuators:
+                proven = any(asked.key in found[each.name] for asked in each.kind.channels if asked.confirms)
+                for asked in each.kind.channels:
+                    if (
+                        not (proven and not exact)
+                        and asked.key not in found[each.name]
+                        and (
+                            channel := self._choose(
+                                each, asked.key, asked.carries, asked.bit_instead, exact=exact
+                            )
+                        )
+                    ):
+                        del self._free[channel]
+                        found[each.name][asked.key] = channel
+        for each in actuators:
+            proofs = [asked.key for asked in each.kind.channels if asked.confirms]
+            if not any(key in found[each.name] for key in proofs):
+                raise UsageError(
+                    f"{self._codec.name} carries nothing more that could prove {each.name!r}, a {each.kind.name}.",
+                    todo="Name fewer actuators, or another --link: "
+                    f"{', '.join(each for each in codec_names() if each != self._codec.name)}.",
+                )
+            for asked in each.kind.channels:
+                found[each.name].setdefault(asked.key, NO_CHANNEL)
+        return found
+
+    def _choose(
+        self, each: WantedActuator, key: str, carries: Kind, bit_instead: bool, *, exact: bool
+    ) -> str | None:
+        usual = each.kind.stanza.model_fields[key]
+        names = [each.name, each.kind.name, "" if usual.is_required() else str(usual.default)]
+        if exact or carries is Kind.BIT:
+            return next((name for name in names if self._free.get(name) is carries), None)
+        switches = [name for name in self._free if bit_instead and not self._means_position(name)]
+        return next((name for name, kind in self._free.items() if kind is carries), None) or next(
+            (name for name in switches if self._free[name] is Kind.BIT), None
+        )
+
+    def _means_position(self, name: str) -> bool:
+        return name in self._meant or name.endswith(("_extended", "_retracted"))
+
+
+def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
+    place = folder.absolute()
+    yield f"# yaml-language-server: $schema={schema_path().name}"
+    yield "# Every key that is not written here has a default: docs/reference/description.md, or `eehal schema`."
+    yield "schema: 2"
+    yield f"name: {_tool_name(place.name)}"
+    yield ""
+    yield "lines:"
+    if virtual:
+        yield _key("backend", "virtual", "no hardware: `eehal testbench` plays it")
+        yield _key("path", json.dumps(str(place / "chip"), ensure_ascii=False), "stands for the chip")
+    else:
+        yield _key("backend", "gpiod", "virtual: no hardware; `eehal run --simulate` does that")
+
+
+def _link(
+    folder: Path, link: WantedLink, number: int, channels: NewChannels, *, virtual: bool
+) -> Iterator[str]:
+    """One link, under its name where it has one; ``number`` from 0 on."""
+    place, indent = folder.absolute(), 4 if link.name else 2
+    if link.name:
+        yield f"  {link.name}:"
+    uart = f"uart_{link.name}" if link.name else "uart"
+    port = json.dumps(str(place / uart), ensure_ascii=False) if virtual else f"/dev/ttyS{number}"
+    made = "made by the testbench" if virtual else "yours: the serial device of the sensors"
+    yield _key("port", port, made, indent=indent)
+    if link.what in LINKS:
+        yield _key("baudrate", "115200", "yours: bits per second", indent=indent)
+        yield from (" " * (indent - 2) + line for line in frame_lines(link.what, channels))
+    else:
+        yield _key("codec", link.what, "docs/reference/codecs.md has the others", indent=indent)
+        yield _key("baudrate", str(get_codec(link.what).baudrate), "bits per second", indent=indent)
+
+
+def _sequence(actuators: Sequence[WantedActuator]) -> Iterator[str]:
+    yield ""
+    yield (
+        f"sequence: [{', '.join(each.name for each in actuators)}]".ljust(_WHAT) + "# in the order of a grip"
+    )
+    yield ""
+    yield "actuators:"
+
+
+def _actuator(each: WantedActuator, number: int, channels: dict[str, str], ask: Ask) -> Iterator[str]:
+    fields = each.kind.stanza.model_fields
+    yield f"  {each.name}:"
+    yield _key("kind", each.kind.name, "", indent=4)
+    yield _key("line", f"LINE_{number}", "yours: its name as gpioinfo shows it", indent=4)
+    if "channel" not in channels and fields["channel"].is_required():
+        channels = {"channel": NO_CHANNEL, **channels}
+    for key, channel in channels.items():
+        yield _key(key, channel, _meaning(fields[key]), indent=4)
+    own = [key for key in fields if key not in Actuator.model_fields and key not in ("kind", *channels)]
+    for key in (*_TIMES, *own):
+        field = fields[key]
+        if field.is_required():
+            yield _key(key, ask(f"{each.name}: {key} ({_meaning(field)})"), _meaning(field), indent=4)
+        elif isinstance(field.default, int | float):
+            yield _key(key, json.dumps(field.default), _meaning(field), indent=4)
+
+
+def _changer(number: int, carried: Mapping[str, Kind]) -> Iterator[str]:
+    yield ""
+    yield "tool_changer:"
+    yield _key("line", f"LINE_{number}", "yours: active means unlock")
+    for key in CHANGER_BITS:
+        field = ChangerStanza.model_fields[key]
+        yield _key(key, field.default if field.default in carried else NO_CHANNEL, _meaning(field))
+
+
+def _supply(carried: Mapping[str, Kind]) -> Iterator[str]:
+    if carried.get("supply") is not Kind.PRESSURE:
+        yield ""
+        yield "supply:"
+        yield _key("channel", NO_CHANNEL, "no sensor of the compressed air: a lack of it is not seen")
+
+
+def _meaning(field: FieldInfo) -> str:
+    return field.description or ""
+
+
+def _key(key: str, value: str, what: str, *, indent: int = 2) -> str:
+    line = f"{' ' * indent}{key}: {value}"
+    return f"{line.ljust(_WHAT - 1)} # {what}" if what else line
+
+
+def _tool_name(folder: str) -> str:
+    """A name made of that of a folder."""
+    name = re.sub(r"[^a-z0-9]+", "_", folder.lower()).strip("_")[:34]
+    return name if _NAME.fullmatch(name) else f"tool_{name}".rstrip("_")

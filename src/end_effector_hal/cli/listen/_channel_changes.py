@@ -1,0 +1,98 @@
+"""What is told of the channels where nobody sees a table: each change, once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.signals import Kind
+
+from ._channel_view import ChannelView
+
+if TYPE_CHECKING:
+    from end_effector_hal.signals import Value
+
+STEP_KPA = 0.5
+"""A pressure that moves by less is told as it was."""
+
+
+class ChannelChanges:
+    """Tells each change once: a value, an evidence, an error of the decoder."""
+
+    def __init__(self, heard: ChannelView, tell: Callable[[dict[str, object]], None]) -> None:
+        self._heard, self._tell = heard, tell
+        self._told: dict[str, tuple[str, Value]] = {}
+        self._evidence: dict[str, str] = {}
+        self._alarms: tuple[str, ...] = ()
+        self._errors: Mapping[str, Mapping[str, int]] = {}
+
+    def tell(self, now: int) -> None:
+        """What is otherwise than it was told."""
+        heard, seconds = self._heard, round((now - self._heard.begun) / 1e6, 3)
+        for name in heard.values:
+            state, value = heard.state(name, now), heard.values[name]
+            if self._changed(name, state, value):
+                self._told[name] = (state, value)
+                pressed = heard.channels.get(name) is Kind.PRESSURE and not isinstance(value, bool)
+                unit = {"unit": "kPa"} if pressed and value is not None else {}
+                shown = None if state else value if value is None or not pressed else value / 1000
+                self._tell(
+                    {"event": "channel", "time_s": seconds, "channel": name, "raw": heard.raw(name),
+                     "value": shown,
+                     **unit, "state": state or "fresh", "rate_hz": round(heard.rate_hz(name, now), 1)}
+                )  # fmt: skip
+        for actuator, evidence in heard.evidence().items():
+            if self._evidence.get(actuator) != evidence:
+                self._evidence[actuator] = evidence
+                self._tell(
+                    {"event": "evidence", "time_s": seconds, "actuator": actuator, "evidence": evidence}
+                )
+        stood, self._alarms = self._alarms, heard.alarms(now)
+        for alarm in dict.fromkeys((*stood, *self._alarms)):
+            if (alarm in stood) is not (alarm in self._alarms):
+                self._tell(
+                    {"event": "alarm", "time_s": seconds, "alarm": alarm, "stands": alarm in self._alarms}
+                )
+        before, self._errors = self._errors, heard.errors()
+        for name, errors in self._errors.items():
+            if errors != before.get(name, {}):
+                link = {"link": name} if name else {}
+                newest = heard.links[name].newest.hex(" ")
+                self._tell(
+                    {"event": "errors", "time_s": seconds, **link, "errors": errors, "newest_bytes": newest}
+                )
+
+    def _changed(self, name: str, state: str, value: Value) -> bool:
+        if name not in self._told:
+            return True
+        was, before = self._told[name]
+        if state != was or state:
+            return state != was
+        if isinstance(value, bool) or isinstance(before, bool) or value is None or before is None:
+            return value != before
+        if self._heard.channels.get(name) is Kind.CODE:
+            return value != before
+        return abs(value - before) >= STEP_KPA * 1000
+
+
+def print_words(content: dict[str, object]) -> None:
+    at = f"{content['time_s']:9.3f} s "
+    if content["event"] == "evidence":
+        click.echo(f"{at} {content['actuator']} is {content['evidence']}")
+    elif content["event"] == "alarm":
+        click.echo(f"{at} {'alarm' if content['stands'] else 'over'}: {content['alarm']}")
+    elif content["event"] == "errors":
+        errors = content["errors"]
+        assert isinstance(errors, dict)
+        said = ", ".join(f"{count} {kind}" for kind, count in errors.items())
+        of = f" of {content['link']}" if "link" in content else ""
+        click.echo(f"{at} errors{of}: {said} (newest bytes {content['newest_bytes']})")
+    elif content["state"] != "fresh":
+        click.echo(f"{at} {content['channel']} is {content['state']}")
+    else:
+        raw, value, unit = content["raw"], content["value"], content.get("unit")
+        said = "yes" if value is True else "no" if value is False else str(value)
+        shown = f"{value:.1f} {unit}" if isinstance(value, float) else said
+        click.echo(f"{at} {content['channel']} {shown} (raw {int(raw) if isinstance(raw, bool) else raw})")

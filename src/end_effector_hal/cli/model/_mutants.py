@@ -1,0 +1,105 @@
+"""``eehal model mutants``: whether the requirements notice edits of the automata."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli._json_output import print_document
+from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli.model._source import DESCRIPTION, Source, open_source
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from end_effector_hal.verification.mutation import MutantVerdict
+
+_SURVIVORS = 4
+
+
+@click.command(short_help="Edit the automata systematically: which requirement notices?")
+@DESCRIPTION
+@click.option(
+    "--sample",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Judge N of them; default: all, which takes an hour.",
+)
+@click.option("--seed", default=0, show_default=True, help="Of the sample; the same seed, the same mutants.")
+@click.option(
+    "--template", metavar="NAME", help="Edit only this one; default: every template that a program executes."
+)
+@click.option(
+    "--jobs", type=click.IntRange(1), metavar="N", help="Processes; default: one for each processor."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one object, with each mutant.")
+def mutants(
+    description: Path | None,
+    sample: int | None,
+    seed: int,
+    template: str | None,
+    jobs: int | None,
+    as_json: bool,
+) -> None:
+    """Edit the automata systematically, one small edit at a time, and prove the requirements of each mutant.
+
+    Edited are guards, invariants, assignments, synchronisations, targets, committed and urgent, and the functions of
+    the templates that a program executes. A mutant is caught when a requirement does not hold of it; one that survives
+    is an edit that no requirement notices: it changes nothing, or a requirement is missing. The exit code is 4 then.
+    """
+    from end_effector_hal.control import model_constants
+    from end_effector_hal.verification.mutation import judge_all
+
+    source = open_source(description, None)
+    assert source.description is not None
+    executed = _executed(source, template)
+    judged: list[MutantVerdict] = []
+    with Progress("Judging mutants", shown=not as_json) as progress:
+        found = judge_all(
+            source.network, model_constants(source.description), executed, sample=sample, seed=seed, jobs=jobs
+        )
+        for each in found:
+            judged.append(each)
+            progress(f"Judging mutants: {len(judged)}")
+            if each.outcome == "survives" and not as_json:
+                progress.clear()
+                click.echo(f"{each.mutant.place}: survives: {each.mutant}")
+    counts = Counter(str(each.outcome) for each in judged)
+    if as_json:
+        mutants = [each.document() for each in judged]
+        print_document({"source": source.name, "seed": seed, "outcomes": counts, "mutants": mutants})
+    else:
+        for line in _table(judged):
+            click.echo(line)
+    if counts["survives"]:
+        sys.exit(_SURVIVORS)
+
+
+def _executed(source: Source, template: str | None) -> tuple[str, ...]:
+    assert source.description is not None
+    automata = source.description.automata
+    executed = (*automata.grip, *automata.tool_change)
+    if template is None:
+        return executed
+    if template not in executed:
+        todo = f"There are: {', '.join(executed)}."
+        raise UsageError(f"No program executes a template {template!r}.", todo=todo)
+    return (template,)
+
+
+def _table(judged: Iterable[MutantVerdict]) -> Iterator[str]:
+    """How many of each kind of edit were caught."""
+    outcomes = ("caught", "survives", "off", "invalid", "open")
+    kinds: dict[str, Counter[str]] = {}
+    for each in judged:
+        kinds.setdefault(each.mutant.operator, Counter())[str(each.outcome)] += 1
+    heads = ("caught", "survive", "off", "invalid", "open")
+    yield f"{'edit':22}" + "".join(f"{head:>9}" for head in heads)
+    total: Counter[str] = sum(kinds.values(), Counter())
+    for kind, counts in [*sorted(kinds.items()), ("all", total)]:
+        yield f"{kind:22}" + "".join(f"{counts[outcome]:>9}" for outcome in outcomes)
+    yield "off: the values of this description switch the edge off. invalid: no model any more. open: too many states."

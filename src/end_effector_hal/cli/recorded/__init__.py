@@ -1,0 +1,1 @@
+"""What opens a recording: ``eehal replay``, ``report`` and ``page``."""

@@ -1,0 +1,122 @@
+"""What `eehal page` and `eehal report` share: which recording is meant, and which part of it."""
+
+from __future__ import annotations
+
+import atexit
+import shutil
+from collections.abc import Callable, Sequence
+from math import isfinite
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from end_effector_hal._extras import command_for
+from end_effector_hal.cli._options import PathName
+from end_effector_hal.errors import MissingExtraError, UsageError
+from end_effector_hal.plugins import Plugins
+
+if TYPE_CHECKING:
+    from end_effector_hal.description import Description
+    from end_effector_hal.page.recorded import RecordedTables, RecordingFiles, RecordingPart
+
+TRACE, BAGS = ".mcap", (".bag", ".active", ".db3")
+GROUP, NAME = "end_effector_hal.bags", "lab"
+
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def recording_options(command: Command) -> Command:
+    """``--description``, ``--from`` and ``--to``, as ``description``, ``since`` and ``until``."""
+    seconds = click.FloatRange(min=0)
+    for option in (
+        click.option("--to", "until", metavar="SECONDS", type=seconds, help="Of a recording: end there."),
+        click.option("--from", "since", metavar="SECONDS", type=seconds, help="Of a recording: begin there."),
+        click.option(
+            "--description",
+            metavar="FILE",
+            type=PathName(),
+            help="Of a bag, which holds none; or another tool.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def _checked(reader: Any) -> Callable[..., Any]:
+    if not callable(reader):
+        raise UsageError("the entry point must name a callable.")
+    found: Callable[..., Any] = reader
+    return found
+
+
+_BAG_READERS: Plugins[Callable[..., Any]] = Plugins(GROUP, "reader of bags", {}, _checked, make=False)
+
+
+def is_recording(path: Path) -> bool:
+    """Whether a path leads to a recording, and not to a description."""
+    return path.is_dir() or path.suffix in (TRACE, *BAGS)
+
+
+def open_recordings(paths: Sequence[Path], description: Path | None) -> list[RecordingFiles | RecordedTables]:
+    """Those of one page; raises UsageError for what is none, and for more than two."""
+    if len(paths) > 2:
+        raise UsageError(f"{len(paths)} recordings cannot be compared.", todo="Name one, or two.")
+    return [_open(each, description) for each in paths]
+
+
+def part_of(since_s: float | None, until_s: float | None) -> RecordingPart:
+    """What of a recording is shown; raises UsageError when that is nothing."""
+    from end_effector_hal.page.recorded import RecordingPart
+
+    if not all(isfinite(each) for each in (since_s or 0.0, until_s or 0.0)):
+        raise UsageError("--from and --to are seconds.")
+    if since_s is not None and until_s is not None and until_s <= since_s:
+        raise UsageError(f"--to {until_s:g} is not after --from {since_s:g}.")
+    return RecordingPart(since_s, until_s)
+
+
+def _open(path: Path, description: Path | None) -> RecordingFiles | RecordedTables:
+    from end_effector_hal.page.recorded import RecordedTables, RecordingFiles
+
+    if path.suffix in BAGS or (path / "metadata.yaml").exists():
+        return _bag(path, description)
+    try:
+        return RecordingFiles(path, None if description is None else _tool(path, description))
+    except UsageError as error:
+        if (path / "states.csv").exists() and not list(path.glob(f"*{TRACE}")):
+            return RecordedTables(path, _tool(path, description))
+        if path.suffix == TRACE and path.is_file() and description is not None:
+            return _bag(path, description)
+        if path.suffix == TRACE:
+            todo = f"{error.todo} A bag of ROS is shown with --description FILE.".strip()
+            raise UsageError(error.what, where=error.where, todo=todo) from None
+        raise
+
+
+def _tool(path: Path, description: Path | None) -> Description:
+    from end_effector_hal.codecs import load_tool
+
+    if description is None:
+        raise UsageError(
+            "This has no trace, and so does not hold its description.",
+            where=str(path),
+            todo="Name it: --description FILE.",
+        )
+    return load_tool(description)
+
+
+def _bag(path: Path, description: Path | None) -> RecordedTables:
+    from end_effector_hal.page.recorded import RecordedTables
+
+    if NAME not in _BAG_READERS.names:
+        raise MissingExtraError(
+            "Nothing that reads bags is installed.", todo=f"Install it: {command_for('bags')}."
+        )
+    tool = _tool(path, description)
+    made = Path(mkdtemp(prefix="eehal-bag-"))
+    atexit.register(shutil.rmtree, made, ignore_errors=True)
+    found = _BAG_READERS.get(NAME)(path, made / "recording", tool)
+    return RecordedTables(made / "recording", tool, path.resolve().name, (*found.notes, *found.faults))

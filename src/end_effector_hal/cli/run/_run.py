@@ -1,0 +1,173 @@
+"""``eehal run``: one tool in this terminal, without ROS."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli._completion import completed, scenarios, session_words
+from end_effector_hal.cli._options import PathName, end_in_order
+from end_effector_hal.errors import ArbiterError, NotReadyError, UsageError
+
+if TYPE_CHECKING:
+    from end_effector_hal.control import Status
+    from end_effector_hal.recording import Recording
+    from end_effector_hal.runtime import EndEffector
+
+READY_S = 10.0
+RECORDING = "that records"
+NOT_SIMULATED = "A scenario is for a simulated tool: nothing makes a real one fail."
+
+
+@click.command("run")
+@click.argument("description", type=PathName())
+@click.option(
+    "--script",
+    shell_complete=completed(session_words, separator=";"),
+    help="Commands instead of the prompt, such as 'lock; grip; wait 2; drop'.",
+)
+@click.option(
+    "--simulate",
+    is_flag=True,
+    help="Without hardware: virtual lines, with a testbench and a line arbiter of its own that end with it.",
+)
+@click.option(
+    "--scenario",
+    metavar="S",
+    shell_complete=completed(scenarios, separator=","),
+    help="With --simulate: what goes wrong, such as leak:cylinder; `eehal testbench --list` lists them.",
+)
+@click.option("--record", type=PathName(), help="Folder for the recording of the run.")
+@click.option(
+    "--segment-mb",
+    default=64.0,
+    show_default=True,
+    help="Size of one segment file, in MB.",
+)
+@click.option(
+    "--keep-mb",
+    default=1000.0,
+    show_default=True,
+    help="Size limit of the whole recording, in MB; the oldest segments are removed.",
+)
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print JSON lines: states, transitions, alarms, results."
+)
+def command(
+    description: Path,
+    script: str | None,
+    simulate: bool,
+    scenario: str | None,
+    record: Path | None,
+    segment_mb: float,
+    keep_mb: float,
+    as_json: bool,
+) -> None:
+    """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, status, help, quit.
+
+    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate nothing must, and the command
+    `scenario S` makes something go wrong: a leak, a stuck valve, a silent link (`scenario nominal` ends it). At the
+    prompt of a terminal cancel and status are in reach while a command runs; another command waits for its end. In a
+    script a command followed by `&` goes on in the background, so that it can be cancelled: 'grip &; wait 3; cancel'.
+    Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the description declares (`endings: sigterm`).
+    """
+    from end_effector_hal.cli._progress import Progress
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.recording import Recording, RecordingLimits
+    from end_effector_hal.runtime import EndEffector, read_script
+    from end_effector_hal.wires import be_steady, now_us
+
+    from ._session import Prompt, RunSession
+    from ._simulation import simulated
+    from ._voices import Changes, JsonLines, Words
+
+    limits = RecordingLimits.of_megabytes(segment_mb, keep_mb)
+    orders = read_script(script) if script is not None else None
+    if not simulate and (scenario is not None or any(order.scenario for order in orders or ())):
+        raise UsageError(NOT_SIMULATED, todo="Add --simulate.")
+    loaded, begun = load_tool(description), now_us()
+    terminal = sys.stdout.isatty() and not as_json
+    choose: Callable[[str], None] = _refuse_scenario
+    with ExitStack() as stack:
+        prompt = Prompt(shown=sys.stdin.isatty() and not as_json)
+        voice = JsonLines(begun) if as_json else Words(prompt.write, timed=terminal, begun=begun)
+        if record is not None:
+            _try_to_write(record)
+        end_in_order()
+        progress = Progress(
+            "The simulation is starting" if simulate else "The tool is starting", shown=terminal
+        )
+        with progress:
+            if simulate:
+                hardware = stack.enter_context(simulated(loaded, scenario or "nominal"))
+                loaded, choose = hardware.description, hardware.choose
+                progress.clear()
+                click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
+                click.echo(f"Live in a browser: eehal page {loaded.source}", err=True)
+                progress("The tool is starting")
+            try:
+                tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits))
+            except ArbiterError as error:
+                if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):  # none runs
+                    raise _with_commands(error, description) from error
+                raise
+        if record is not None:
+            _record(tool, stack.enter_context(Recording(record, loaded, limits=limits)))
+            stack.callback(tool.close)  # its last states are recorded
+        changes = Changes(loaded, voice)
+        tool.subscribe(changes.status)
+        tool.start()
+        try:
+            tool.wait_ready(READY_S)
+        except NotReadyError as error:
+            voice.error(error)  # what is held can be dropped all the same
+        be_steady()
+        session = RunSession(tool, voice, changes, choose)
+        if orders is not None:
+            succeeded = session.play(orders)
+        else:
+            succeeded = session.play(prompt.commands(voice.error), interactive=prompt.shown)
+    sys.exit(0 if succeeded else 1)
+
+
+def _with_commands(error: ArbiterError, description: Path) -> ArbiterError:
+    """The two commands that help, as they can be typed."""
+    return ArbiterError(
+        error.what,
+        where=error.where,
+        todo=f"Start it in another terminal: eehal arbiter {description}. Without hardware: eehal run --simulate "
+        f"{description}.",
+    )
+
+
+def _refuse_scenario(_: str) -> None:
+    raise UsageError(NOT_SIMULATED, todo="Start it with --simulate.")
+
+
+def _try_to_write(folder: Path) -> None:
+    """Told once and before anything begins: each program would tell it of its trace."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise UsageError(
+            f"The recording cannot be written: {error.strerror}.",
+            where=str(folder),
+            todo="Name another folder.",
+        ) from None
+
+
+def _record(tool: EndEffector, recording: Recording) -> None:
+    def state(status: Status) -> None:
+        recording.state(status.at, status.ee, status.command, status.actuators)
+        recording.tool_changer(status.at, status.changer)
+        recording.alarms(status.at, status.alarms)
+
+    tool.subscribe(state, name=RECORDING)
+    tool.subscribe_frames(lambda frame: recording.values(frame.at, frame.values), name=RECORDING)

@@ -1,0 +1,210 @@
+"""A session of ``eehal run``: commands from a script or a prompt, each with its end."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import click
+
+from end_effector_hal.control import Answer, ending_in_words
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.runtime import WORDS, EndEffector, ScriptCommand, read_command
+from end_effector_hal.vocabulary import Command
+
+from ._voices import Changes, Voice
+
+PROMPT = "> "
+MOST_REMEMBERED = 1_000
+AT_ONCE = (Command.CANCEL, Command.QUIT)
+HELP = """\
+lock, unlock     the tool changer; arm: allows an unlock where no sensor shows the tool's stand
+grip, drop       the actuators, in their order and in the reverse order
+cancel           a running grip
+reset            clears latched faults and alarms that are over
+status           the state of everything, with the times of the last grip
+set NAME on|off  a plain output of the tool (`outputs`)
+wait SECONDS     then the next command
+scenario NAME    with --simulate: what goes wrong from now on, such as leak:ACTUATOR; nominal: nothing
+quit             leaves; what is held stays held
+Arrow keys and Ctrl-R search earlier commands, Tab completes. Ctrl-C ends as the description declares (`endings`)."""
+
+
+class RunSession:
+    """Gives commands to a tool and says how they ended.
+
+    Args:
+        tool: gets them.
+        voice: says it.
+        changes: has told the states that came before.
+        choose: has another scenario at the testbench, or raises UsageError.
+    """
+
+    def __init__(
+        self, tool: EndEffector, voice: Voice, changes: Changes, choose: Callable[[str], None]
+    ) -> None:
+        self._choose = choose
+        self._tool, self._voice, self._changes = tool, voice, changes
+        self._running: list[threading.Thread] = []
+        self._succeeded = True
+
+    def play(self, orders: Iterable[ScriptCommand], *, interactive: bool = False) -> bool:
+        """Whether every command succeeded.
+
+        Args:
+            orders: one after the other.
+            interactive: somebody types them: the next one is read while one runs, so that a cancel is in reach.
+        """
+        try:
+            for order in orders:
+                if (
+                    interactive
+                    and order.command not in AT_ONCE
+                    and not (order.show or order.output or order.scenario)
+                ):
+                    self._finish()
+                if order.command is Command.QUIT:
+                    break
+                self._carry_out(order, wait=not (order.background or interactive))
+            self._finish()
+        finally:  # Ctrl-C and SIGTERM as well: each command gets its end, in words
+            said = ending_in_words(self._tool.description, self._tool.status, on="sigterm")
+            if said and not any(thread.is_alive() for thread in self._running):  # else its end says so
+                self._voice.ending(said)
+            self._tool.close()
+            self._finish()
+        return self._succeeded
+
+    def _carry_out(self, order: ScriptCommand, *, wait: bool) -> None:
+        if order.show == "help":
+            self._voice.help(HELP)
+        elif order.show:
+            self._voice.status(self._tool.description, self._tool.status)
+        elif order.output:
+            self._answered("SET", self._switched(order))
+        elif order.scenario:
+            self._answered("SCENARIO", self._chosen(order.scenario))
+        elif order.arm:
+            self._answered("ARM", self._tool.arm())
+        elif order.reset:
+            self._answered("RESET", self._tool.reset())
+        elif order.command is None:
+            time.sleep(order.wait_s)
+        else:
+            # not in this thread: a signal must not interrupt the program of the tool in the middle of a step
+            thread = threading.Thread(target=self._run, args=(order.command,), daemon=True)
+            thread.start()
+            self._running.append(thread)
+            if wait:
+                thread.join()
+
+    def _switched(self, order: ScriptCommand) -> Answer:
+        try:
+            return self._tool.set_output(order.output, order.active)
+        except UsageError as error:  # there is none of that name: the next command may be right
+            return Answer(False, str(error))
+
+    def _chosen(self, scenario: str) -> Answer:
+        try:
+            self._choose(scenario)
+        except UsageError as error:
+            return Answer(False, str(error))
+        return Answer(True, f"From now on: {scenario}")
+
+    def _finish(self) -> None:
+        for thread in self._running:
+            thread.join()
+        self._running.clear()
+
+    def _answered(self, name: str, answer: Answer) -> None:
+        self._succeeded = self._succeeded and answer.accepted
+        self._voice.answer(name, answer)
+
+    def _run(self, command: Command) -> None:
+        if command is Command.CANCEL:
+            self._answered(command.name, self._tool.cancel())
+            return
+        result = self._tool.begin(command).wait()
+        self._succeeded = self._succeeded and result.succeeded
+        if result.outcome is not Outcome.UNREACHABLE:
+            self._changes.catch_up(self._tool.status.at)
+        self._voice.result(command, result)
+
+
+class Prompt:
+    """Reads commands from standard input; on a terminal with history, completion and lines that come meanwhile.
+
+    Args:
+        shown: whether somebody types; else lines are read as they come.
+    """
+
+    def __init__(self, *, shown: bool) -> None:
+        self.shown = shown
+        self._lock, self._reading = threading.Lock(), False
+        self._typed: Callable[[], str] = str
+
+    def write(self, text: str, *, err: bool = False) -> None:
+        """Print a line; while somebody types, above what is typed."""
+        with self._lock:
+            if self._reading:
+                text = f"\r\x1b[K{text}\n{PROMPT}{self._typed()}"
+            click.echo(text, err=err, nl=not self._reading)
+
+    def commands(self, refuse: Callable[[ReportedError], None]) -> Iterator[ScriptCommand]:
+        """Each command that is typed, until the end of the input."""
+        if self.shown:
+            self._with_history()
+        while (text := self._line()) is not None:
+            try:
+                if text:
+                    yield read_command(text)
+            except UsageError as error:
+                refuse(error)
+
+    def _line(self) -> str | None:
+        try:
+            self._reading = self.shown
+            return input(PROMPT if self.shown else "").strip()
+        except (EOFError, OSError):  # the terminal has gone
+            return None
+        finally:
+            with self._lock:
+                self._reading = False
+
+    def _with_history(self) -> None:
+        try:
+            import readline
+        except ImportError:  # a Python without it: typed all the same
+            return
+        import atexit
+
+        file = history_file()
+        with suppress(OSError):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            readline.read_history_file(file)
+        readline.set_history_length(MOST_REMEMBERED)
+        readline.set_completer(_complete)
+        readline.parse_and_bind("tab: complete")
+        self._typed = readline.get_line_buffer
+
+        def keep() -> None:
+            with suppress(OSError):
+                readline.write_history_file(file)
+
+        atexit.register(keep)
+
+
+def history_file() -> Path:
+    """Where what was typed is kept."""
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(state) / "end-effector-hal" / "history"
+
+
+def _complete(text: str, number: int) -> str | None:
+    found = [word for word in WORDS if word.startswith(text)]
+    return found[number] if number < len(found) else None

@@ -1,0 +1,280 @@
+"""What ``eehal run`` says of a tool: in words, or as JSON lines."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import asdict
+from typing import Any
+
+import click
+
+from end_effector_hal.cli._json_output import print_line
+from end_effector_hal.control import Answer, Status, StatusLines, refused
+from end_effector_hal.control.goals import CHANNELS, Outcome
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.nodes.process import PER_S, Allowance
+from end_effector_hal.runtime import Result
+from end_effector_hal.vocabulary import Command, display_name
+from end_effector_hal.wires import now_us
+
+_ENDED = {
+    Outcome.SUCCEEDED: "succeeded",
+    Outcome.CANCELLED: "cancelled",
+    Outcome.UNREACHABLE: "outcome unknown",
+}
+CAUGHT_UP_S = 1.0
+
+
+def outlives(write: Callable[..., None]) -> Callable[..., None]:
+    """What prints, and raises nothing: who reads it, or the terminal, may go, and no tool ends or is worse for it."""
+
+    def written(*args: Any, **options: Any) -> None:
+        with suppress(OSError):
+            write(*args, **options)
+
+    return written
+
+
+class Words:
+    """States and results on stdout, alarms and errors on stderr; on a terminal with the seconds since the start.
+
+    Args:
+        write: prints a line; ``err``: on stderr.
+        timed: whether each line begins with its time.
+    """
+
+    def __init__(
+        self, write: Callable[..., None] = click.echo, *, timed: bool = False, begun: int | None = None
+    ) -> None:
+        self._write, self._timed = outlives(write), timed
+        self._begun = now_us() if begun is None else begun
+        self._common, self._worse = Allowance(), Allowance()
+
+    def state(self, at: int, ee: str, actuators: dict[str, str]) -> None:
+        """The labels of the figures."""
+        states = ", ".join(f"{display_name(name)} {each}" for name, each in actuators.items())
+        self._paced(self._common, f"{ee}: {states}", at)
+
+    def event(self, at: int, text: str) -> None:
+        """A transition or a time-out."""
+        self._paced(self._common, text, at)
+
+    def alarm(self, at: int, text: str, *, over: bool) -> None:
+        """One line each."""
+        begun = "no longer" if over else "alarm"
+        self._paced(self._worse, f"{begun}: {text}", at, err=True, fg=None if over else "yellow")
+
+    def result(self, command: Command, result: Result) -> None:
+        """How a command ended, with the reason in words."""
+        if result.outcome in (Outcome.REJECTED, Outcome.NOT_EXECUTED):
+            self._say(refused(CHANNELS[command], result.reason), fg="red")
+            return
+        after = f" after {result.seconds:.2f} s" if self._timed and result.seconds else ""
+        steps = "; ".join(self._steps(result)) if self._timed and command is Command.GRIP else ""
+        steps = f"{steps}." if steps else ""
+        text = f"{command.name}: {_ENDED.get(result.outcome, 'failed')}{after}"
+        more = " ".join(filter(None, (result.reason, steps)))
+        self._say(f"{text}{f'. {more}' if more else ''}", fg="green" if result.succeeded else "red")
+
+    def answer(self, name: str, answer: Answer) -> None:
+        """Whether something without an end of its own was accepted."""
+        if answer.accepted:
+            self._say(f"{name}: succeeded{f'. {answer.reason}' if answer.reason else ''}", fg="green")
+        else:
+            self._say(refused(name.lower(), answer.reason), fg="red")
+
+    def status(self, description: Description, status: Status) -> None:
+        """All of a tool at once."""
+        for line in status_lines(description, status):
+            self._say(line, timed=False)
+
+    def ending(self, text: str) -> None:
+        """What becomes of what is active."""
+        self._say(text, err=True)
+
+    def help(self, text: str) -> None:
+        """What can be typed."""
+        self._say(text, timed=False)
+
+    def error(self, error: ReportedError) -> None:
+        """The sentence."""
+        self._say(str(error), err=True, timed=False)
+
+    def _paced(
+        self, allowance: Allowance, text: str, at: int, *, err: bool = False, fg: str | None = None
+    ) -> None:
+        """What happens by itself, at a bounded rate: a reading that flickers floods no terminal."""
+        left_out = allowance.use()
+        if left_out:
+            self._say(
+                f"{left_out} lines were left out: there were more than {PER_S:g} a second.", at, err=err
+            )
+        if left_out is not None:
+            self._say(text, at, err=err, fg=fg)
+
+    def _say(
+        self,
+        text: str,
+        at: int | None = None,
+        *,
+        err: bool = False,
+        fg: str | None = None,
+        timed: bool = True,
+    ) -> None:
+        seconds = ((now_us() if at is None else at) - self._begun) / 1e6
+        stamp = f"{seconds:9.3f} s  " if timed and self._timed else ""
+        self._write(f"{stamp}{click.style(text, fg=fg) if self._timed and fg else text}", err=err)
+
+    def _steps(self, result: Result) -> Iterator[str]:
+        for step in result.steps:
+            tried = f", attempt {step.attempts}" if step.attempts > 1 else ""
+            if step.attempts:
+                yield f"{display_name(step.name)} {step.seconds:.2f} s{tried}"
+
+
+class JsonLines:
+    """An object a line on stdout; ``event`` says what it is, ``at_s`` when: seconds since the start."""
+
+    def __init__(self, begun: int | None = None) -> None:
+        self._begun = now_us() if begun is None else begun
+
+    def state(self, at: int, ee: str, actuators: dict[str, str]) -> None:
+        """The same labels."""
+        self._print("state", at, end_effector=ee, actuators=actuators)
+
+    def event(self, at: int, text: str) -> None:
+        """The same words."""
+        self._print("log", at, text=text)
+
+    def alarm(self, at: int, text: str, *, over: bool) -> None:
+        """``over``: it is gone."""
+        self._print("alarm", at, text=text, over=over)
+
+    def result(self, command: Command, result: Result) -> None:
+        """With the attempts and the time of each step."""
+        self._print(
+            "result", None, command=command.name, succeeded=result.succeeded, outcome=result.outcome.name,
+            reason=result.reason, seconds=result.seconds, steps=[asdict(step) for step in result.steps],
+        )  # fmt: skip
+
+    def answer(self, name: str, answer: Answer) -> None:
+        """As a result without steps."""
+        outcome = (Outcome.SUCCEEDED if answer.accepted else Outcome.REJECTED).name
+        self._print(
+            "result", None, command=name, succeeded=answer.accepted, outcome=outcome,
+            reason=answer.reason, seconds=0.0, steps=[],
+        )  # fmt: skip
+
+    def status(self, description: Description, status: Status) -> None:
+        """Numbers of Table II, and the word of each beside it."""
+        actuators = {
+            name: {
+                "state": int(state), "state_name": kind_of(part).states(state).label,
+                "evidence": int(evidence), "evidence_name": evidence.name, "output": output,
+            }
+            for (name, part), state, evidence, output in zip(
+                description.ordered, status.actuators, status.evidence, status.outputs, strict=True
+            )
+        }  # fmt: skip
+        self._print(
+            "status", status.at, state=int(status.ee), state_name=status.ee.name, command=int(status.command),
+            command_name=status.command.name, tool_changer=int(status.changer),
+            tool_changer_name=status.changer.name, held=status.held, lift_allowed=status.lift_allowed,
+            secure=status.secure, link_up=status.link_up, reason=status.reason, alarms=list(status.alarms),
+            actuators=actuators, steps=[asdict(step) for step in status.steps],
+        )  # fmt: skip
+
+    def ending(self, text: str) -> None:
+        """What becomes of what is active."""
+        self._print("ending", None, text=text)
+
+    def help(self, text: str) -> None:
+        """What can be typed."""
+        self._print("help", None, text=text)
+
+    def error(self, error: ReportedError) -> None:
+        """Its faults as everywhere."""
+        self._print("error", None, faults=[fault.as_json() for fault in error.diagnostics])
+
+    def _print(self, event: str, at: int | None, **content: Any) -> None:
+        seconds = round(((now_us() if at is None else at) - self._begun) / 1e6, 6)
+        outlives(print_line)(event=event, at_s=seconds, **content)
+
+
+Voice = Words | JsonLines
+
+
+def status_lines(description: Description, status: Status) -> Iterator[str]:
+    """A tool at a glance."""
+    doing = f", executing {status.command.name}" if status.command != Command.NONE else ""
+    held = "; a part is held" if status.held else ""
+    lift = ", lift allowed" if status.lift_allowed else ", lift not allowed" if status.held else ""
+    yield f"{description.name}: {status.ee.name}{doing}{held}{lift}"
+    seconds = {step.name: step for step in status.steps}
+    width = max(len(display_name(name)) for name in description.sequence)
+    for (name, part), state, evidence in zip(
+        description.ordered, status.actuators, status.evidence, strict=True
+    ):
+        step = seconds.get(name)
+        times = (
+            f"{step.seconds:.2f} s, attempt {step.attempts} of {part.attempts}"
+            if step and step.attempts
+            else ""
+        )
+        label = kind_of(part).states(state).label
+        yield f"  {display_name(name):{width}}  {label:14}  {evidence.name:9}  {times}".rstrip()
+    if description.tool_changer is not None:
+        yield f"tool changer {status.changer.name}"
+    yield f"sensors {'up' if status.link_up else 'DOWN'}"
+    for alarm in status.alarms:
+        yield f"alarm: {alarm}"
+    if status.reason:
+        yield f"last reason: {status.reason}"
+
+
+class Changes:
+    """Tells each transition, each change of an actuator and each new alarm once.
+
+    Args:
+        description: the tool.
+        voice: tells them.
+    """
+
+    def __init__(self, description: Description, voice: Voice) -> None:
+        self._description, self._voice = description, voice
+        self._lines = StatusLines(description)
+        self._last: tuple[str, dict[str, str]] = ("", {})
+        self._alarms: tuple[str, ...] = ()
+        self._at = 0
+        self._told = threading.Condition()
+
+    def status(self, status: Status) -> None:
+        """One more."""
+        for line in self._lines.of(status):
+            self._voice.event(status.at, line)
+        states = zip(self._description.ordered, status.actuators, strict=True)
+        actuators = {name: kind_of(part).states(state).label for (name, part), state in states}
+        now, before = (status.ee.label, actuators), self._last
+        self._last = now
+        # in words the transition has said it already
+        if now[1] != before[1] or (now != before and isinstance(self._voice, JsonLines)):
+            self._voice.state(status.at, *now)
+        for alarm in status.alarms:
+            if alarm not in self._alarms:
+                self._voice.alarm(status.at, alarm, over=False)
+        for alarm in self._alarms:
+            if alarm not in status.alarms:
+                self._voice.alarm(status.at, alarm, over=True)
+        self._alarms = status.alarms
+        with self._told:
+            self._at = max(self._at, status.at)  # the two programs may tell in another order than it happened
+            self._told.notify_all()
+
+    def catch_up(self, at: int) -> None:
+        """Wait until what happened up to ``at`` µs is told, for a second at most: a result comes after its states."""
+        with self._told:
+            self._told.wait_for(lambda: self._at >= at, CAUGHT_UP_S)

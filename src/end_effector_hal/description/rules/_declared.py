@@ -1,0 +1,234 @@
+"""Rules for `channels`: one source, what a value means, and over which link it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from end_effector_hal.description._fault import Fault, did_you_mean
+from end_effector_hal.description._numbers import number
+from end_effector_hal.description._shape import Facts
+from end_effector_hal.description.model import Channel
+from end_effector_hal.kinds.stanza import NO_CHANNEL
+
+from ._frames import CODE, OVER_LINK, declared_format, key_fault, link_of, link_paths
+from ._places import limits_of_source, place_faults, shared_places
+
+MOST_CHANNELS = 64
+OF_BITS, OF_PRESSURES = ("on", "invert"), ("scale", "offset", "range")
+MEANING = ("unit", *OF_PRESSURES, "invalid", *OF_BITS)
+
+
+def channel_faults(facts: Facts) -> Iterator[Fault]:
+    """Every fault of the channels that a description declares."""
+    names = facts.names("channels") if isinstance(facts.get("channels"), dict) else []
+    if len(names) > MOST_CHANNELS:
+        place = facts.places.key("channels")
+        what, expected = "too many channels", f"at most {MOST_CHANNELS}"
+        yield Fault.at(place, "EE-208", what, found=str(len(names)), expected=expected)
+    for name in names:
+        if isinstance(facts.get("channels", name), dict):
+            yield from _channel(facts, name)
+    yield from shared_places(facts, names)
+
+
+def _channel(facts: Facts, name: str) -> Iterator[Fault]:
+    path = ("channels", name)
+    if name == NO_CHANNEL:
+        place, expected = facts.places.key(*path), "another name"
+        yield Fault.at(place, "EE-211", "this name says that there is no channel", expected=expected)
+    sources = [each for each in Channel.SOURCES if facts.says(*path, each)]
+    if not sources and facts.broken_within(*path):
+        return
+    if not sources:
+        place, expected = facts.places.key(*path), f"one of {', '.join(Channel.SOURCES)}"
+        yield Fault.at(place, "EE-206", f"channel {name!r} has no source", found="", expected=expected)
+        return
+    if len(sources) > 1:
+        what, expected = f"channel {name!r} has two sources", f"one of {', '.join(sources)}"
+        yield key_fault(facts, (*path, sources[1]), what, expected)
+        return
+    (source,) = sources
+    yield from _meaning(facts, name) if source != "codec" else _given_by_codec(facts, name)
+    if source in OVER_LINK:
+        yield from _over_link(facts, name, source)
+    elif facts.says(*path, "link"):
+        what = f"channel {name!r} is an input of the board and comes over no link"
+        yield key_fault(facts, (*path, "link"), what, "no link")
+    if isinstance(facts.get(*path, source), dict):
+        yield from place_faults(facts, name, source)
+        yield from _raws(facts, name, source)
+        yield from _alarms(facts, name, source)
+
+
+def _meaning(facts: Facts, name: str) -> Iterator[Fault]:
+    """Unit and what belongs to it."""
+    path = ("channels", name)
+    if (*path, "unit") in facts.broken:
+        return
+    pressure = facts.get(*path, "unit") is not None
+    for key in OF_BITS if pressure else OF_PRESSURES:
+        if facts.says(*path, key):
+            what = f"{key!r} is for a {'bit' if pressure else 'pressure'}"
+            expected = "no unit" if pressure else "unit: that of the pressure"
+            yield key_fault(facts, (*path, key), what, expected)
+    if not pressure:
+        return
+    if facts.get(*path, "scale") == 0:
+        place, expected = facts.places.value(*path, "scale"), "units per count"
+        yield Fault.at(place, "EE-208", "with 'scale' 0 every value is the same", expected=expected)
+    span = facts.unbroken(*path, "range")
+    if span is not None and span[0] >= span[1]:
+        place = facts.places.value(*path, "range")
+        expected = "[lowest, highest]"
+        yield Fault.at(place, "EE-222", "'range' is empty or reversed", found=listed(span), expected=expected)
+
+
+def _alarms(facts: Facts, name: str, source: str) -> Iterator[Fault]:
+    """Of a bit one text; of codes each its own, and one for all others."""
+    path = ("channels", name, "alarm")
+    given = facts.unbroken(*path) if facts.says(*path) else None
+    if not given:
+        return
+    if facts.get("channels", name, "unit") is not None:
+        yield key_fault(facts, path, "a pressure is no alarm", "no unit: a bit, or codes")
+        return
+    alarms = [given] if isinstance(given, dict | str) else given
+    entries = [each if isinstance(each, dict) else {} for each in alarms]
+    codes = [each.get("code") for each in entries]
+    coded = any(code is not None for code in codes)
+    if not coded and len(codes) > 1:
+        yield key_fault(facts, path, "a bit has one alarm", "one text, or a code in each")
+    elif coded:
+        yield from _codes(facts, name, source, codes)
+    known = facts.names("actuators")
+    for index, each in enumerate(entries):
+        for unproven in each.get("unproven") or ():
+            if unproven not in known:
+                place = facts.places.value(*(path if isinstance(given, dict) else (*path, index)), "unproven")
+                what, hint = f"no actuator is named {unproven!r}", did_you_mean(str(unproven), known)
+                yield Fault.at(place, CODE, what, expected=f"one of {', '.join(known)}", hint=hint)
+
+
+def _codes(facts: Facts, name: str, source: str, codes: list[Any]) -> Iterator[Fault]:
+    path = ("channels", name)
+    if source in ("codec", "digital"):
+        what = f"{'an input line' if source == 'digital' else 'a channel of a codec'} has no codes"
+        yield key_fault(facts, (*path, "alarm"), what, "one text, without code")
+        return
+    if facts.says(*path, "invert"):
+        yield key_fault(
+            facts, (*path, "invert"), "'invert' is for a bit", "no invert, or an alarm without codes"
+        )
+    limits = limits_of_source(facts, (*path, source))
+    invalid, on = facts.unbroken(*path, "invalid") or (), facts.unbroken(*path, "on")
+    for index, code in enumerate(codes):
+        place = facts.places.value(*path, "alarm", index, "code")
+        if code in codes[:index]:
+            what = (
+                "this code has a text already"
+                if code is not None
+                else "there are two texts for all other codes"
+            )
+            yield Fault.at(place, CODE, what, expected="each once")
+        elif code is not None and (code in invalid or (code == 0 if on is None else code not in on)):
+            what = "this raw value is invalid, too" if code in invalid else "this raw value is no alarm"
+            expected = "a value of 'on'" if on is not None else "not 0, where nothing is wrong"
+            yield Fault.at(place, CODE, what, expected="one of the two" if code in invalid else expected)
+        elif code is not None and limits is not None and not limits[0] <= code <= limits[1]:
+            what, expected = "no such raw value is ever sent", f"{limits[0]} to {limits[1]}"
+            yield Fault.at(place, "EE-208", what, expected=expected)
+
+
+def _given_by_codec(facts: Facts, name: str) -> Iterator[Fault]:
+    for key in MEANING:
+        if facts.says("channels", name, key):
+            what = f"the codec says what {name!r} means: it has no {key!r}"
+            yield key_fault(facts, ("channels", name, key), what, f"no {key}")
+
+
+def listed(values: Any) -> str:
+    return f"[{', '.join(number(each) for each in values)}]"
+
+
+def _over_link(facts: Facts, name: str, source: str) -> Iterator[Fault]:
+    path, links = ("channels", name, source), link_paths(facts)
+    frame = "codec: …" if source == "codec" else f"frame: {{{source}: …}}"
+    expected = f"link: {{port: …, {frame}}}"
+    if not links:
+        if ("links",) not in facts.broken:
+            yield key_fault(facts, path, f"channel {name!r} comes over a link, and there is none", expected)
+        return
+    link = link_of(facts, name)
+    if link is None:
+        yield from _which_link(facts, name, [str(each[-1]) for each in links])
+        return
+    where = ".".join(map(str, link))
+    if link in facts.broken:
+        return
+    if not facts.says(*link, "frame"):
+        if source != "codec":
+            what = f"channel {name!r} comes in a frame, and the link declares none"
+            yield key_fault(facts, path, what, expected)
+    elif (declared := declared_format(facts, link)) and declared != source:
+        what = f"channel {name!r} does not fit the frame of the link"
+        yield key_fault(facts, path, what, f"{declared}, as {where}.frame declares")
+
+
+def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
+    """It is not said, or there is no such link."""
+    path = ("channels", name, "link")
+    if path in facts.broken:
+        return
+    if not facts.says(*path):
+        what, expected = f"it is not said over which link {name!r} comes", f"link: {' or '.join(links)}"
+        yield Fault.at(facts.places.key("channels", name), "EE-206", what, found="", expected=expected)
+    elif facts.says("link"):
+        what = "there is one link, and it has no name"
+        yield key_fault(facts, path, what, "no link, or its name under links")
+    else:
+        what, hint = "there is no such link", did_you_mean(str(facts.get(*path)), links)
+        yield Fault.at(
+            facts.places.value(*path), CODE, what, expected=f"one of {', '.join(links)}", hint=hint
+        )
+
+
+def _raws(facts: Facts, name: str, source: str) -> Iterator[Fault]:
+    """Raw values that the type does not have, or that say two things."""
+    path = ("channels", name)
+    limits = limits_of_source(facts, (*path, source))
+    invalid, on = facts.unbroken(*path, "invalid") or (), facts.unbroken(*path, "on")
+    for key, raws in (("invalid", invalid), ("on", on or ())):
+        for index, raw in enumerate(raws):
+            if limits is not None and not limits[0] <= raw <= limits[1]:
+                place = facts.places.value(*path, key, index)
+                width = limits[1] - limits[0] + 1
+                hint = (
+                    f"the same bits are {raw - width}" if limits[0] < 0 and limits[0] <= raw - width else ""
+                )
+                expected = f"{limits[0]} to {limits[1]}"
+                yield Fault.at(
+                    place, "EE-208", "no such raw value is ever sent", expected=expected, hint=hint
+                )
+            elif key == "on" and raw in invalid:
+                place = facts.places.value(*path, key, index)
+                yield Fault.at(place, CODE, "this raw value is invalid, too", expected="one of the two")
+    if on is not None and not on:
+        place, expected = facts.places.value(*path, "on"), "the raw values that are on"
+        yield Fault.at(place, "EE-211", "'on' is empty", found="[]", expected=expected)
+    if (
+        on
+        and limits is not None
+        and limits[1] - limits[0] < 256
+        and set(range(limits[0], limits[1] + 1)) <= {*on}
+    ):
+        place = facts.places.value(*path, "on")
+        yield Fault.at(place, CODE, "every raw value is on", found=listed(on), expected="some that are off")
+    span, scale, offset = (facts.unbroken(*path, key) for key in ("range", "scale", "offset"))
+    if span and scale and offset is not None and limits and facts.get(*path, "unit") and span[0] < span[1]:
+        low, high = sorted(limit * scale + offset for limit in limits)
+        if high < span[0] or low > span[1]:
+            place = facts.places.value(*path, "range")
+            what = "no raw value is ever in this range"
+            expected = f"something between {number(low)} and {number(high)} {facts.get(*path, 'unit')}"
+            yield Fault.at(place, "EE-222", what, found=listed(span), expected=expected)

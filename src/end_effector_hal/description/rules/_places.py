@@ -1,0 +1,166 @@
+"""Rules for where a channel stands in a frame of its link, and for two that stand at the same place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from end_effector_hal.description._fault import Fault, Keys
+from end_effector_hal.description._shape import Facts
+from end_effector_hal.description.model import Channel, raw_limits, type_bits
+
+from ._frames import ENDS, key_fault, link_of, value_fault
+
+
+def place_faults(facts: Facts, name: str, source: str) -> Iterator[Fault]:
+    """Of where a channel stands in its frame."""
+    path = ("channels", name, source)
+    frame = (*(link_of(facts, name) or ("link",)), "frame")
+    if source == "text":
+        yield from _text_place(facts, path, (*frame, source))
+    elif source == "record":
+        yield from _record_place(facts, path, (*frame, source))
+    elif source == "modbus":
+        yield from _register_place(facts, path)
+
+
+def _text_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
+    key = facts.get(*path, "key")
+    if facts.says(*path, "field") and facts.says(*path, "key"):
+        yield key_fault(facts, (*path, "key"), "a value stands in a field or behind a key", "one of the two")
+    elif not facts.says(*path, "field") and not facts.says(*path, "key") and not facts.broken_within(*path):
+        place, expected = facts.places.key(*path), "field: which one, or key: what stands in front of it"
+        yield Fault.at(place, "EE-206", "it is not said where in the line", found="", expected=expected)
+    if key and isinstance(facts.get(*frame), dict):
+        signs = "".join(facts.get(*frame, each) or "" for each in ("separator", "equals"))
+        if set(key) & (set(signs) | ENDS) or key != key.strip():
+            what, expected = (
+                "no such key is ever found",
+                "a key without separator, equals and blanks around it",
+            )
+            yield value_fault(facts, (*path, "key"), what, expected)
+
+
+def _mask(facts: Facts, path: Keys) -> Iterator[Fault]:
+    """Bits that the type does not have."""
+    mask, value_type = facts.get(*path, "bitmask"), facts.get(*path, "value_type")
+    if mask is None or value_type is None:
+        return
+    full = raw_limits("u" + value_type.removeprefix("u")) if value_type != "float32" else None
+    if full is None:
+        yield key_fault(facts, (*path, "bitmask"), "a float32 has no bits to choose", "an integer type")
+    elif mask > full[1]:
+        expected = f"at most 0x{full[1]:X}"
+        yield value_fault(facts, (*path, "bitmask"), f"'bitmask' has bits that no {value_type} has", expected)
+
+
+def _record_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
+    yield from _mask(facts, path)
+    first, value_type = facts.get(*path, "byte"), facts.get(*path, "value_type")
+    length = facts.get(*frame, "length") if facts.says(*frame) else None
+    if first is None or value_type is None:
+        return
+    size = type_bits(value_type) // 8
+    if length is not None and first + size > length:
+        what = f"the record ends before this {value_type}"
+        expected = (
+            f"at most {length - size} of {length} bytes" if length >= size else f"length of {size} or more"
+        )
+        yield Fault.at(facts.places.value(*path, "byte"), "EE-208", what, expected=expected)
+    if size == 1 and facts.says(*path, "byte_order"):
+        yield key_fault(facts, (*path, "byte_order"), f"{value_type} is a single byte", "no byte_order")
+
+
+def _register_place(facts: Facts, path: Keys) -> Iterator[Fault]:
+    table, value_type = facts.get(*path, "register_type"), facts.get(*path, "value_type")
+    if table in ("coil", "discrete_input"):
+        for key in ("value_type", "word_order", "bitmask"):
+            if facts.says(*path, key):
+                yield key_fault(facts, (*path, key), f"a {table} is a single bit", f"no {key}")
+        return
+    yield from _mask(facts, path)
+    if value_type is None:
+        return
+    wide = type_bits(value_type) == 32
+    if not wide and facts.says(*path, "word_order"):
+        yield key_fault(facts, (*path, "word_order"), f"{value_type} is a single register", "no word_order")
+    if wide and facts.get(*path, "address") == 0xFFFF:
+        place, what = (
+            facts.places.value(*path, "address"),
+            f"the second register of this {value_type} does not exist",
+        )
+        yield Fault.at(place, "EE-208", what, expected="at most 65534")
+
+
+def limits_of_source(facts: Facts, path: Keys) -> tuple[int, int] | None:
+    """The lowest and the highest raw value of a place; None: it is a number with a fraction, or broken."""
+    source = path[-1]
+    if source == "modbus" and facts.get(*path, "register_type") in ("coil", "discrete_input"):
+        return 0, 1
+    if source not in ("record", "modbus") or (value_type := facts.get(*path, "value_type")) is None:
+        return None
+    mask = facts.get(*path, "bitmask")
+    full = raw_limits("u" + value_type) if value_type.startswith("int") else raw_limits(value_type)
+    return None if mask is not None and (full is None or mask > full[1]) else raw_limits(value_type, mask)
+
+
+def shared_places(facts: Facts, names: list[str]) -> Iterator[Fault]:
+    """Two channels that are read from the same place, and are not bits that say different things."""
+    seen: list[tuple[str, str, set[tuple[Any, ...]], Any]] = []
+    for name in names:
+        for source in Channel.SOURCES:
+            path = ("channels", name, source)
+            if not isinstance(facts.get(*path), dict):
+                continue
+            pressure = facts.get("channels", name, "unit") is not None
+            meaning = None if pressure else (_plain(facts, name, "on"), facts.get("channels", name, "invert"))
+            place = {(link_of(facts, name), *bit) for bit in _bits_of(facts, path)}
+            for other, theirs, taken, said in seen:
+                same = place == taken and said == meaning
+                if theirs == source and place & taken and (same or (pressure and said is None)):
+                    what = f"its place already belongs to {other!r}"
+                    yield _shared_fault(facts, path, what)
+                    break
+            seen.append((name, source, place, meaning))
+
+
+def _plain(facts: Facts, name: str, key: str) -> tuple[Any, ...]:
+    return tuple(facts.unbroken("channels", name, key) or ())
+
+
+def _shared_fault(facts: Facts, path: Keys, what: str) -> Fault:
+    place, expected = facts.places.key(*path), "a place of its own"
+    return Fault.at(place, "EE-221", what, found=str(path[-1]), expected=expected)
+
+
+def _bits_of(facts: Facts, path: Keys) -> Iterator[tuple[Any, ...]]:
+    """Each bit that a channel is read from; of text, its field or key; of a codec, its channel."""
+    source = path[-1]
+    if source == "codec":
+        yield source, facts.get(*path, "channel")
+    if source == "text":
+        for key in ("field", "key"):
+            if facts.says(*path, key):
+                yield key, facts.get(*path, key)
+        return
+    if source not in ("record", "modbus"):
+        return
+    first = facts.get(*path, "byte" if source == "record" else "address")
+    if first is None:
+        return
+    where: tuple[Any, ...] = ()
+    if source == "modbus":
+        where = facts.get(*path, "unit"), facts.get(*path, "register_type")
+        if where[1] in ("coil", "discrete_input"):
+            yield *where, first
+            return
+    limits = limits_of_source(facts, path)
+    value_type, mask = facts.get(*path, "value_type"), facts.get(*path, "bitmask")
+    if value_type is None or (limits is None and value_type != "float32"):
+        return
+    width, unit = type_bits(value_type), 8 if source == "record" else 16
+    order = facts.get(*path, "byte_order" if source == "record" else "word_order")
+    for bit in range(width):
+        if mask is None or mask >> bit & 1:
+            part = bit // unit
+            yield *where, first + (part if order == "little" else width // unit - 1 - part), bit % unit

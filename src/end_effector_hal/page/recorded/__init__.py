@@ -1,0 +1,19 @@
+"""A recording as the page shows it: its records are folded by the view of the live page into one JSON document.
+
+The document has what is shown at every moment, so the browser scrubs it without asking anybody; `eehal page` serves it
+and `eehal report` writes it into a file.
+"""
+
+from ._document import Progress, RecordingPart, read_recording
+from ._files import RecordingFiles
+from ._judged import judge_recording
+from ._tables import RecordedTables
+
+__all__ = [
+    "Progress",
+    "RecordedTables",
+    "RecordingFiles",
+    "RecordingPart",
+    "judge_recording",
+    "read_recording",
+]

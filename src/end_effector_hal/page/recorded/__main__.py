@@ -1,0 +1,61 @@
+"""What the live page asks of recordings, in a process of its own: a large one must not hold the live page up.
+
+``list FOLDER``, ``show FOLDER ID DESCRIPTION``, ``judge FOLDER ID DESCRIPTION``: JSON on stdout; exit code 2 with a
+sentence on stderr where there is nothing to show.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from pydantic_core import to_json
+
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.errors import ReportedError, UsageError
+
+from ._document import read_recording
+from ._files import RecordingFiles
+from ._folder import list_recordings, recording_folders
+from ._judged import judge_recording
+from ._tables import STATES, RecordedTables
+
+
+def answer(word: str, folder: Path, id_: str = "", description: str = "") -> bytes:
+    """What is printed; raises ReportedError."""
+    if word == "list":
+        return to_json(list_recordings(folder))
+    path = recording_folders(folder).get(id_)
+    if path is None:
+        raise UsageError("There is no such recording.")
+    with os.scandir(path) as entries:
+        if any(entry.is_symlink() for entry in entries):
+            raise UsageError("There are links in it, which are not followed.")
+    files: RecordingFiles | RecordedTables
+    if any(path.glob("*.mcap")) or not (path / STATES).exists():
+        files = RecordingFiles(path)
+    else:
+        files = RecordedTables(path, load_tool(description))
+    return to_json(read_recording(files) if word == "show" else judge_recording(files), fallback=dict)
+
+
+def _main() -> int:
+    with suppress(OSError):
+        os.nice(10)
+    word, folder, *rest = sys.argv[1:]
+    try:
+        found = answer(word, Path(folder), *rest)
+    except ReportedError as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
+    except MemoryError:
+        sys.stderr.write("It is too large to be shown.\n")
+        return 2
+    sys.stdout.buffer.write(found)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(_main())

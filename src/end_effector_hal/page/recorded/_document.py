@@ -1,0 +1,260 @@
+"""A recording as one JSON document: what the view shows at each moment, the log, the timeline, the summary."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from end_effector_hal.control import Status
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.page.view import ToolView
+from end_effector_hal.recording import product_version, run_info
+from end_effector_hal.runtime.boundary import PUBLISHED, Published
+from end_effector_hal.verification.proof import kept_verdict
+
+from ._files import TOLD, Entry, RecordingFiles
+from ._samples import Samples
+from ._summary import Summary
+from ._tables import RecordedTables
+from ._tracks import Tracks
+
+MOST_STEPS = 18_000
+"""So many moments are shown in which only readings have changed: 0.1 s apart in half an hour."""
+LEAST_STEP_US = 20_000
+MOST_MOMENTS = 60_000
+MOST_EVENTS = 20_000
+MOST_CHANGES = 1_500_000
+"""Of single values; what these three bound is the size of a document."""
+_READINGS = ("frame", "time")
+"""Records after which nothing but readings may have changed; the rest shows itself in a step or a status."""
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingPart:
+    """From when to when a recording is shown, seconds since its beginning; None: from its beginning, to its end."""
+
+    since_s: float | None = None
+    until_s: float | None = None
+
+
+def read_recording(
+    files: RecordingFiles | RecordedTables,
+    part: RecordingPart | None = None,
+    progress: Progress = lambda _: None,
+) -> dict[str, Any]:
+    """Fold a recording into a document.
+
+    Args:
+        files: the traces, or the tables.
+        part: what of it is shown; all by default.
+        progress: gets the share that is done, 0 to 1.
+
+    Raises:
+        ModelError, UsageError: the tool that was recorded cannot be loaded any more.
+    """
+    return _Fold(files, part or RecordingPart(), progress).run()
+
+
+class _Fold:
+    def __init__(
+        self, files: RecordingFiles | RecordedTables, part: RecordingPart, progress: Progress
+    ) -> None:
+        self._files, self._progress = files, progress
+        self._epoch = files.begin
+        self._since = files.begin + round((part.since_s or 0.0) * 1e6)
+        self._until = files.end if part.until_s is None else files.begin + round(part.until_s * 1e6)
+        shown_us = max(0, min(self._until, files.end) - self._since)
+        self._step_us = max(LEAST_STEP_US, shown_us // MOST_STEPS)
+        self._view = ToolView(files.description, files.begin, files.header.hash)
+        self._tracks = Tracks()
+        self._samples = Samples(len(self._view.timeline.pressures), files.begin, self._step_us)
+        self._info = run_info(files.description)
+        self._summary = Summary(files.description, self._info, files.begin)
+        self._log: list[dict[str, Any]] = []
+        self._edges: dict[str, int] = {}
+        self._edge_list: list[dict[str, Any]] = []
+        self._changes: list[dict[str, Any]] = []
+        self._seen = [0, 0, 0]
+        self._lost: set[str] = set()
+        self._runs: dict[str, str] = {}
+        self._ended = ""
+
+    def run(self) -> dict[str, Any]:
+        at, due, moved = self._files.begin, self._since, False
+        for count, entry in enumerate(self._files.entries()):
+            if entry.at > at:
+                if moved or at >= due:
+                    due = at + self._step_us
+                    moved = False
+                    self._moment(at)
+                at = entry.at
+                if at > self._until or self._full():
+                    break
+            moved = self._take(entry) or moved
+            if count % 2000 == 0:
+                self._progress((at - self._files.begin) / max(1, self._files.end - self._files.begin))
+        else:
+            self._moment(at)
+        self._samples.flush()
+        return self._document(min(at, self._until))
+
+    def _full(self) -> bool:
+        if self._ended:
+            return True
+        if (
+            len(self._tracks.times) >= MOST_MOMENTS
+            or len(self._log) >= MOST_EVENTS
+            or self._tracks.changes >= MOST_CHANGES
+        ):
+            at_s = (self._tracks.times[-1] - self._epoch) / 1e6 if self._tracks.times else 0
+            self._ended = (
+                f"More happens than a page can show: it ends at {at_s:.1f} s; see --from {at_s:.0f}."
+            )
+        return bool(self._ended)
+
+    def _take(self, entry: Entry) -> bool:
+        """Whether more than readings may have changed."""
+        at, program, kind, record = entry
+        view = self._view
+        if kind == "header":
+            self._lost.discard(program)
+            self._begin(program, record)
+        elif kind == "unreadable":
+            self._lose(program, at, "It cannot be read any further.")
+        if program in self._lost or record is None:
+            return kind == "unreadable"
+        if kind == TOLD:
+            view.log.told(at, record)
+            return True
+        try:
+            if kind == "status":
+                self._check(record)
+            view.take(program, kind, at, record, at)
+            if kind == "status":
+                view.take(program, PUBLISHED, at, Published(record.at, record, {}), at)
+        except Exception as error:  # noqa: BLE001 what was damaged, or is of another version, ends no page
+            self._files.notes.append(
+                f"From {(at - self._epoch) / 1e6:.3f} s on the {program} program is not shown: its record {kind} does "
+                f"not fit what came before ({str(error) or type(error).__name__})."[:600]
+            )
+            self._files.whole = False
+            self._lose(program, at, f"Its record {kind} does not fit what came before.")
+            return True
+        self._drain()
+        if kind in ("status", PUBLISHED) and (status := view.status()) is not None:
+            self._summary.status(status)
+        return kind not in _READINGS
+
+    def _check(self, status: Status) -> None:
+        """Whether a status is one of this tool; raises UsageError."""
+        parts = self._files.description.ordered
+        if {len(status.actuators), len(status.outputs), len(status.evidence)} != {len(parts)}:
+            raise UsageError(f"it is not that of a tool with {len(parts)} actuators")
+        for (_, part), value in zip(parts, status.actuators, strict=True):
+            kind_of(part).states(value)
+
+    def _begin(self, program: str, header: Any) -> None:
+        if self._runs.get(program) == (header.run or header.started):
+            if header.gap is not None:
+                text = f"{header.gap.records} records of the {program} program are missing: {header.gap.why}."
+                self._view.log.add(header.at, "alarm", text, program)
+            return
+        again = " again" if program in self._runs else ""
+        self._runs[program] = header.run or header.started
+        self._view.log.add(header.at, "command", f"The {program} program begins{again}.", program)
+
+    def _lose(self, program: str, at: int, why: str) -> None:
+        self._lost.add(program)
+        self._view.log.add(at, "alarm", f"The recording of the {program} program breaks off. {why}", program)
+        self._view.lose(program, why, at)
+
+    def _drain(self) -> None:
+        log, line = self._view.log, self._view.timeline
+        if log.newest > self._seen[0]:
+            entries = [entry for entry in log.since(self._seen[0]) if entry["kind"] != "page"]
+            self._summary.entries(entries)
+            self._log += [self._short(entry) for entry in entries if self._since <= entry["at"]]
+        new = line.since(*self._seen[1:])
+        self._seen = [log.newest, line.sampled, line.changed]
+        for row in new["samples"]:
+            if self._since <= row[0]:
+                self._samples.take(row)
+        for change in new["changes"]:
+            self._changes.append({**change, "at": max(change["at"], self._since)})
+
+    def _short(self, entry: dict[str, Any]) -> dict[str, Any]:
+        """An edge stands in the document once."""
+        if (detail := entry["detail"]) is None:
+            return entry
+        numbers = []
+        for edge in detail["edges"]:
+            number = self._edges.setdefault(
+                f"{edge['process']} {edge['number']} {edge['source']}", len(self._edges)
+            )
+            if number == len(self._edge_list):
+                self._edge_list.append(edge)
+            numbers.append(number)
+        return {**entry, "detail": {**detail, "edges": numbers}}
+
+    def _moment(self, at: int) -> None:
+        if at < self._since or self._ended:
+            return
+        try:
+            view = self._files.known(self._view.moment())
+        except Exception as error:  # noqa: BLE001 a state that fits its form, and nothing else
+            why = str(error) or type(error).__name__
+            self._ended = (
+                f"From {(at - self._epoch) / 1e6:.3f} s on it contradicts itself and is not shown ({why})."
+            )
+            self._files.whole = False
+        else:
+            self._tracks.note(at - self._epoch, _rounded(view))
+
+    def _document(self, end: int) -> dict[str, Any]:
+        files, header = self._files, self._files.header
+        proven = None
+        with suppress(OSError):
+            proven = kept_verdict(files.description)
+        notes = [*files.notes, *([self._ended] if self._ended else [])]
+        if header.version != product_version():
+            notes.append(
+                f"It was recorded by version {header.version or 'unknown'}; this is version {product_version()}."
+            )
+        drawn = self._view.drawn()
+        del drawn["buttons"]
+        return {
+            "drawn": {**drawn, "source": header.source},
+            "recording": {
+                "name": files.name,
+                "started": header.started,
+                "version": header.version,
+                "shown_by": product_version(),
+                "hash": header.hash,
+                "model": header.model,
+                "whole": files.whole,
+                "notes": notes,
+                "begin_s": max(0.0, (self._since - self._epoch) / 1e6),
+                "end_s": max(0.0, (end - self._epoch) / 1e6),
+                "step_s": self._step_us / 1e6,
+            },
+            "summary": self._summary.as_json(proven),
+            "times": self._tracks.times,
+            "tracks": self._tracks.as_json(),
+            "log": self._log,
+            "edges": self._edge_list,
+            "samples": self._samples.columns,
+            "changes": self._changes,
+        }
+
+
+def _rounded(view: dict[str, Any]) -> dict[str, Any]:
+    for card in view["cards"] or ():
+        for name in ("kpa", "margin_kpa"):
+            if card[name] is not None:
+                card[name] = round(card[name], 1)
+    return view

@@ -1,0 +1,197 @@
+"""The traces of a recording: which of them belong together, and their records in one order of time."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from end_effector_hal.control import PROGRAMS
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording import content_hash
+from end_effector_hal.runtime.boundary import Header
+from end_effector_hal.verification.replay import ProgramTrace, load_trace, traces_of
+
+MOST_BYTES = 512_000_000
+"""Of one trace: it is read as a whole; a segment has 64 MB unless somebody asked for more."""
+
+
+KEPT_BYTES = 100_000_000
+TOLD = "told"
+"""Of an entry that is in no trace: changes of variables, for the log."""
+
+
+class Entry(NamedTuple):
+    """One record of a program, at its place in the order of all; ``record`` None: its trace cannot be read on."""
+
+    at: int
+    program: str
+    kind: str
+    record: Any
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    path: Path
+    header: Header
+    last_at: int
+    complete: bool
+
+
+class RecordingFiles:
+    """The traces of a folder, or one; read once to know them, and again when their records are wanted.
+
+    Args:
+        path: a folder with traces, or one trace.
+        description: another tool than the one that was recorded; None: that one, which the trace holds.
+
+    Raises:
+        UsageError: there is no trace that can be read, or its description is not valid any more.
+
+    Attributes:
+        name: of the folder or the file.
+        notes: in words: what cannot be read, what is left out, where something ends.
+        header: of the first trace.
+        description: the tool as it was recorded.
+        begin, end: µs, of the first and the last record.
+        whole: every trace was closed in good order, and none was left out.
+    """
+
+    def __init__(self, path: Path, description: Description | None = None) -> None:
+        self.path, self.name = path, path.resolve().name
+        self.notes: list[str] = []
+        self.paths = traces_of(path)
+        self.stamp = stamp_of(path)
+        self._kept: dict[Path, ProgramTrace] = {}
+        parts: list[_Part] = []
+        first: ProgramTrace | None = None
+        refused: UsageError | None = None
+        for each in self.paths:
+            try:
+                trace = self.load(each)
+                last_at = trace.last_at
+            except UsageError as error:
+                refused = refused or error
+                self.notes.append(f"Left out: {each.name}. {error.what}")
+                continue
+            if why := self._foreign(trace, first, parts):
+                self.notes.append(f"Left out: {each.name}, {why}")
+                continue
+            first = first or trace
+            if trace.file.note:
+                state = "damaged" if trace.file.damaged else "not whole"
+                self.notes.append(
+                    f"{each.name} is {state}: {trace.file.note}. What was written before is shown."
+                )
+            if trace.header.gap is not None:
+                gap = trace.header.gap
+                self.notes.append(f"Before {each.name} {gap.records} records were not written: {gap.why}.")
+            parts.append(_Part(each, trace.header, last_at, trace.file.complete and not trace.file.damaged))
+        if first is None:
+            assert refused is not None
+            raise refused
+        self.description: Description = description or first.description()
+        self.header = first.header
+        if description is not None and (own := content_hash(description)) != first.header.hash:
+            self.notes.append(
+                f"It is shown with another description ({own}) than recorded ({first.header.hash})."
+            )
+        self._given = description
+        self._parts = parts
+        self.begin = min(part.header.at for part in parts)
+        self.end = max(self.begin, *(part.last_at for part in parts))
+        self.whole = not refused and all(part.complete for part in parts)
+        recorded = {part.header.program for part in parts}
+        for program in PROGRAMS:
+            if program not in recorded:
+                self.notes.append(
+                    f"There is no trace of the {program} program: what only it knows is missing."
+                )
+
+    def again(self) -> RecordingFiles:
+        """The same recording as it is now."""
+        return RecordingFiles(self.path, self._given)
+
+    def load(self, path: Path) -> ProgramTrace:
+        """One of the traces; a few are kept, for they are read more than once.
+
+        Raises:
+            UsageError: it cannot be read.
+        """
+        if path not in self._kept:
+            trace = _load(path)
+            if sum(each.file.size for each in self._kept.values()) + trace.file.size > KEPT_BYTES:
+                return trace
+            self._kept[path] = trace
+        return self._kept[path]
+
+    def known(self, view: dict[str, Any]) -> dict[str, Any]:
+        """What is shown, without what nobody has recorded: a trace has everything."""
+        return view
+
+    @property
+    def grown(self) -> bool:
+        """Whether the files are others than those that were read."""
+        return stamp_of(self.path) != self.stamp
+
+    def entries(self) -> Iterator[Entry]:
+        """Every record of both programs, in the order of time; one that cannot be read is noted and ends its file."""
+        ways = [self._of(program) for program in PROGRAMS]
+        return heapq.merge(*ways, key=lambda entry: entry.at)
+
+    def _of(self, program: str) -> Iterator[Entry]:
+        at = self.begin
+        for part in self._parts:
+            if part.header.program != program:
+                continue
+            try:
+                trace = self.load(part.path)
+                for number, record in enumerate(trace.file.records):
+                    typed = trace.typed(number)
+                    at = max(at, typed.at)
+                    yield Entry(at, program, record.kind, typed)
+            except ReportedError as error:
+                self.notes.append(f"{part.path.name}: {_what(error)} What follows in this file is not shown.")
+                self.whole = False
+                yield Entry(at, program, "unreadable", None)
+
+    def _foreign(self, trace: ProgramTrace, first: ProgramTrace | None, parts: list[_Part]) -> str:
+        """Why a trace does not belong to the first one; empty: it does."""
+        if first is None:
+            return ""
+        if trace.header.hash != first.header.hash:
+            return (
+                f"which is of another description ({trace.header.description}, {trace.header.hash}) than the first "
+                f"trace ({first.header.description}, {first.header.hash}). Open it by its own name."
+            )
+        before = [part for part in parts if part.header.program == trace.header.program]
+        if before and trace.header.at < before[-1].header.at:
+            return "which was recorded after a restart of the machine. Open it by its own name."
+        return ""
+
+
+def stamp_of(path: Path) -> tuple[tuple[str, int, int], ...]:
+    """What tells whether a recording has grown: names, sizes and times of its traces."""
+    try:
+        return tuple((each.name, each.stat().st_size, each.stat().st_mtime_ns) for each in traces_of(path))
+    except (UsageError, OSError):
+        return ()
+
+
+def _what(error: ReportedError) -> str:
+    """Without the place of the file on this machine: the page may be looked at elsewhere."""
+    return error.what if isinstance(error, UsageError) else str(error)
+
+
+def _load(path: Path) -> ProgramTrace:
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
+    if size > MOST_BYTES:
+        what = f"This trace has {size / 1e6:.0f} MB; at most {MOST_BYTES / 1e6:.0f} MB are read."
+        raise UsageError(what, where=str(path), todo="Record in segments: --segment-mb.")
+    return load_trace(path)

@@ -1,0 +1,133 @@
+"""The recordings of a folder, newest first: what each is, in a line, without reading its traces."""
+
+from __future__ import annotations
+
+import os
+import stat
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.recording import RunInfo, read_run, read_states, read_story
+from end_effector_hal.vocabulary import printable
+
+MOST_LISTED = 200
+MOST_SCANNED = 20_000
+"""Entries of the folder that are looked at."""
+MOST_TABLE_BYTES, MOST_INFO_BYTES = 2_000_000, 1_000_000
+BUDGET_S = 4.0
+"""So long their tables are read; what is older then is listed without its story."""
+_LONGEST = 160
+_BROKEN = (ReportedError, OSError, ValueError, ArithmeticError, LookupError, TypeError, RecursionError)
+_TABLE, _INFO, _TRACE = "states.csv", "run.json", ".mcap"
+
+
+@dataclass(frozen=True, slots=True)
+class ListedRecording:
+    """One line of the list.
+
+    Attributes:
+        id: by which a page asks for it: no path.
+        name: of its folder.
+        changed: when it was written last, s since 1970.
+        tool: the name in its ``run.json``.
+        story: how it went, in a sentence; or why that is not known.
+        length_s: of the table of its states; None: not known.
+    """
+
+    id: str
+    name: str
+    changed: float
+    tool: str = ""
+    story: str = ""
+    length_s: float | None = None
+
+
+def recording_folders(folder: Path) -> dict[str, Path]:
+    """Those in a folder, and itself if it is one, by the id of each; links are not followed, newest first."""
+    found: list[tuple[float, Path]] = []
+    for path in (folder, *_inside(folder)):
+        changed = _changed(path)
+        if changed is not None:
+            found.append((changed, path))
+    found.sort(key=lambda each: (-each[0], each[1].name))
+    return {_id_of(path): path for _, path in found[:MOST_LISTED]}
+
+
+def list_recordings(folder: Path, budget_s: float = BUDGET_S) -> dict[str, Any]:
+    """The list as JSON, ``{folder, recordings}``; nothing in a recording can make this fail."""
+    until = time.monotonic() + budget_s
+    rows = []
+    for id_, path in recording_folders(folder).items():
+        row = ListedRecording(id_, printable(path.resolve().name), _changed(path) or 0.0)
+        if time.monotonic() < until:
+            row = _read(row, path)
+        else:
+            row = ListedRecording(row.id, row.name, row.changed, story="not read: there are too many")
+        rows.append(asdict(row))
+    return {"folder": printable(str(folder)), "recordings": rows}
+
+
+def _inside(folder: Path) -> Iterator[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            for number, entry in enumerate(entries):
+                if number >= MOST_SCANNED:
+                    return
+                if entry.is_dir(follow_symlinks=False):
+                    yield Path(entry.path)
+    except OSError:
+        return
+
+
+def _changed(path: Path) -> float | None:
+    """When a recording was written last; None: it is none."""
+    for name in (_TABLE, _INFO):
+        try:
+            found = os.stat(path / name, follow_symlinks=False)
+        except OSError:
+            continue
+        return found.st_mtime
+    try:
+        with os.scandir(path) as entries:
+            traces = [
+                entry.stat(follow_symlinks=False).st_mtime
+                for _, entry in zip(range(100), entries, strict=False)
+                if entry.name.endswith(_TRACE)
+            ]
+    except OSError:
+        return None
+    return max(traces, default=None)
+
+
+def _id_of(path: Path) -> str:
+    return sha256(os.fsencode(path.resolve())).hexdigest()[:24]
+
+
+def _read(row: ListedRecording, path: Path) -> ListedRecording:
+    info = read_run(path) if _small(path / _INFO, MOST_INFO_BYTES) else RunInfo()
+    tool, story, length_s = printable(info.description)[:_LONGEST], "", None
+    if not _small(path / _TABLE, MOST_TABLE_BYTES):
+        there = (path / _TABLE).exists()
+        story = "long: open it" if there else "only traces: open it"
+    else:
+        try:
+            log = read_states(path / _TABLE)
+            story = read_story(log, info).verdict
+            length_s = round(log.rows[-1].time_s, 1) if log.rows else 0.0
+        except _BROKEN:
+            story = "its states cannot be read: open it"
+    return ListedRecording(row.id, row.name, row.changed, tool, printable(story)[:_LONGEST], length_s)
+
+
+def _small(path: Path, most: int) -> bool:
+    """Whether it is a file of its own, no longer than that."""
+    try:
+        found = os.stat(path, follow_symlinks=False)
+    except OSError:
+        return False
+    return stat.S_ISREG(found.st_mode) and found.st_size <= most

@@ -1,0 +1,115 @@
+"""What happened in a recording, as the first page of a report: goals, why they failed, times against worst cases."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.recording import (
+    AlarmRow,
+    GripDecision,
+    ReleaseCause,
+    RunInfo,
+    StatesLog,
+    StatesRow,
+    read_story,
+)
+from end_effector_hal.verification.proof import Verdict
+from end_effector_hal.vocabulary import EndEffectorState
+
+_CAUSES = {
+    ReleaseCause.ABORT: "Release after an aborted grip",
+    ReleaseCause.CANCEL: "Release after a cancelled grip",
+    ReleaseCause.DROP: "Drop",
+    ReleaseCause.STOP: "Release after a stop",
+}
+_BAD = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
+MOST_GOALS = 500
+
+
+class Summary:
+    """Collects states and alarms, and tells them as a story.
+
+    Args:
+        description: the tool.
+        info: of the recording.
+        epoch: time zero, µs.
+    """
+
+    def __init__(self, description: Description, info: RunInfo, epoch: int) -> None:
+        self._description, self._info, self._epoch = description, info, epoch
+        self._rows: list[StatesRow] = []
+        self._reasons: list[tuple[float, str]] = []
+        self._alarms: list[AlarmRow] = []
+
+    def status(self, status: Status) -> None:
+        """A status of the whole tool."""
+        at_s = (status.at - self._epoch) / 1e6
+        row = StatesRow(at_s, status.ee, status.command, status.actuators)
+        if not self._rows or self._rows[-1].states != row.states:
+            self._rows.append(row)
+        if status.reason and (not self._reasons or self._reasons[-1][1] != status.reason):
+            self._reasons.append((at_s, status.reason))
+
+    def entries(self, entries: Sequence[dict[str, Any]]) -> None:
+        """Entries of the log, of which the alarms count."""
+        for entry in entries:
+            if entry["kind"] == "alarm":
+                self._alarms.append(AlarmRow((entry["at"] - self._epoch) / 1e6, "begun", entry["text"]))
+
+    def as_json(self, proven: Verdict | None) -> dict[str, Any]:
+        """The story in one sentence, and a row for each goal; times in seconds since time zero."""
+        tool = self._description
+        names = tuple(name for name, _ in tool.ordered)
+        story = read_story(StatesLog(names, tuple(self._rows)), self._info, self._alarms)
+        bounds, goals = tool.durations, list[dict[str, Any]]()
+        for grip in story.grips:
+            failed = grip.decision is not GripDecision.GRIPPED
+            why = [str(attempt) for attempt in grip.failed]
+            if failed and grip.decided_s is not None:
+                why += self._reason(grip.decided_s)
+            took_s = None if grip.decided_s is None else grip.decided_s - grip.start_s
+            row = _goal(grip.start_s, "Grip", str(grip.decision), took_s, bounds.grip_ms, why)
+            goals.append(row | {"ok": not failed})
+        for release in story.releases:
+            bound_ms = bounds.cancel_ms if release.cause is ReleaseCause.CANCEL else bounds.release_ms
+            took_s = None if release.end_s is None else release.end_s - release.start_s
+            ended = "UNFINISHED" if release.ended is None else release.ended.label
+            bad = release.ended is None or release.ended in _BAD
+            why = self._reason(release.end_s) if bad and release.end_s is not None else []
+            goals.append(
+                _goal(release.start_s, _CAUSES[release.cause], ended, took_s, bound_ms, why) | {"ok": not bad}
+            )
+        for loss in story.losses:
+            why = self._reason(loss.time_s)
+            goals.append(
+                _goal(loss.time_s, f"{loss.who or 'The part'} was lost", "LOST", None, None, why)
+                | {"ok": False}
+            )
+        goals.sort(key=lambda goal: goal["at_s"])
+        return {
+            "story": story.verdict,
+            "goals": goals[:MOST_GOALS],
+            "more_goals": max(0, len(goals) - MOST_GOALS),
+            "proven": str(proven) if proven is not None else "",
+            "holds": proven is not None and proven.holds,
+        }
+
+    def _reason(self, at_s: float) -> list[str]:
+        """What the status said then."""
+        return [text for time_s, text in self._reasons if at_s - 1e-6 <= time_s <= at_s + 0.2][:1]
+
+
+def _goal(
+    at_s: float, what: str, outcome: str, took_s: float | None, bound_ms: int | None, why: list[str]
+) -> dict[str, Any]:
+    return {
+        "at_s": round(at_s, 3),
+        "what": what,
+        "outcome": outcome,
+        "took_s": None if took_s is None else round(took_s, 3),
+        "at_most_s": None if bound_ms is None else bound_ms / 1000,
+        "why": why,
+    }

@@ -1,0 +1,167 @@
+"""A recording without traces, as a bag of ROS leaves it: states, alarms and pressures, from its tables."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.recording import (
+    AlarmRow,
+    PressuresLog,
+    RunInfo,
+    StatesLog,
+    StatesRow,
+    content_hash,
+    read_alarms,
+    read_pressures,
+    read_run,
+    read_states,
+)
+from end_effector_hal.runtime.boundary import PUBLISHED, FrameTaken, Header, Published
+from end_effector_hal.vocabulary import ACTIVE, PENDING, Evidence
+
+from ._files import TOLD, Entry
+
+BEGUN = "begun"
+STATES, PRESSURES, ALARMS = "states.csv", "pressures.csv", "alarms.csv"
+_UNKNOWN = ("held", "lift_allowed", "secure", "changer", "unlock_output", "armed", "worst_late_ms", "missed")
+
+
+class RecordedTables:
+    """The tables of a folder, in the place of its traces (`RecordingFiles`).
+
+    Args:
+        folder: with ``states.csv``.
+        description: the tool; tables do not hold it.
+        name: what it is called on the page; default: that of the folder.
+        notes: in words: what is to be known of it.
+
+    Raises:
+        UsageError: the states cannot be read, or are of another tool.
+    """
+
+    def __init__(
+        self, folder: Path, description: Description, name: str = "", notes: tuple[str, ...] = ()
+    ) -> None:
+        self.path, self.name, self.description = folder, name or folder.resolve().name, description
+        self._states: StatesLog = read_states(folder / STATES)
+        parts = tuple(each for each, _ in description.ordered)
+        if self._states.actuators != parts:
+            raise UsageError(
+                f"The states are those of {', '.join(self._states.actuators)}; this tool has {', '.join(parts)}.",
+                where=str(folder / STATES),
+                todo="Name the description of the tool that was recorded.",
+            )
+        info: RunInfo = read_run(folder)
+        own = content_hash(description)
+        self.notes = [
+            "There is no trace: evidence, outputs, interlocks, automata and refusals were not recorded.",
+            *notes,
+            *([info.note] if info.note else []),
+            *info.gaps,
+            *([self._states.note] if self._states.note else []),
+        ]
+        if info.hash and info.hash != own:
+            self.notes.append(
+                f"It is shown with another description ({own}) than run.json names ({info.hash})."
+            )
+        self._alarms: list[AlarmRow] = self._optional(ALARMS, lambda path: list(read_alarms(path)), [])
+        self._pressures: PressuresLog = self._optional(PRESSURES, read_pressures, PressuresLog((), ()))
+        if self._pressures.note:
+            self.notes.append(self._pressures.note)
+        self.header = Header(
+            0,
+            "grip",
+            description.name,
+            own,
+            "not recorded",
+            info.version,
+            info.started,
+            str(description.source),
+            {},
+        )
+        times = [row.time_s for row in self._states.rows] + [
+            time_s for time_s, _ in self._pressures.samples[-1:]
+        ]
+        self.begin, self.end = 0, round(max(times, default=0.0) * 1e6)
+        self.whole, self.grown = not info.gaps, False
+        self._now: Mapping[str, int | None] = {}
+
+    def again(self) -> RecordedTables:
+        """The same: nobody writes tables alone."""
+        return self
+
+    def entries(self) -> Iterator[Entry]:
+        """What the tables say, as records in the order of time."""
+        for entry in heapq.merge(self._told(), self._frames(), key=lambda entry: entry.at):
+            yield entry
+            if entry.kind == "frame":  # whoever has taken it asks for the next
+                self._now = entry.record.values
+
+    def known(self, view: dict[str, Any]) -> dict[str, Any]:
+        """What is shown, without what nobody has recorded."""
+        state = view["state"] and {**view["state"], **dict.fromkeys(_UNKNOWN)}
+        cards = []
+        for card, (_, part) in zip(view["cards"] or (), self.description.ordered, strict=False):
+            pa = self._now.get(part.channel)
+            sign = -1 if kind_of(part).below_ambient else 1
+            cards.append(
+                {**card, "output": None, "evidence": None, "kpa": None if pa is None else sign * pa / 1000}
+            )
+        return {**view, "state": state, "cards": cards or None, "interlocks": []}
+
+    def _told(self) -> Iterator[Entry]:
+        every: list[StatesRow | AlarmRow] = [*self._states.rows, *self._alarms]
+        shown: dict[str, None] = {}
+        state: StatesRow | None = None
+        for row in sorted(every, key=lambda row: row.time_s):
+            at = round(row.time_s * 1e6)
+            if isinstance(row, AlarmRow):
+                if row.event == BEGUN:
+                    shown[row.text] = None
+                else:
+                    shown.pop(row.text, None)
+            else:
+                old = state.states if state else (None,) * len(row.states)
+                state = row
+                names = ("ee", "command", *(f"actuator[{index}]" for index in range(len(row.actuators))))
+                changes = [
+                    (name, new) for name, was, new in zip(names, old, row.states, strict=True) if was != new
+                ]
+                yield Entry(at, "grip", TOLD, changes)
+            if state is not None:
+                active = tuple(value in (PENDING, ACTIVE) for value in state.actuators)
+                unknown = (Evidence.UNKNOWN,) * len(active)
+                status = Status(
+                    at,
+                    state.end_effector,
+                    state.command,
+                    state.actuators,
+                    active,
+                    unknown,
+                    alarms=tuple(shown),
+                )
+                yield Entry(at, "grip", PUBLISHED, Published(at, status, {}))
+
+    def _frames(self) -> Iterator[Entry]:
+        for time_s, values in self._pressures.samples:
+            at = round(time_s * 1e6)
+            named = zip(self._pressures.channels, values, strict=True)
+            pascals = {name: None if kpa is None else round(kpa * 1000) for name, kpa in named}
+            yield Entry(at, "grip", "frame", FrameTaken(at, at, None, None, pascals))
+
+    def _optional(self, name: str, read: Any, nothing: Any) -> Any:
+        path = self.path / name
+        if not path.exists():
+            return nothing
+        try:
+            return read(path)
+        except ReportedError as error:
+            self.notes.append(f"{name} is left out: {error}")
+            return nothing

@@ -1,0 +1,72 @@
+"""What a testbench says: that it is there, what is wrong, and what could be."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic_core import to_jsonable_python
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.faults import FaultOffer, TestbenchHeader
+from end_effector_hal.recording import content_hash
+
+from ._log import EventLog
+
+SILENT_US = 1_000_000
+"""With the period of the page: nothing counts as present after 1.2 s."""
+
+
+class FaultsView:
+    """Sans-IO; times in µs. Without a testbench it says nothing.
+
+    Args:
+        description: the tool; the testbench must simulate the same one.
+        log: gets what changes.
+
+    Attributes:
+        there: a testbench is at the other end.
+        version: of what it offers, counted.
+    """
+
+    def __init__(self, description: Description, log: EventLog) -> None:
+        self._hash, self._log = content_hash(description), log
+        self.there, self.version = False, 0
+        self._scenario = self._why = ""
+        self._faults: tuple[FaultOffer, ...] = ()
+        self._heard_at = 0
+
+    def begin(self, header: TestbenchHeader, now: int) -> None:
+        """A testbench introduces itself; raises ReportedError if it simulates another tool."""
+        if header.hash != self._hash:
+            what = f"The testbench simulates another description ({header.tool}, {header.hash})"
+            todo = "Start the testbench, or the page, with the description of the other."
+            raise ReportedError(f"{what} than that of this page ({self._hash}).", todo=todo)
+        self._faults, self._heard_at, self._scenario, self._why = header.faults, now, "", ""
+        self.version += 1
+        self._log.add(now, "page", "A testbench is at the other end of the wires: nothing real moves.")
+
+    def scenario(self, text: str, now: int) -> None:
+        """What is wrong now, which is a sign of life as well."""
+        self.there, self._heard_at = bool(self._faults), now
+        if text != self._scenario:
+            self._scenario = text
+            self._log.add(now, "page", f"The testbench plays: {text}.")
+
+    def lose(self, why: str, now: int) -> None:
+        """It is gone, or there is none (``why`` is empty)."""
+        if self.there or (why and why != self._why):
+            self._log.add(now, "page", why or "The testbench has gone.")
+        self.there, self._why, self._faults = False, why, ()
+
+    @property
+    def offered(self) -> list[Any]:
+        """The faults that the tool can have."""
+        found: list[Any] = to_jsonable_python(self._faults)
+        return found
+
+    def now(self, at: int) -> dict[str, Any] | None:
+        """What is shown live; None: there is no testbench."""
+        if not self.there:
+            return None
+        return {"scenario": self._scenario, "silent": at - self._heard_at > SILENT_US}

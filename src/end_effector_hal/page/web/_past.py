@@ -1,0 +1,104 @@
+"""The recordings of a folder, for the live page: listed and read by a process of their own, one at a time."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from end_effector_hal.errors import UsageError
+
+LIST_S, READ_S = 15.0, 180.0
+_ID = re.compile(r"[0-9a-f]{24}")
+_MODULE = "end_effector_hal.page.recorded"
+_MOST = 8
+"""So many requests wait for that process; a further one is refused."""
+
+
+class PastRecordings:
+    """What was recorded before.
+
+    Args:
+        folder: where the tool records.
+        description: of the tool, for recordings without a trace.
+    """
+
+    def __init__(self, folder: Path, description: Path) -> None:
+        self._folder, self._description = folder, description
+        self._one = asyncio.Semaphore(1)
+        self._asked = 0
+        self._tasks: dict[tuple[str, str], asyncio.Task[bytes]] = {}
+        self._child: asyncio.subprocess.Process | None = None
+
+    async def listing(self) -> bytes:
+        """The list as JSON; raises UsageError."""
+        return await self._ask(LIST_S, "list", str(self._folder))
+
+    def reading(self, id_: str, *, verdict: bool) -> asyncio.Task[bytes] | None:
+        """The task that reads or judges a recording; it raises UsageError. None: that is no id."""
+        if not _ID.fullmatch(id_):
+            return None
+        key = (id_, "judge" if verdict else "show")
+        task = self._tasks.get(key)
+        if task is None:
+            words = key[1], str(self._folder), id_, str(self._description)
+            task = self._tasks[key] = asyncio.create_task(self._ask(READ_S, *words))
+            task.add_done_callback(lambda done: done.cancelled() or done.exception())  # a page may have gone
+            for old in [each for each in self._tasks if each[0] != id_ and self._tasks[each].done()]:
+                del self._tasks[old]  # one recording is kept
+        return task
+
+    def forget(self, id_: str) -> None:
+        """Somebody opens it: what was read before may have grown."""
+        for key in [each for each in self._tasks if each[0] == id_ and self._tasks[each].done()]:
+            del self._tasks[key]
+
+    def close(self) -> None:
+        """End what is being read."""
+        for task in self._tasks.values():
+            task.cancel()
+        if self._child is not None and self._child.returncode is None:
+            with suppress(ProcessLookupError):
+                self._child.kill()
+
+    async def _ask(self, most_s: float, *words: str) -> bytes:
+        if self._asked >= _MOST:
+            raise UsageError("Other recordings are being read: try again.")
+        self._asked += 1
+        try:
+            async with self._one:
+                return await self._answer(most_s, words)
+        finally:
+            self._asked -= 1
+
+    async def _answer(self, most_s: float, words: tuple[str, ...]) -> bytes:
+        pipe, nothing = asyncio.subprocess.PIPE, asyncio.subprocess.DEVNULL
+        self._child = child = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-P",  # nothing of the current folder, which may hold somebody's recording
+            "-m",
+            _MODULE,
+            *words,
+            stdin=nothing,
+            stdout=pipe,
+            stderr=pipe,
+            start_new_session=True,
+        )
+        try:
+            out, said = await asyncio.wait_for(child.communicate(), most_s)
+        except TimeoutError:
+            raise UsageError(f"It was not read within {most_s:g} s.") from None
+        finally:
+            if child.returncode is None:
+                with suppress(ProcessLookupError):
+                    child.kill()
+                await child.wait()
+        if child.returncode:
+            lines = said.decode(errors="replace").strip().splitlines()
+            known = child.returncode == 2 and lines
+            raise UsageError(
+                lines[-1] if known else "It cannot be read: the process that reads it has ended."
+            )
+        return out

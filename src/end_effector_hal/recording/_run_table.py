@@ -1,0 +1,96 @@
+"""``run.csv``: the tables of a recording as one, with numbers only."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+from pathlib import Path
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording.tables import (
+    BEGUN,
+    UNIT,
+    AlarmRow,
+    ChangerRow,
+    PressuresLog,
+    StatesLog,
+)
+from end_effector_hal.vocabulary import ChangerState
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Some columns with rows of their own; ``before``: what stands there until the first of them."""
+
+    names: tuple[str, ...]
+    times_s: Sequence[float]
+    rows: Sequence[Sequence[str]]
+    before: str = "NaN"
+
+    def at(self, time_s: float) -> Sequence[Sequence[str]]:
+        """Its rows of an instant; where it has none, the one that holds then."""
+        first, end = bisect_left(self.times_s, time_s), bisect_right(self.times_s, time_s)
+        if first < end:
+            return self.rows[first:end]
+        return [self.rows[end - 1] if end else (self.before,) * len(self.names)]
+
+
+def write_run_table(
+    path: Path,
+    log: StatesLog,
+    pressures: PressuresLog | None,
+    changer: Sequence[ChangerRow] = (),
+    alarms: Sequence[AlarmRow] = (),
+) -> Path:
+    """Write one table of a recording: a row for each instant at which anything in it has changed.
+
+    Columns: ``time_s``, the columns of ``states.csv``, ``tool_changer`` where there is one, ``alarms`` (how many
+    stand), and ``CHANNEL_gauge_kpa`` for each pressure. What has not changed is repeated; what is not known is ``NaN``.
+    States that were left in the instant of their entry have a row each.
+
+    Raises:
+        UsageError: it cannot be written, or the recording holds no row.
+    """
+    if not log.rows:
+        raise UsageError("This recording holds no row, so there is nothing to write.", where=log.source)
+    columns = [_states(log), *_changer(changer), _alarms(alarms), *_pressures(pressures)]
+    lines = [",".join(("time_s", *(name for each in columns for name in each.names)))]
+    for time_s in sorted({time_s for each in columns for time_s in each.times_s}):
+        lines += [f"{time_s:.6f},{cells}" for cells in _rows(columns, time_s)]
+    try:
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"Cannot be written: {error.strerror}.", where=str(path)) from None
+    return path
+
+
+def _rows(columns: Sequence[_Columns], time_s: float) -> Iterator[str]:
+    """The rows of one instant, those of each table in their order."""
+    found = [each.at(time_s) for each in columns]
+    for number in range(max(map(len, found))):
+        yield ",".join(cell for rows in found for cell in rows[min(number, len(rows) - 1)])
+
+
+def _states(log: StatesLog) -> _Columns:
+    rows = [[str(int(state)) for state in row.states] for row in log.rows]
+    return _Columns(log.columns[1:], log.times_s, rows)
+
+
+def _changer(rows: Sequence[ChangerRow]) -> list[_Columns]:
+    texts = [[str(int(row.state))] for row in rows]
+    times = [row.time_s for row in rows]
+    return [_Columns(("tool_changer",), times, texts, str(int(ChangerState.UNKNOWN)))] if rows else []
+
+
+def _alarms(rows: Sequence[AlarmRow]) -> _Columns:
+    standing = accumulate(1 if row.event == BEGUN else -1 for row in rows)
+    return _Columns(("alarms",), [row.time_s for row in rows], [[str(count)] for count in standing], "0")
+
+
+def _pressures(log: PressuresLog | None) -> list[_Columns]:
+    if log is None:
+        return []
+    rows = [["NaN" if kpa is None else f"{kpa:.2f}" for kpa in values] for _, values in log.samples]
+    return [_Columns(tuple(f"{channel}{UNIT}" for channel in log.channels), log.times_s, rows)]

@@ -1,0 +1,71 @@
+"""The plain outputs of a tool: switched for whoever asks, and left as declared when their process ends."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+
+from end_effector_hal._closing import Closing
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description
+from end_effector_hal.errors import WireError
+from end_effector_hal.runtime.arbiter import OUTPUTS, connect_arbiter
+from end_effector_hal.vocabulary import LastWill, LastWillStep, display_name
+
+_log = logging.getLogger("end_effector_hal.runtime")
+
+
+class PlainOutputs(Closing):
+    """A client of the line arbiter of its own, so that what it does and how it ends touches no grip; thread-safe.
+
+    Args:
+        description: the tool; without `outputs` nothing is connected.
+
+    Raises:
+        ArbiterError: there is no line arbiter.
+        LineBusyError: another process switches them.
+    """
+
+    def __init__(self, description: Description) -> None:
+        self._outputs = description.outputs
+        self._client = connect_arbiter(description, OUTPUTS) if self._outputs else None
+        if self._client is not None and (will := self._will):
+            self._client.set({}, will)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all of them."""
+        return tuple(self._outputs)
+
+    @property
+    def levels(self) -> Mapping[str, bool]:
+        """Which are active, as the line arbiter reads them back; raises ArbiterError."""
+        levels = self._client.levels() if self._client else {}
+        return {name: levels[each.line] for name, each in self._outputs.items()}
+
+    def set(self, name: str, active: bool) -> Answer:
+        """Switch one; raises KeyError for an unknown one. That its line was written is all that is known."""
+        line = self._outputs[name].line
+        assert self._client is not None
+        try:
+            self._client.set({line: active})
+        except WireError as error:
+            return Answer(False, str(error))
+        return Answer(True, f"{display_name(name)} is {'on' if active else 'off'}; no sensor proves it.")
+
+    def close(self) -> None:
+        """The line arbiter does now what `on_death` declares."""
+        if self._client is None:
+            return
+        try:
+            self._client.close(self._will)
+        except WireError as error:
+            _log.warning(
+                "the line arbiter cannot be reached to leave the plain outputs as declared: %s", error
+            )
+
+    @property
+    def _will(self) -> LastWill:
+        return tuple(
+            LastWillStep(each.line) for each in self._outputs.values() if each.on_death == "deactivate"
+        )

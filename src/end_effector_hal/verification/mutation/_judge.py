@@ -1,0 +1,158 @@
+"""One mutant: which requirement, or check of every model, does not hold of it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from end_effector_hal.errors import ModelError, RangeError, UsageError
+from end_effector_hal.verification.proof import Requirement, requirements_of
+from timed_automata import Network, make_network
+from timed_automata.explore import Explorer, Overview, ReactionBound, overview
+from timed_automata.mutate import Mutant
+from timed_automata.network import Given
+
+_MORE = 10  # times the states of the file as it is; a mutant that has more is not searched further
+
+
+class MutantOutcome(StrEnum):
+    """What became of a mutant."""
+
+    CAUGHT = "caught"
+    SURVIVES = "survives"
+    INVALID = "invalid"  # no model any more: the compiler refuses it
+    OFF = "off"  # of an edge that the constants switch off: nothing to be noticed
+    OPEN = "open"  # too many states
+
+
+@dataclass(frozen=True, slots=True)
+class MutantVerdict:
+    """A mutant and what was found.
+
+    Attributes:
+        mutant: what was edited.
+        outcome: what became of it.
+        caught_by: ids of the requirements, or checks, that were seen not to hold; the search ends at the first.
+    """
+
+    mutant: Mutant
+    outcome: MutantOutcome
+    caught_by: tuple[str, ...] = ()
+
+    def document(self) -> dict[str, object]:
+        """As JSON has it."""
+        one = self.mutant
+        return {
+            "template": one.template,
+            "element": one.element,
+            "operator": one.operator,
+            "old": one.old,
+            "new": one.new,
+            "place": one.place,
+            "outcome": str(self.outcome),
+            "caught_by": list(self.caught_by),
+        }
+
+
+class Baseline:
+    """The file as it is, explored once: what cannot happen there already is no finding about a mutant.
+
+    Args:
+        network: with the constants that mutants are judged with.
+        constants: these constants, as they were given.
+        executed: templates that a program executes.
+
+    Raises:
+        UsageError: a requirement does not hold of the file itself.
+    """
+
+    def __init__(self, network: Network, constants: Mapping[str, Given], executed: Collection[str]) -> None:
+        self.network, self.constants, self.executed = network, constants, tuple(executed)
+        bound = network.constants.get("D")
+        self.reaction = ReactionBound(self.executed, bound) if isinstance(bound, int) else None
+        requirements = requirements_of(network)
+        found = overview(network, [each.query for each in requirements], reaction=self.reaction)
+        failing = [each.id for each, answer in zip(requirements, found.answers, strict=True) if not answer]
+        if failing:
+            what = f"Does not hold of the file as it is: {', '.join(failing)}."
+            raise UsageError(what, todo="`eehal verify` shows a run; mutants are judged by what holds.")
+        self.states = found.states
+        self._idle = _idle(found)
+        self._off = {text.partition(": ")[0] for text in found.coverage.disabled}
+
+    def off(self, mutant: Mutant) -> bool:
+        """Whether the constants switch off the edge that was edited, or all edges into the location."""
+        template = next(
+            each for each in self.network.document.templates if each.name.content.strip() == mutant.template
+        )
+        if mutant.edge is not None:
+            return template.edges[mutant.edge].place.where(0) in self._off
+        into = [edge.place.where(0) for edge in template.edges if edge.target == mutant.location]
+        return bool(into) and mutant.location != template.initial and self._off.issuperset(into)
+
+    def more_idle(self, found: Overview) -> list[str]:
+        """Checks of coverage that say more of a mutant than of the file itself."""
+        return [name for name, count in _idle(found).items() if count > self._idle[name]]
+
+
+def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
+    """Look for a requirement that notices the edit."""
+    if baseline.off(mutant):
+        return MutantVerdict(mutant, MutantOutcome.OFF)
+    try:
+        network = make_network(mutant.document, baseline.constants)
+        requirements = requirements_of(network)
+    except ModelError:
+        return MutantVerdict(mutant, MutantOutcome.INVALID)
+    try:
+        found = _overview(network, requirements, baseline, stop=True)
+        by = tuple(_caught(network, requirements, found))
+        if not by and found.ended and found.states < _MORE * baseline.states:  # it was no deadlock
+            found = _overview(network, requirements, baseline, stop=False)
+            by = tuple(_caught(network, requirements, found))
+        if not by and not found.ended:
+            by = tuple(_unnoticed(network, found, baseline))
+    except RangeError:
+        return MutantVerdict(mutant, MutantOutcome.CAUGHT, ("ranges",))
+    if by:
+        return MutantVerdict(mutant, MutantOutcome.CAUGHT, by)
+    return MutantVerdict(mutant, MutantOutcome.OPEN if found.ended else MutantOutcome.SURVIVES)
+
+
+def _overview(
+    network: Network, requirements: tuple[Requirement, ...], baseline: Baseline, *, stop: bool
+) -> Overview:
+    queries = [each.query for each in requirements]
+    most = _MORE * baseline.states
+    return overview(network, queries, stop=stop, most_states=most, reaction=baseline.reaction)
+
+
+def _caught(network: Network, requirements: tuple[Requirement, ...], found: Overview) -> Iterator[str]:
+    """What one exploration leaves in doubt is asked once more; where it ended early, of the rest it says nothing."""
+    explorer = Explorer(network)
+    for each, answer in zip(requirements, found.answers, strict=True):
+        query = each.query
+        doubtful = query.kind == "-->" or "deadlock" in str(query)
+        if found.ended and query.kind != "A[]":
+            continue
+        if answer is False or (answer is None and not (doubtful and explorer.check(query).holds)):
+            yield each.id
+
+
+def _unnoticed(network: Network, found: Overview, baseline: Baseline) -> Iterator[str]:
+    """By the checks of every model."""
+    yield from baseline.more_idle(found)
+    if found.late:
+        yield "room"
+    explorer = Explorer(network)
+    if (found.stopped and not explorer.timelock().holds) or (found.zeno and not explorer.zeno().holds):
+        yield "time"
+
+
+def _idle(found: Overview) -> dict[str, int]:
+    return {
+        "locations": len(found.coverage.locations),
+        "edges": len(found.coverage.edges),
+        "channels": len(found.open_channels),
+    }

@@ -1,0 +1,40 @@
+"""Words at the right of a plot, each at the height of its value, none over another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+
+from ._labels import height_of, spread
+
+BESIDE_SIZE = 9.0
+"""Of these words, points."""
+
+
+def write_beside(axes: Axes, labels: Sequence[tuple[float, str, str]], height_in: float) -> None:
+    """Write ``(value, text, colour)`` beside the plot, whose limits are set; a text may have several lines.
+
+    Args:
+        axes: the plot.
+        labels: what is written, at the values of its y axis.
+        height_in: height of the plot, inches.
+    """
+    low, high = axes.get_ylim()
+    heights = [
+        height_of(BESIDE_SIZE) * (text.count("\n") + 1) * (high - low) / height_in for _, text, _ in labels
+    ]
+    places = spread([at for at, _, _ in labels], heights, low, high)
+    for place, (_, text, colour) in zip(places, labels, strict=True):
+        axes.annotate(
+            text,
+            (1.0, place),
+            xycoords=("axes fraction", "data"),
+            xytext=(6, 0),
+            textcoords="offset points",
+            color=colour,
+            fontsize=BESIDE_SIZE,
+            va="center",
+            linespacing=1.15,
+            annotation_clip=False,
+        )

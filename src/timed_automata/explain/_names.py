@@ -1,0 +1,147 @@
+"""What the integers of a model are called: constants, and members of what arrays are indexed by.
+
+A model says ``ee == GRIPPED``: then 3 is GRIPPED where it is a value of ``ee``, and the other constants that are
+declared together with GRIPPED name the other values, unless ``ee`` is compared with others as well.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+
+from timed_automata.explain._model_text import Key, ModelText
+from timed_automata.language import ast
+from timed_automata.network import Network
+
+_INDEX = re.compile(r"(?<=[\[(])\d+")
+_EQUAL = ("==", "!=")
+
+
+class Names:
+    """Words for values and elements of a network.
+
+    Args:
+        network: a loaded network.
+        members: what the indices of the array ``like``, and of those declared alike, stand for.
+        like: an array; whatever indexes it is one of the members.
+        also: variables whose values are members, too.
+    """
+
+    def __init__(
+        self, network: Network, members: Sequence[str] = (), like: str = "", also: Collection[str] = ()
+    ) -> None:
+        self.text = ModelText(network.document)
+        self._network, self._members = network, tuple(members)
+        self._groups = list(_groups(self.text, network))
+        self._known = {name for group in self._groups for name in group}
+        self._used: dict[Key, dict[str, None]] = defaultdict(dict)
+        for place, node in self.text.nodes():
+            for target, value in _equated(node):
+                if (key := self.text.key(place, target)) is not None:
+                    for name in self._constants(value):
+                        self._used[key][name] = None
+        self._arrays: set[Key] = set()
+        if members:
+            self._arrays = self._alike(like)
+        indices = self._indices()
+        self._chosen = {("", name) for name in also} | indices
+        self._templates = {
+            template
+            for template, names in self.text.parameters.items()
+            if {(template, n) for n in names} & indices
+        }
+
+    def value(self, variable: str, value: int) -> str:
+        """What a value of a variable (``ee``, ``Gripper.i``, ``evidence[1]``) is called; else the number."""
+        if variable in self._network.offsets:
+            type_ = self._network.variable(self._network.offsets[variable]).type
+            if type_.kind == "bool":
+                return "true" if value else "false"
+        key = _key_of(variable)
+        if key in self._chosen and 0 <= value < len(self._members):
+            return f"{self._members[value]} ({value})"
+        used = self._used.get(key, {})
+        for name in used:
+            if self._network.constants[name] == value:
+                return name
+        groups = [group for group in self._groups if used.keys() & group.keys()]
+        if len(groups) == 1:  # of several, any could name what the file itself never compares
+            for name, number in groups[0].items():
+                if number == value:
+                    return name
+        return str(value)
+
+    def element(self, name: str) -> str:
+        """``evidence[0]``, ``Actuator(0)`` and the like, with the name of the member."""
+        process, dot, rest = name.rpartition(".")
+        if process.partition("(")[0] in self._templates:
+            process = self._named(process)
+        key = _key_of(name)
+        rest = self._named(rest) if key in self._arrays else rest
+        if not dot and rest.partition("(")[0] in self._templates:
+            rest = self._named(rest)
+        return process + dot + rest
+
+    def _named(self, name: str) -> str:
+        def member(found: re.Match[str]) -> str:
+            number = int(found[0])
+            return self._members[number] if number < len(self._members) else found[0]
+
+        return _INDEX.sub(member, name, count=1)
+
+    def _constants(self, node: ast.Expression) -> Iterator[str]:
+        match node:
+            case ast.Name(name=name) if name in self._known:
+                yield name
+            case ast.Conditional(yes=yes, no=no):
+                yield from self._constants(yes)
+                yield from self._constants(no)
+
+    def _alike(self, like: str) -> set[Key]:
+        """The arrays that are declared as ``like`` is, but for those whose own values index these."""
+        sizes: dict[Key, str] = {}
+        for place, node in self.text.nodes():
+            if isinstance(node, ast.Declarator) and node.dimensions:
+                key = self.text.key(place, ast.Name(node.span, node.name))
+                if key is not None:
+                    sizes[key] = node.dimensions[0].span.snippet
+        size = sizes.get(("", like))
+        self._arrays = {key for key, written in sizes.items() if size is not None and written == size}
+        return self._arrays - {key for key in self._indices() if key in sizes}
+
+    def _indices(self) -> set[Key]:
+        """What indexes one of these arrays."""
+        found = (
+            self.text.key(place, node.index)
+            for place, node in self.text.nodes()
+            if isinstance(node, ast.Index) and self.text.key(place, node.base) in self._arrays
+        )
+        return {key for key in found if key is not None}
+
+
+def _key_of(variable: str) -> Key:
+    process, _, name = variable.rpartition(".")
+    return process.partition("(")[0], name.partition("[")[0]
+
+
+def _groups(text: ModelText, network: Network) -> Iterator[dict[str, int]]:
+    """Constants that are declared together: at least two, each a number."""
+    for part in text.shared:
+        if isinstance(part, ast.Variables) and "const" in part.type.prefixes and len(part.declarators) > 1:
+            values = {each.name: network.constants.get(each.name) for each in part.declarators}
+            numbers = {name: value for name, value in values.items() if isinstance(value, int)}
+            if len(numbers) > 1:
+                yield numbers
+
+
+def _equated(node: ast.Node) -> Iterator[tuple[ast.Expression, ast.Expression]]:
+    """What is compared with, or set to, what."""
+    match node:
+        case ast.Binary(left=left, op=op, right=right) if op in _EQUAL:
+            yield left, right
+            yield right, left
+        case ast.Assignment(target=target, op="=", value=value):
+            yield target, value
+        case ast.Declarator(name=name, initialiser=initialiser) if initialiser is not None:
+            yield ast.Name(node.span, name), initialiser

@@ -1,0 +1,43 @@
+"""``eehal model mutants``: a table, JSON, and what survives by its place."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.cli.model._mutants import mutants
+from end_effector_hal.errors import UsageError
+
+pytestmark = pytest.mark.timeout(300)
+
+
+def run(*words: str) -> tuple[int, str]:
+    result = CliRunner().invoke(mutants, list(words), catch_exceptions=False)
+    return result.exit_code, result.stdout
+
+
+def test_a_sample_is_judged_and_the_table_adds_up() -> None:
+    code, told = run("--template", "Arming", "--sample", "3", "--jobs", "1")
+    assert code == 0  # the shipped tool has sensors of its stand: what is armed is switched off
+    assert told.splitlines()[-2].split() == ["all", "0", "0", "3", "0", "0"]
+
+
+def test_json_has_each_mutant_and_the_same_seed_the_same_ones() -> None:
+    words = ("--template", "Actuator", "--sample", "3", "--seed", "4", "--jobs", "2", "--json")
+    code, told = run(*words)
+    document = json.loads(told)
+    assert len(document["mutants"]) == sum(document["outcomes"].values()) == 3
+    assert {each["template"] for each in document["mutants"]} == {"Actuator"}
+    caught = [each for each in document["mutants"] if each["outcome"] == "caught"]
+    assert caught
+    assert all(each["caught_by"] for each in caught)
+    assert (code, json.loads(run(*words)[1])) == (0, document)
+
+
+def test_only_what_is_executed_is_edited() -> None:
+    with pytest.raises(
+        UsageError, match=r"executes a template 'Sensors'.*Gripper, Actuator, Changer, Arming"
+    ):
+        run("--template", "Sensors")

@@ -1,0 +1,163 @@
+"""What `eehal run` says: paced, timed on a terminal, and a result only after the states that led to it."""
+
+from __future__ import annotations
+
+import json
+import threading
+from dataclasses import replace
+
+import pytest
+
+from end_effector_hal.cli.run._voices import Changes, JsonLines, Words
+from end_effector_hal.control import StepReport
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.nodes.process import BURST
+from end_effector_hal.runtime import Refused, Result
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from tests.support.virtual_tool import VirtualTool
+
+
+class Screen:
+    def __init__(self) -> None:
+        self.lines: list[tuple[str, bool]] = []
+
+    def __call__(self, text: str, *, err: bool = False) -> None:
+        self.lines.append((text, err))
+
+    @property
+    def out(self) -> list[str]:
+        return [text for text, err in self.lines if not err]
+
+
+@pytest.fixture(scope="module")
+def description() -> Description:
+    return load(profile_path())
+
+
+@pytest.fixture
+def screen() -> Screen:
+    return Screen()
+
+
+def test_a_flood_is_cut_and_counted_and_an_alarm_gets_through(
+    screen: Screen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr(
+        "end_effector_hal.nodes.process._paced_log.Allowance.__init__.__defaults__", (lambda: now[0],)
+    )
+    words = Words(screen)
+    for _ in range(500):
+        words.event(0, "a line")
+    assert len(screen.out) == BURST
+    words.alarm(0, "It burns.", over=False)
+    assert screen.lines[-1] == ("alarm: It burns.", True)
+    now[0] += 1.0
+    words.event(0, "later")
+    assert screen.out[-2:] == [
+        f"{500 - BURST} lines were left out: there were more than 5 a second.",
+        "later",
+    ]
+
+
+def test_words_for_each_end_of_a_command(screen: Screen) -> None:
+    words, state = Words(screen), EndEffectorState.STAND_BY
+    for result in (
+        Result(Outcome.SUCCEEDED, state, seconds=1.5),
+        Result(Outcome.CANCELLED, state, "The grip was cancelled.", seconds=1.5),
+        Result(Outcome.FAILED, state, "Why.", seconds=1.5),
+        Result(Outcome.UNREACHABLE, state, "This process is ending.", seconds=1.5),
+        Refused(Outcome.REJECTED, state, "Not now."),
+    ):
+        words.result(Command.GRIP, result)
+    assert screen.out == [
+        "GRIP: succeeded",
+        "GRIP: cancelled. The grip was cancelled.",
+        "GRIP: failed. Why.",
+        "GRIP: outcome unknown. This process is ending.",
+        "refused: grip. Not now.",
+    ]
+
+
+def test_on_a_terminal_a_line_has_its_time_and_a_grip_the_times_of_its_steps(screen: Screen) -> None:
+    words = Words(screen, timed=True, begun=1_000_000)
+    words.event(3_250_000, "STAND_BY -> GRIPPING (GRIP)")
+    steps = (
+        StepReport("bottom_vacuum", 1, 0.4, True),
+        StepReport("cylinder", 2, 6.5, True),
+        StepReport("top"),
+    )
+    words.result(Command.GRIP, Result(Outcome.SUCCEEDED, EndEffectorState.GRIPPED, "", steps, 7.0))
+    assert screen.out[0] == "    2.250 s  STAND_BY -> GRIPPING (GRIP)"
+    assert "GRIP: succeeded after 7.00 s. Bottom vacuum 0.40 s; Cylinder 6.50 s, attempt 2." in screen.out[1]
+
+
+def test_json_says_the_outcome_and_the_time(capsys: pytest.CaptureFixture[str]) -> None:
+    JsonLines(0).result(Command.GRIP, Refused(Outcome.REJECTED, EndEffectorState.GRIPPED, "Not now."))
+    told = json.loads(capsys.readouterr().out)
+    assert (told["schema_version"], told["event"], told["outcome"], told["reason"]) == (
+        1,
+        "result",
+        "REJECTED",
+        "Not now.",
+    )
+    assert told["at_s"] > 0
+
+
+def test_a_transition_is_one_line_and_a_change_of_an_actuator_another(
+    description: Description, screen: Screen
+) -> None:
+    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    tool.run(1.0)
+    tool.command("grip")
+    tool.run(5.0)
+    for status in tool.statuses:
+        changes.status(status)
+    assert screen.out[:3] == [
+        "OFF: Bottom vacuum OFF, Cylinder RETRACTED, Top vacuum OFF",
+        "OFF -> STAND_BY",
+        "STAND_BY -> GRIPPING (GRIP)",
+    ]
+    assert screen.out[3] == "GRIPPING: Bottom vacuum PENDING ON, Cylinder RETRACTED, Top vacuum OFF"
+    assert screen.out[-1] == "GRIPPING -> GRIPPED"
+
+
+def test_what_is_waited_for_is_told_before(description: Description, screen: Screen) -> None:
+    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    status = replace(tool.status, at=5_000, ee=EndEffectorState.STAND_BY)
+    threading.Timer(0.1, changes.status, [status]).start()
+    changes.catch_up(5_000)
+    assert "OFF -> STAND_BY" in screen.out
+
+
+def test_nothing_is_waited_for_that_was_told_before_an_older_state(
+    description: Description, screen: Screen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two programs tell in turn: a state of one may be told after a later one of the other."""
+    monkeypatch.setattr("end_effector_hal.cli.run._voices.CAUGHT_UP_S", 60.0)
+    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    for at in (5_000, 4_000):
+        changes.status(replace(tool.status, at=at))
+    waiting = threading.Thread(target=changes.catch_up, args=(5_000,), daemon=True)
+    waiting.start()
+    waiting.join(10.0)
+    assert not waiting.is_alive()
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_a_reader_who_has_gone_worries_nobody(
+    as_json: bool, description: Description, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As behind `| head -1`, or a terminal that was closed: the tool goes on, and no listener of it has failed."""
+
+    def broken(*_: object, **__: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr("end_effector_hal.cli.run._voices.print_line", broken)
+    voice = JsonLines() if as_json else Words(broken)
+    tool = VirtualTool(description)
+    Changes(description, voice).status(tool.status)
+    voice.alarm(0, "A text.", over=False)
+    voice.help("A text.")

@@ -1,0 +1,40 @@
+"""What is generated from the program and committed: pages of the reference.
+
+``EEHAL_UPDATE=1 pytest tests/unit/docs/test_committed.py`` writes them.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import pytest
+
+from tests.support.places import DOCS
+
+sys.path.insert(0, str(DOCS))
+from _site import COMMITTED, committed_page
+
+UPDATE = bool(os.environ.get("EEHAL_UPDATE"))
+
+
+@pytest.mark.parametrize("name", COMMITTED)
+def test_a_page_says_what_the_program_says(name: str) -> None:
+    path = DOCS / "reference" / f"{name}.md"
+    page = committed_page(name)
+    if UPDATE:
+        path.write_text(page, encoding="utf-8")
+    assert path.read_text(encoding="utf-8") == page, "see the head of this file"
+
+
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [
+        ("commands", "## `eehal arbiter`"),
+        ("errors", "### EE-205"),
+        ("interlocks", "## IL-09"),
+        ("ros", "`EndEffectorState`"),
+    ],
+)
+def test_what_is_generated_is_there(name: str, written: str) -> None:
+    assert written in (DOCS / "reference" / f"{name}.md").read_text(encoding="utf-8")

@@ -1,0 +1,255 @@
+"""Each state in which both programs can rest, as the proof's explorer finds them, and controllers put there."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+from pydantic import TypeAdapter
+from pydantic_core import to_json
+
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.control import PROGRAMS, Controller, ControllerSnapshot, network_of
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.runtime.boundary import STATE, STREAMED
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState, Evidence, ToolEvidence
+from timed_automata import Network, State
+from timed_automata.explore.search import Search
+from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
+from timed_automata.explore.zones import Limits
+
+PERIOD_US, FRAMES = 20_000, 60
+AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
+OWN = {
+    "grip": ("ee", "command", "actuator", "valve", "kept", "blow", "cause", "cause_at"),
+    "tool_change": ("changer", "changer_command", "changer_fault", "unlock_valve", "armed"),
+}
+"""What each program writes."""
+ASKED = {
+    "grip": (("Gripper",), ("ee", "command", "told[1]")),
+    "tool_change": (
+        ("Changer", "Arming"),
+        ("changer", "changer_fault", "unlock_valve", "armed", "ee", "told[0]"),
+    ),
+}
+"""The automata of each that take commands, and what they and their sentences go by beside the sensors."""
+VACUUM_PA = {Evidence.GONE: -1_000, Evidence.PARTIAL: -30_000, Evidence.CONFIRMED: -80_000}
+CYLINDER = {
+    Evidence.GONE: (1_000, False, True),
+    Evidence.PARTIAL: (200_000, False, False),
+    Evidence.CONFIRMED: (590_000, True, False),
+}
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What the sensors show, in the levels of the model."""
+
+    evidence: tuple[int, ...]
+    tool: int
+    supply_ok: bool
+    vented: bool
+    parked: bool
+
+    @property
+    def levels(self) -> dict[str, int]:
+        """By the names of the model."""
+        evidence = {f"evidence[{index}]": level for index, level in enumerate(self.evidence)}
+        bits = {"supply_ok": self.supply_ok, "vented": self.vented, "parked": self.parked}
+        return {**evidence, "tool": self.tool, **{name: int(bit) for name, bit in bits.items()}}
+
+    @property
+    def possible(self) -> bool:
+        """The model lets more be vented than sensors that show it also show to be gone."""
+        return not self.vented or set(self.evidence) == {Evidence.GONE}
+
+    @property
+    def silent(self) -> bool:
+        """Nothing is known: the link is down."""
+        known = *self.evidence, self.tool, self.supply_ok, self.vented, self.parked
+        return not any(known)
+
+
+@dataclass(frozen=True)
+class Reached:
+    """Where both programs rest at the same time.
+
+    Attributes:
+        locations: of the executed automata, by process.
+        values: of the variables, by name.
+        shown: by the sensors.
+    """
+
+    locations: tuple[tuple[str, str], ...]
+    values: tuple[tuple[str, int], ...]
+    shown: Shown
+
+    def seen_by(self, program: str) -> Hashable:
+        """What a program goes by when it is given a command; the actuators' own automata take none."""
+        mine, known = ASKED[program]
+        locations = [place for place in self.locations if place[0] in mine]
+        values = {name: value for name, value in self.values if name in known}
+        asks_for_air = program == "grip" and values["ee"] == EndEffectorState.STAND_BY
+        shown = self.shown if asks_for_air else replace(self.shown, supply_ok=True)
+        return program, tuple(locations), tuple(values.items()), shown
+
+
+def reached(description: Description) -> list[Reached]:
+    """All of them, each with enough and with too little air: the model leaves that open."""
+    network = network_of(description)
+    names = {*description.automata.grip, *description.automata.tool_change}
+    executed = [each for each in network.processes if {each.name, each.template} & names]
+    interface = {*description.automata.interface, *OWN["grip"], *OWN["tool_change"]}
+    variables = [
+        name for name in network.offsets if name.split("[")[0] in interface or name.split(".")[0] in names
+    ]
+    found: dict[tuple[object, ...], Reached] = {}
+    for node in Search(SymbolicSpace(DiscreteSpace(network), Limits(network))).nodes():
+        state = node.record.discrete.state
+        places = [each.locations[state.locations[each.index]] for each in executed]
+        if any(place.committed or place.urgent for place in places):
+            continue  # no program is seen there
+        locations = tuple((each.name, place.name) for each, place in zip(executed, places, strict=True))
+        values = {name: state.values[network.offsets[name]] for name in variables}
+        for supply_ok in (True, False):
+            shown = shown_in(description, network, state, supply_ok=supply_ok)
+            # the same for all commands: how often it was tried, how far the unwinding is
+            asked = tuple(value for name, value in values.items() if "." not in name)
+            found.setdefault((locations, asked, shown), Reached(locations, tuple(values.items()), shown))
+    return list(found.values())
+
+
+def shown_in(description: Description, network: Network, state: State, *, supply_ok: bool) -> Shown:
+    """What a state's levels are for sensors that the tool has."""
+
+    def value(name: str) -> int:
+        return state.values[network.offsets[name]]
+
+    changer, channels = description.tool_changer, carrier_of(description).channels
+    evidence = tuple(value(name) for name in network.offsets if name.startswith("evidence["))
+    if changer is None:
+        return Shown(evidence, ToolEvidence.UNCLEAR, supply_ok, vented=False, parked=False)
+    parked = bool(value("parked")) and changer.stand_bit in channels
+    return Shown(evidence, value("tool"), supply_ok, bool(value("vented")), parked)
+
+
+class Placed:
+    """Puts controllers of a tool where the explorer has been, with sensors that show what the model says.
+
+    Args:
+        description: the tool.
+    """
+
+    def __init__(self, description: Description) -> None:
+        self.description, self.network = description, network_of(description)
+        self.at = FRAMES * PERIOD_US
+        self._sensing = cache(self._sense)
+        self._controllers = {name: Controller(description, self.network, name) for name in PROGRAMS}
+
+    def snapshot(self, program: str, where: Reached) -> ControllerSnapshot:
+        """A program in that state."""
+        sensing = self._sensing(program, where.shown)
+        values = self._values(program, dict(where.values))
+        locations = dict(where.locations)
+        variables = {**sensing.execution.variables, **values, **where.shown.levels}
+        told = dict(sensing.memory["_telling"])
+        told["values"] = {name: variables[name] for name in told["values"]}
+        started = locations["Gripper" if program == "grip" else "Changer"] not in ("Off", "Start")
+        told["adopted"], told["found"] = started, {}
+        memory = {**sensing.memory, "_telling": told, "_adopt_by": None}
+        if program == "tool_change":
+            told["values"]["ee"] = self._heard_ee(dict(where.values))
+        execution = replace(
+            sensing.execution,
+            at=self.at,
+            entered=self.at,
+            locations={**sensing.execution.locations, **locations},
+            variables=variables,
+            zeros=dict.fromkeys(sensing.execution.zeros, self.at),
+        )
+        return replace(sensing, execution=execution, memory=memory)
+
+    def put(self, program: str, snapshot: ControllerSnapshot) -> Controller:
+        """The program's controller, there; until the next one is put somewhere."""
+        controller = self._controllers[program]
+        controller.resume(snapshot)
+        return controller
+
+    def _values(self, program: str, values: Mapping[str, int]) -> dict[str, int]:
+        """Of what the other program writes it knows what it was told."""
+        other = OWN["tool_change" if program == "grip" else "grip"]
+        known = {name: value for name, value in values.items() if name.split("[")[0] not in other}
+        if program == "grip":
+            known["unlock_valve"] = values["told[1]"]
+        return known
+
+    def _heard_ee(self, values: Mapping[str, int]) -> int:
+        """The state of the gripping program as the other one has heard it, which may be a little ago."""
+        rest, now = bool(values["told[0]"]), EndEffectorState(values["ee"])
+        if rest == (now in AT_REST):
+            return now
+        return EndEffectorState.STAND_BY if rest else EndEffectorState.RELEASING if now else now
+
+    def _sense(self, program: str, shown: Shown) -> ControllerSnapshot:
+        """A program that has seen this for a while."""
+        controller = Controller(self.description, self.network, program)
+        controller.start({}, 0)
+        for number, values in enumerate(() if shown.silent else self._frames(shown), 1):
+            at = number * PERIOD_US
+            controller.frame(Frame(at, number, at // 1000, values))
+        controller.advance(self.at)
+        now = controller.senses.now
+        levels = Shown(
+            tuple(map(int, now.evidence)), int(now.tool), now.supply.ok, now.nothing_gripped, now.in_stand
+        )
+        assert levels == shown, "the sensors show what was asked"
+        plain = json.loads(to_json(snapshot_of(controller), fallback=dict))
+        read: ControllerSnapshot = adapter(STATE).validate_python(plain)
+        return read
+
+    def _frames(self, shown: Shown) -> Iterator[dict[str, Any]]:
+        """They move a little, as living sensors do."""
+        values = self._readings(shown)
+        for number in range(FRAMES):
+            yield {
+                name: value + number % 3 if type(value) is int else value for name, value in values.items()
+            }
+
+    def _readings(self, shown: Shown) -> dict[str, Any]:
+        values: dict[str, Any] = dict.fromkeys(carrier_of(self.description).channels)
+        for (_, part), number in zip(self.description.ordered, shown.evidence, strict=True):
+            level = Evidence(number)
+            if level is Evidence.UNKNOWN:
+                continue
+            if kind_of(part).below_ambient:
+                barely_gone = level is Evidence.GONE and not shown.vented
+                values[part.channel] = -7_000 if barely_gone else VACUUM_PA[level]
+            else:
+                values |= dict(zip(kind_of(part).channel_names(part), CYLINDER[level], strict=True))
+        values["supply"] = 600_000 if shown.supply_ok else 350_000
+        locked, unlocked = {
+            ToolEvidence.UNCLEAR: (None, None),
+            ToolEvidence.LOCKED: (True, False),
+            ToolEvidence.UNLOCKED: (False, True),
+            ToolEvidence.FAULTY: (True, True),
+        }[ToolEvidence(shown.tool)]
+        values |= {"locked": locked, "unlocked": unlocked, "tool_present": True, "in_stand": shown.parked}
+        return values
+
+
+def snapshot_of(controller: Controller) -> ControllerSnapshot:
+    """Of one that was started."""
+    snapshot = controller.snapshot()
+    assert snapshot is not None
+    return snapshot
+
+
+@cache
+def adapter(kind: str) -> TypeAdapter[Any]:
+    """Reads a record of a stream."""
+    return TypeAdapter(STREAMED[kind])

@@ -1,0 +1,404 @@
+"""A recording shows at each moment what the live page showed then; what is damaged is told, and the rest is shown."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from bisect import bisect_right
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from pydantic_core import to_json
+
+from end_effector_hal.cli._main import eehal
+from end_effector_hal.cli.recorded._recordings import open_recordings
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.page import report_html
+from end_effector_hal.page.recorded import RecordingFiles, RecordingPart, judge_recording, read_recording
+from end_effector_hal.page.recorded import _document as document_module
+from end_effector_hal.page.recorded import _files as files_module
+from end_effector_hal.recording import RecordingLimits, TraceWriter
+from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL
+from end_effector_hal.runtime.boundary._open import header_of, whole
+from tests.support.bags import COMMAND, frame, state, write_ros1
+from tests.support.recorded_tool import RecordedTool
+from tests.unit.page.test_tool_view import Watched
+
+Json = dict[str, Any]
+
+
+def plain(content: object) -> Any:
+    return json.loads(to_json(content, fallback=dict))
+
+
+def read(path: Path, part: RecordingPart | None = None) -> Json:
+    found: Json = plain(read_recording(RecordingFiles(path), part))
+    return found
+
+
+def moment(document: Json, at: int) -> Json:
+    """What the browser shows at ``at`` µs, by path."""
+    number = bisect_right(document["times"], at - document["drawn"]["epoch"]) - 1
+    shown = {}
+    for path, (steps, values) in document["tracks"].items():
+        index = bisect_right(list(accumulate(steps)), number) - 1
+        if index >= 0:
+            shown[path] = values[index]
+    return shown
+
+
+class WatchedAndRecorded(Watched):
+    """A live page, and a recording of the same run."""
+
+    def __init__(self, description: Description, folder: Path, scenario: str) -> None:
+        files = {DESCRIPTION: whole(description), MODEL: description.automata_path.read_bytes()}
+        self.writers = {
+            program: TraceWriter(
+                folder, program, KINDS, now=0, attachments=files,
+                header=lambda opening, program=program: header_of(description, program, opening.at),
+            )
+            for program in ("grip", "tool_change")
+        }  # fmt: skip
+        self.seen: list[tuple[int, Json]] = []
+        super().__init__(description, scenario)
+
+    def put(self, program: str, kind: str, at: int, content: object) -> None:
+        self.writers[program].put(kind, at, content)
+        self.writers[program].flush()
+        super().put(program, kind, at, content)
+
+    def look(self, seconds: float) -> None:
+        self.tool.run(seconds)
+        self.seen.append((self.tool.at, plain(self.view.moment())))
+
+    def close(self) -> None:
+        for writer in self.writers.values():
+            writer.close()
+
+
+def test_each_moment_is_what_the_live_page_showed_then(verdin: Description, tmp_path: Path) -> None:
+    run = WatchedAndRecorded(verdin, tmp_path, "fails-once:cylinder")
+    for word, looks in ((None, 5), ("grip", 30), ("lock", 1), ("drop", 12)):
+        if word:
+            run.tool.run(0.003)  # the instant that was looked at is over
+            run.tool.command(word)
+        for _ in range(looks):
+            run.look(0.317)
+    run.close()
+    document = read(tmp_path)
+    assert document["recording"]["whole"]
+    words = set()
+    for at, live in run.seen:
+        shown = moment(document, at)
+        words.add(live["state"]["word"])
+        assert {name: shown[f"state.{name}"] for name in live["state"]} == live["state"]
+        assert [shown[f"interlocks.{number}"] for number in range(13)] == live["interlocks"]
+        assert {name: shown[f"automata.{name}"] for name in live["automata"]} == live["automata"]
+        for number, card in enumerate(live["cards"]):
+            for name, value in card.items():
+                expected = round(value, 1) if name in ("kpa", "margin_kpa") and value is not None else value
+                assert shown[f"cards.{number}.{name}"] == expected, (at, number, name)
+    assert words == {"STAND-BY", "GRIPPING", "GRIPPED", "RELEASING"}
+    live_log = [entry for entry in run.view.log.entries if entry["kind"] != "page"]
+    recorded = [entry for entry in document["log"] if "begins" not in entry["text"]]
+    assert sorted(each["text"] for each in recorded) == sorted(each["text"] for each in live_log)
+    goal, drop = document["summary"]["goals"]
+    assert (goal["what"], goal["outcome"], goal["at_most_s"]) == (
+        "Grip",
+        "GRIPPED",
+        verdin.durations.grip_ms / 1000,
+    )
+    assert goal["why"] == ["Cylinder, attempt 1 of 3: timed out after 5.00 s"]
+    assert (drop["what"], drop["outcome"], drop["ok"]) == ("Drop", "STAND-BY", True)
+
+
+@pytest.fixture(scope="module")
+def grip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A grip that fails, in segments."""
+    limits = RecordingLimits(segment_bytes=150_000, total_bytes=100_000_000)
+    tool = RecordedTool(tmp_path_factory.mktemp("run"), "never-confirms:cylinder", limits=limits)
+    tool.run(1.5)
+    assert tool.command("grip").accepted
+    tool.run(25.0)
+    tool.close()
+    assert (tool.folder / "grip-3.mcap").exists()
+    return tool.folder
+
+
+@pytest.fixture
+def copy(grip: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(grip, tmp_path / "run"))
+
+
+def test_why_a_grip_failed_is_told_in_words(grip: Path) -> None:
+    told = read(grip)["summary"]
+    assert told["story"].startswith("Cylinder never confirmed: grip ABORTED after 3 attempts")
+    failed = told["goals"][0]
+    assert (failed["outcome"], failed["ok"]) == ("ABORTED", False)
+    assert [why.partition(":")[0] for why in failed["why"][:3]] == [
+        f"Cylinder, attempt {number} of 3" for number in (1, 2, 3)
+    ]
+    assert 0 < failed["took_s"] < failed["at_most_s"]
+    assert judge_recording(RecordingFiles(grip))["ok"]
+
+
+def test_a_trace_that_was_cut_off_is_shown_up_to_there(copy: Path) -> None:
+    last = copy / "grip-3.mcap"
+    last.write_bytes(last.read_bytes()[:-20_000])
+    document = read(copy)
+    (note,) = document["recording"]["notes"]
+    assert note.startswith("grip-3.mcap is not whole: it was not closed")
+    assert not document["recording"]["whole"]
+    assert any("Cylinder PENDING EXTEND" in entry["text"] for entry in document["log"])
+
+
+def test_a_record_that_cannot_be_read_ends_its_file_and_no_other(copy: Path) -> None:
+    """Its bytes are valid JSON, and no frame."""
+    second = copy / "grip-2.mcap"
+    data = second.read_bytes()
+    place = data.index(b'"device_ms"', len(data) // 2)
+    second.write_bytes(data[:place] + b'"Xevice_ms"' + data[place + 11 :])
+    files = RecordingFiles(copy)
+    document = plain(read_recording(files))
+    notes = " ".join(document["recording"]["notes"])
+    assert "grip-2.mcap is damaged: bytes in it were changed" in notes
+    assert "(frame) cannot be read" in notes
+    assert "What follows in this file is not shown." in notes
+    assert any("breaks off" in entry["text"] for entry in document["log"])
+    # the third segment begins with the state of the program: from there on it is shown again
+    assert document["summary"]["goals"][0]["outcome"] == "ABORTED"
+    verdict = judge_recording(files)
+    assert not verdict["ok"]
+    assert "grip-2.mcap" in verdict["text"]
+
+
+def test_a_trace_of_another_description_is_left_out(copy: Path, verdin: Description, tmp_path: Path) -> None:
+    part = verdin.actuators["cylinder"].model_copy(update={"attempts": 2})
+    other = verdin.model_copy(update={"actuators": {**verdin.actuators, "cylinder": part}})
+    tool = RecordedTool(tmp_path / "other", description=other)
+    tool.run(1.0)
+    tool.close()
+    shutil.copy(tool.folder / "grip.mcap", copy / "grip-9.mcap")
+    document = read(copy)
+    (note,) = document["recording"]["notes"]
+    assert note.startswith("Left out: grip-9.mcap, which is of another description (verdin_gripper, ")
+    assert document["summary"]["goals"][0]["outcome"] == "ABORTED"
+
+
+def test_a_file_that_is_no_trace_is_left_out_and_told(copy: Path) -> None:
+    (copy / "grip-8.mcap").write_bytes(b"nothing of the kind")
+    document = read(copy)
+    assert "This is no MCAP file." in document["recording"]["notes"][0]
+    assert document["summary"]["goals"]
+
+
+def test_what_is_no_recording_is_refused_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UsageError, match="There is no trace here"):
+        RecordingFiles(tmp_path)
+    (tmp_path / "grip.mcap").write_bytes(b"nothing of the kind")
+    with pytest.raises(UsageError, match="This is no MCAP file"):
+        RecordingFiles(tmp_path)
+    monkeypatch.setattr(files_module, "MOST_BYTES", 10)
+    with pytest.raises(UsageError, match="at most 0 MB are read"):
+        RecordingFiles(tmp_path)
+
+
+def test_a_recording_that_grows_is_noticed(copy: Path) -> None:
+    files = RecordingFiles(copy)
+    assert not files.grown
+    with (copy / "grip-3.mcap").open("ab") as last:
+        last.write(b"more")
+    assert files.grown
+
+
+def test_a_part_of_a_recording_stands_where_the_whole_stands(grip: Path) -> None:
+    whole_one, part = read(grip), read(grip, RecordingPart(5.0, 9.0))
+    assert (part["recording"]["begin_s"], part["recording"]["end_s"]) == (5.0, 9.0)
+    assert len(part["times"]) < len(whole_one["times"]) / 3
+    assert moment(part, 7_000_000) == moment(whole_one, 7_000_000)
+    assert all(5e6 <= entry["at"] <= 9e6 for entry in part["log"])
+    assert part["samples"][0][0] >= 5000
+    assert part["samples"][0][-1] <= 9000
+
+
+def test_the_size_of_a_document_is_bounded(grip: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(document_module, "MOST_STEPS", 100)
+    coarse = read(grip)
+    assert coarse["recording"]["step_s"] == pytest.approx(0.265)
+    events = {entry["at"] for entry in coarse["log"]}
+    assert len(coarse["times"]) < 110 + 2 * len(events)
+    # each event has a moment of its own all the same
+    assert {at - coarse["drawn"]["epoch"] for at in events if at} <= set(coarse["times"])
+    monkeypatch.setattr(document_module, "MOST_MOMENTS", 40)
+    ended = read(grip)
+    assert len(ended["times"]) == 40
+    assert "More happens than a page can show" in ended["recording"]["notes"][-1]
+
+
+def test_a_spike_between_two_samples_is_drawn() -> None:
+    from end_effector_hal.page.recorded._samples import Samples
+
+    samples = Samples(1, 0, 100_000)
+    for number in range(50):
+        samples.take([number * 20_000, 80.0 if number == 22 else 1.0])
+    samples.flush()
+    assert max(samples.columns[1]) == 80.0
+    assert len(samples.columns[0]) < 15
+
+
+def test_nothing_in_a_report_ends_its_data(grip: Path) -> None:
+    document = read(grip)
+    document["log"][0]["text"] = "</script><script>alert(1)</script><!--"
+    document["recording"]["name"] = "<img src=x onerror=alert(1)>"
+    html = report_html("<b>run</b>", [document], [judge_recording(RecordingFiles(grip))])
+    assert html.count("</script>") == 3
+    assert "alert(1)<" not in html
+    assert "<img" not in html
+    assert "&lt;b&gt;run&lt;/b&gt;" in html
+    assert "http" not in html.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "").replace(
+        "https://github.com/leeoniya/uPlot", ""
+    )
+
+
+def test_the_command_writes_one_file(grip: Path, copy: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.html"
+    ran = CliRunner().invoke(eehal, ["report", str(grip), "-o", str(out)])
+    assert (ran.exit_code, ran.output.splitlines()[0]) == (0, str(out))
+    assert "Cylinder never confirmed" in ran.output
+    assert out.read_text().startswith("<!doctype html>")
+    last = copy / "grip-3.mcap"
+    last.write_bytes(last.read_bytes()[:-20_000])
+    ran = CliRunner().invoke(eehal, ["report", str(grip), str(copy), "-o", str(out)])
+    assert ran.exit_code == 1
+    assert "Note: grip-3.mcap is not whole" in ran.output
+    told = CliRunner().invoke(eehal, ["report", str(grip), str(copy), "-o", str(out), "--json"])
+    document = json.loads(told.stdout)
+    assert (told.exit_code, document["ok"], document["exit_code"], document["file"]) == (
+        1,
+        False,
+        1,
+        str(out),
+    )
+    whole, cut = document["recordings"]
+    assert (whole["replay_ok"], whole["notes"]) == (True, [])
+    assert "Cylinder never confirmed" in whole["story"]
+    assert any("grip-3.mcap is not whole" in note for note in cut["notes"])
+    refused = CliRunner().invoke(eehal, ["report", str(tmp_path / "nowhere")])
+    assert isinstance(refused.exception, UsageError)
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["page", "DESCRIPTION", "DESCRIPTION"], "One description is shown at a time."),
+        (["page", "DESCRIPTION", "--from", "3"], "--from, --to and --description are for recordings."),
+        (["page", "RUN", "RUN", "RUN"], "3 recordings cannot be compared."),
+        (["page", "RUN", "--from", "3", "--to", "2"], "--to 2 is not after --from 3."),
+    ],
+)
+def test_what_the_page_cannot_show_is_refused(grip: Path, words: list[str], why: str) -> None:
+    named = [str(grip) if word == "RUN" else word for word in words]
+    refused = CliRunner().invoke(eehal, named)
+    assert isinstance(refused.exception, UsageError)
+    assert why in str(refused.exception)
+
+
+def test_a_recording_is_read_again_when_it_has_grown(copy: Path) -> None:
+    import asyncio
+
+    from end_effector_hal.page.web._recordings import ServedRecording
+
+    async def twice() -> tuple[Json, Json]:
+        served = ServedRecording(RecordingFiles(copy / "grip.mcap"), RecordingPart())
+        first = json.loads(await served.document())
+        served.refresh()
+        assert served.document().done(), "it is not read again while it is the same"
+        shutil.copy(copy / "grip-2.mcap", copy / "grip.mcap")
+        assert served.document().done(), "nor for those who look at it already"
+        served.refresh()
+        return first, json.loads(await served.document())
+
+    first, second = asyncio.run(twice())
+    assert first["recording"]["end_s"] != second["recording"]["end_s"] or first["log"] != second["log"]
+
+
+def bag(path: Path) -> Path:
+    """A grip of a second, as ROS carried it."""
+    pressures = {"bottom": -500, "cylinder": 2_000, "top": None, "supply": 600_000}
+    return write_ros1(path, [
+        state(10_000_000, 0),
+        frame(10_020_000, 20_000, **pressures),
+        state(12_000_000, 2_000_000, 1, command=2, actuators=[1, 0, 0], count=1, alarms=["Frames are late: 3."]),
+        frame(12_020_000, 2_020_000, **{**pressures, "bottom": -60_000}),
+        state(13_000_000, 3_000_000, 3, actuators=[2, 2, 2], count=2),
+        frame(13_020_000, 3_020_000, **{**pressures, "bottom": -80_000}),
+    ])  # fmt: skip
+
+
+def test_a_bag_is_shown_as_far_as_it_goes(tmp_path: Path, verdin: Description) -> None:
+    source = bag(tmp_path / "lift.bag")
+    (opened,) = open_recordings([source], Path(verdin.source))
+    document = plain(read_recording(opened))
+    assert document["recording"]["name"] == "lift.bag"
+    assert document["recording"]["notes"][0].startswith("There is no trace:")
+    shown = moment(document, 2_500_000)
+    assert (shown["state.word"], shown["state.held"], shown["state.lift_allowed"]) == ("GRIPPING", None, None)
+    assert shown["state.alarms"] == ["Frames are late: 3."]
+    assert [shown[f"cards.{number}.state"] for number in range(3)] == ["PENDING ON", "RETRACTED", "OFF"]
+    assert (shown["cards.0.kpa"], shown["cards.2.kpa"], shown["cards.0.output"]) == (60.0, None, None)
+    assert "interlocks.0" not in shown
+    assert [entry["text"] for entry in document["log"] if entry["kind"] != "alarm"][-2:] == [
+        "State GRIPPED; Bottom vacuum ON; Cylinder EXTENDED; Top vacuum ON", "No longer: Frames are late: 3."
+    ]  # fmt: skip
+    assert document["summary"]["goals"][0]["outcome"] == "GRIPPED"
+    assert judge_recording(opened)["text"] == "Replay and monitor: there is no trace to judge."
+
+
+def test_a_bag_that_cannot_be_shown_says_what_it_takes(tmp_path: Path, verdin: Description) -> None:
+    source = bag(tmp_path / "lift.bag")
+    with pytest.raises(UsageError, match="does not hold its description"):
+        open_recordings([source], None)
+    strange = write_ros1(tmp_path / "other.bag", [("/elsewhere", COMMAND, 0, {"command": 2})])
+    with pytest.raises(
+        UsageError, match="The bag has no states of an end-effector: its topics are /elsewhere"
+    ):
+        open_recordings([strange], Path(verdin.source))
+    (tmp_path / "empty.bag").write_bytes(b"")
+    with pytest.raises(UsageError, match="This is no bag"):
+        open_recordings([tmp_path / "empty.bag"], Path(verdin.source))
+
+
+def test_a_recording_shown_with_another_tool_says_so(grip: Path, verdin: Description) -> None:
+    other = verdin.model_copy(update={"sequence": verdin.sequence[:2]})
+    files = RecordingFiles(grip, other)
+    notes = " ".join(plain(read_recording(files))["recording"]["notes"])
+    assert "It is shown with another description" in notes
+    assert "it is not that of a tool with 2 actuators" in notes
+    assert not files.whole
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b'"actuators":[0,0,0]', b'"actuators":[0,0]  '),
+        (b'"actuators":[0,0,0]', b'"actuators":[0,0,9]'),
+        (b'"ee":1', b'"ee":9'),
+        (b'"at":1', b'"at":-'),
+        (b'"process":"Gripper"', b'"process":"Grapper"'),
+        (b'"changes":[', b'"changes":{'),
+    ],
+)
+def test_records_that_make_no_sense_end_no_page(copy: Path, old: bytes, new: bytes) -> None:
+    """Of the same length, in each trace, wherever they stand."""
+    for path in copy.glob("*.mcap"):
+        path.write_bytes(path.read_bytes().replace(old, new))
+    files = RecordingFiles(copy)
+    document = plain(read_recording(files))
+    assert document["recording"]["notes"]
+    assert document["times"]
+    assert not judge_recording(files)["ok"]
+    assert report_html("run", [document], [])
