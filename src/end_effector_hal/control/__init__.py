@@ -6,7 +6,7 @@ from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenanc
 from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
-from ._status_lines import StatusLines, refused, transition
+from ._status_lines import StatusLines, refused, transition, unanswered
 from ._words import word_of
 
 __all__ = [
@@ -26,5 +26,6 @@ __all__ = [
     "network_of",
     "refused",
     "transition",
+    "unanswered",
     "word_of",
 ]

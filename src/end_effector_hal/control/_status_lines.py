@@ -26,6 +26,11 @@ def refused(what: str, why: str) -> str:
     return f"refused: {what}. {why}"
 
 
+def unanswered(what: str, why: str) -> str:
+    """``not known whether begun: drop. The grip program does not answer.``"""
+    return f"not known whether begun: {what}. {why}"
+
+
 class StatusLines:
     """Compares each status with the one before.
 

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from end_effector_hal.cli._json_output import print_line
-from end_effector_hal.control import Answer, Status, StatusLines, refused
+from end_effector_hal.control import Answer, Status, StatusLines, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -85,7 +85,8 @@ class Words:
         if answer.accepted:
             self._say(f"{name}: succeeded{f'. {answer.reason}' if answer.reason else ''}", fg="green")
         else:
-            self._say(refused(name.lower(), answer.reason), fg="red")
+            said = refused if answer.decided else unanswered
+            self._say(said(name.lower(), answer.reason), fg="red")
 
     def status(self, description: Description, status: Status) -> None:
         """All of a tool at once."""

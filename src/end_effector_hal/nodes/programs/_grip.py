@@ -46,7 +46,7 @@ class GripNode:
         changer = [self._changer.ask(RESET)] if self._changer else []  # first: see EndEffector.reset
         answer = reset(self._description, self._program, *changer)
         if not answer.accepted:
-            self._node.log_refusal("reset", answer.reason)
+            self._node.log_refusal("reset", answer)
         return answer
 
     def _on_tool_change(self, message: StatusMessage) -> None:
@@ -59,7 +59,7 @@ class GripNode:
         def answer(request: Any) -> Answer:
             done = switch(name, bool(request.data))
             if not done.accepted:
-                self._node.log_refusal(f"{name} {'on' if request.data else 'off'}", done.reason)
+                self._node.log_refusal(f"{name} {'on' if request.data else 'off'}", done)
             return done
 
         return answer

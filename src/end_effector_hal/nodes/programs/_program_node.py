@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from end_effector_hal.control import Answer, Status, StatusLines, refused
+from end_effector_hal.control import Answer, Status, StatusLines, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -113,13 +113,14 @@ class ProgramNode(Generic[P]):
         if not answer.accepted:
             known = request.command in PROGRAM_COMMANDS[self._program]
             word = CHANNELS[Command(request.command)] if known else f"command {request.command}"
-            self.log_refusal("reset" if request.command == RESET else word, answer.reason)
+            self.log_refusal("reset" if request.command == RESET else word, answer)
         with self._lock:
             return replace(answer, count=self._count)
 
-    def log_refusal(self, what: str, why: str) -> None:
-        """Write one line for what was not done."""
-        self._log.info("%s", refused(what, why))
+    def log_refusal(self, what: str, answer: Answer) -> None:
+        """Write one line for what was not done, or not in the time of an answer."""
+        said = refused if answer.decided else unanswered
+        self._log.info("%s", said(what, answer.reason))
 
     def _decide(self, request: Any) -> Answer:
         if why := self._node.refuse_unknown_caller(self._service, request):

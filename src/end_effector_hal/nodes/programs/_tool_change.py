@@ -47,7 +47,7 @@ class ToolChangeNode:
     def _on_arm(self, _request: Any) -> Answer:
         answer = self._program.command("arm")
         if not answer.accepted:
-            self._node.log_refusal("arm", answer.reason)
+            self._node.log_refusal("arm", answer)
         return answer
 
     def _on_set(self, request: Any) -> Answer:
@@ -63,5 +63,5 @@ class ToolChangeNode:
             if outcome is Outcome.SUCCEEDED:
                 return Answer(True, f"The tool changer is {wanted.name}, proven by its sensors.")
             answer = Answer(False, why)
-        self._node.log_refusal(CHANNELS[command], answer.reason)
+        self._node.log_refusal(CHANNELS[command], answer)
         return answer
