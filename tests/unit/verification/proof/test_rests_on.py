@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.nightly import NIGHTLY
 from tests.unit.verification.proof.rests_on import ASSUMED, Assumption, failing, first_failing, row, table
 
 PAGE = Path(__file__).parents[4] / "docs/explanation/verification.md"
@@ -36,7 +37,7 @@ def test_the_first_that_stops_to_hold_is_where_the_table_says(assumed: Assumptio
     assert failing(assumed.constant, first_ms) == {id_}
 
 
-@pytest.mark.nightly
+@pytest.mark.skipif(not NIGHTLY, reason="takes minutes: `make nightly` computes it")
 @pytest.mark.timeout(3600)
 def test_the_table_is_what_is_computed() -> None:
     assert [written(assumed) for assumed in ASSUMED] == list(table())
