@@ -23,6 +23,7 @@ from tests.acceptance.contract.differences import Difference
 from tests.acceptance.contract.driver import Driver, Goal, Heard, Message
 from tests.support.patience import wait_until
 from tests.support.places import ROOT
+from tests.support.stopped import stop
 
 T = TypeVar("T")
 GENERATION = 2 if importlib.util.find_spec("rclpy") else 1 if importlib.util.find_spec("rospy") else 0
@@ -147,6 +148,10 @@ class Hal:
     def signal(self, node: str, number: int) -> None:
         """Send a signal to the program of a node."""
         os.kill(self.children[self.program(node)].pid, number)
+
+    def stop(self, node: str) -> None:
+        """Have the program of a node stand still."""
+        stop(self.children[self.program(node)].pid)
 
     def said(self, node: str) -> str:
         """The log of the program of a node."""

@@ -137,7 +137,7 @@ def test_a_command_to_a_node_that_hangs_is_never_executed(holding: Hal) -> None:
     if together(holding):
         return  # whoever hangs, HALMain hangs with it: there is nobody who could give the command up
     edges = holding.edges()
-    holding.signal("Grip", signal.SIGSTOP)
+    holding.stop("Grip")
     try:
         holding.sees("OFF", lambda state: state["state_name"] == "OFF")
         assert holding.alarmed("Grip is silent")
@@ -157,7 +157,7 @@ def test_a_command_to_a_node_that_hangs_is_never_executed(holding: Hal) -> None:
 def test_more_goals_than_are_kept_are_refused_in_words(holding: Hal) -> None:
     if together(holding):
         return  # as above
-    holding.signal("Grip", signal.SIGSTOP)
+    holding.stop("Grip")
     try:
         drops = [holding.send("Drop") for _ in range(12)]
         refused = "10 goals of Drop wait for their answer: more are not taken. Wait for their end."

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.vocabulary import EndEffectorState
+from tests.support.stopped import stop
 
 pytestmark = pytest.mark.ros
 SUCCEEDED, ABORTED, REJECTED, RECALLED = 3, 4, 5, 8
@@ -160,7 +161,7 @@ def ends_of(system: Any, signal_number: int) -> Any:
 def test_a_goal_that_was_asked_but_not_answered_says_so_at_the_end(system: Any) -> None:
     system.grip()
     before, pid = system.edges(), system.pid_of("/Grip")
-    os.kill(pid, signal.SIGSTOP)
+    stop(pid)
     try:
         goals = []
         for action in ("Drop", "TriggerGrip"):  # in this order: each comes over a connection of its own

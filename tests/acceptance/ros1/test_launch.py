@@ -15,6 +15,7 @@ import pytest
 from end_effector_hal.description import load, profile_path
 from end_effector_lab.demo._world import World
 from tests.support.patience import PATIENCE_S
+from tests.support.stopped import stop
 
 pytestmark = pytest.mark.ros
 LAUNCH = ("roslaunch", "end_effector_hal", "end_effector.launch")
@@ -173,7 +174,7 @@ def test_a_node_that_hangs_is_not_ended_for_another_tool(system: Any, second: Wo
 
     server: Any = rosgraph.Master("/tests")
     uri, pid = server.lookupNode("/Position"), node_pid("/Position")
-    os.kill(pid, signal.SIGSTOP)
+    stop(pid)
     try:
         child = system.start(
             "other_position", "rosrun", "end_effector_hal", "position",

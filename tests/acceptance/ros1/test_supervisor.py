@@ -13,6 +13,7 @@ import pytest
 
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from tests.support.nightly import first_of
+from tests.support.stopped import stop
 
 pytestmark = pytest.mark.ros
 RUN = ("rosrun", "end_effector_hal", "supervisor")
@@ -83,7 +84,7 @@ def test_a_halmain_that_hangs_is_waited_for_as_long_as_is_asked_for(system: Any)
     supervisor = system.start("patient", *RUN, "_patience:=4", "_script:=grip; quit")
     system.until("the last step", lambda: list(system.state.outputs) == [True, True, True])
     pid = system.pid_of("/HALMain")
-    os.kill(pid, signal.SIGSTOP)
+    stop(pid)
     try:
         code = supervisor.wait_for_end(timeout_s=60.0)
     finally:

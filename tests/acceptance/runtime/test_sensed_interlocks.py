@@ -20,6 +20,7 @@ from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.demo._world import World
 from tests.support.patience import wait_until
+from tests.support.stopped import stop
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 UNLOCK, BOTTOM = "SODIMM_206", "SODIMM_208"
@@ -64,7 +65,7 @@ def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
         assert tool.grip().succeeded
-        os.kill(world.testbench.pid, signal.SIGSTOP)
+        stop(world.testbench.pid)
         try:
             with ArbiterClient(world.socket, "look") as look:
                 wait_until("it", lambda: look.status()["told"]["locked"]["age_us"] > 150_000)

@@ -25,6 +25,7 @@ from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from end_effector_lab.processes import EEHAL
 from tests.support.patience import PATIENCE_S
 from tests.support.proving import proving
+from tests.support.stopped import stop
 
 
 class Manager:
@@ -219,7 +220,7 @@ def test_a_stopped_arbiter_gives_no_sign_of_life(manager: Manager, tmp_path: Pat
     with manager.start([*EEHAL, "arbiter", str(description)], environ) as arbiter:
         assert manager.told() == f"READY=1\nSTATUS=verdin_gripper on {tmp_path}/owner.sock"
         assert manager.told() == "WATCHDOG=1"
-        arbiter.send_signal(signal.SIGSTOP)
+        stop(arbiter.pid)
         while manager.told(0.5):
             pass
         arbiter.send_signal(signal.SIGCONT)

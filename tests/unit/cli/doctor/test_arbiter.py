@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,6 +18,7 @@ from end_effector_hal.errors import LineBusyError
 from end_effector_hal.wires.link import PtyPair
 from end_effector_lab.processes import EEHAL
 from tests.support.proving import proving
+from tests.support.stopped import stop
 from tests.support.stranger import as_nobody
 from tests.unit.cli.doctor.parts import LINES, Machine, serving
 
@@ -95,7 +95,7 @@ def test_an_arbiter_that_hangs_is_named(machine: Machine) -> None:
         assert process.stdout
         assert process.stdout.readline().startswith(b"ready:")
         try:
-            process.send_signal(signal.SIGSTOP)
+            stop(process.pid)
             level, what, todo = machine.finding("arbiter")
         finally:
             process.kill()
