@@ -30,18 +30,18 @@ demo-all: setup ## the same, then a cancel, a release that fails, unlock and loc
 # Collecting all tests takes five seconds: the parts that need few files collect no others
 OF_PROCESSES = tests/acceptance $(shell grep -rlE 'mark\.(wall|ros)\b' tests/unit --include='test_*.py')
 OF_TIMES = $(shell grep -rlE 'mark\.alone\b' tests --include='test_*.py')
-# Real processes mostly wait: four workers on two processors. All run nodes of ROS at first, see tests/conftest.py
+# Real processes mostly wait: more workers than processors. All run nodes of ROS at first, see tests/conftest.py
 SHARED := --dist loadfile --no-loadscope-reorder
 
 test: setup ## all tests: of logic, of real processes, then those that measure times
 	@$(ROS_ENV) && pytest -q -n 2 -m "not (wall or ros or nightly)"
-	@$(ROS_ENV) && pytest -q -n 4 $(SHARED) -m "(wall or ros) and not (alone or nightly)" $(OF_PROCESSES) $(WALL_OPTIONS)
-	@$(ROS_ENV) && pytest -q -m "alone and not nightly" $(OF_TIMES) $(WALL_OPTIONS)
+	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or nightly)" $(OF_PROCESSES)
+	@$(ROS_ENV) && $(WALL) pytest -q -m "alone and not nightly" $(OF_TIMES)
 
 test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
-	@$(APART) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) -p no:cacheprovider tests/acceptance/contract $(WALL_OPTIONS)
-	@$(APART) $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2 $(WALL_OPTIONS)
+	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) tests/acceptance/contract
+	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q tests/acceptance/ros2
 
 contract-edits: setup ros2 ## by hand: edits of the transport, each of which the contract must find (10 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited
@@ -62,7 +62,7 @@ nightly: setup ## at length: the proof on thousands of random networks, 8 and 32
 
 test-page: setup ## the live page in a real browser: Debian's Chromium (6 minutes)
 	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
-	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q --durations=0 --durations-min=1 tests/acceptance/page $(WALL_OPTIONS)
+	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} $(WALL) pytest -q --durations=0 --durations-min=1 tests/acceptance/page
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import timeit
 from collections.abc import Generator
 from functools import lru_cache
 from pathlib import Path
@@ -24,6 +25,9 @@ _TCP_LEFT_OPEN = (
     "ignore:Exception ignored in. <socket.socket fd=[0-9]+, family=2:pytest.PytestUnraisableExceptionWarning"
 )
 """rospy leaves TCP sockets to the garbage collector, also while later tests of a worker run; ours are Unix sockets."""
+
+_FAST_S = 0.05
+"""On a machine that adds a million squares in this time, two processors keep up with four workers."""
 
 _LONGEST = (
     "ros 0",
@@ -101,14 +105,19 @@ class Groups(LoadFileScheduling):
 
 
 @pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Of tests with real processes, which mostly wait."""
+    took_s = min(timeit.repeat("sum(i * i for i in range(1_000_000))", number=1, repeat=3))
+    return 4 if took_s < _FAST_S else 3 if took_s < 1.5 * _FAST_S else 2
+
+
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Groups | None:
     return Groups(config, log) if config.getoption("dist") == "loadfile" else None
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption(
-        "--reruns-log", metavar="FILE", help="Append each test that was run again, and why it failed."
-    )
+    parser.addoption("--failures-log", metavar="FILE", help="Append each test that failed, and why.")
 
 
 @pytest.hookimpl(wrapper=True)
@@ -122,10 +131,8 @@ def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.Tes
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    reruns = [(each.nodeid, each.longreprtext) for each in terminalreporter.stats.get("rerun", [])]
-    for name, why in reruns:
-        terminalreporter.section(f"run once more: {name}")
-        terminalreporter.write_line(why)
-    if path := config.getoption("reruns_log"):
+    path = config.getoption("failures_log")
+    if path and not hasattr(config, "workerinput"):  # a worker of xdist has this hook too
+        failed = [each for outcome in ("failed", "error") for each in terminalreporter.stats.get(outcome, [])]
         with open(path, "a", encoding="utf-8") as log:
-            log.writelines(f"{name}\n{why}\n\n" for name, why in reruns)
+            log.writelines(f"{each.nodeid}\n{each.longreprtext}\n\n" for each in failed)

@@ -32,15 +32,35 @@ CALLED = [
 STAND_IN = """#!/bin/sh
 echo "$1" >>called
 case "$1 $2" in
-    "test WALL_OPTIONS="*--reruns-log=*) printf 'tests/a.py::b\\nit was late\\n' >>"${2##*--reruns-log=}" ;;
+    "test WALL="*/.ci/once-more*) printf 'tests/a.py::b\\nit was late\\n' >>"${2##* }" ;;
 esac
 [ "$1" != "$FAILING" ]
 """
 FLAKY = """
+import os
 from pathlib import Path
+import pytest
+TRIED = Path(__file__).with_name("tried")
+def test_that_passes():
+    with TRIED.open("a") as tried:
+        print("passed", file=tried)
 def test_second_time():
-    tried = Path(__file__).with_name("tried")
-    assert tried.exists() or tried.touch(), "the first time"
+    with TRIED.open("a") as tried:
+        print("tried by", "one of two" if "PYTEST_XDIST_WORKER" in os.environ else "one alone", file=tried)
+    assert "tried by one alone" in TRIED.read_text(), "the first time"
+@pytest.fixture
+def broken():
+    assert "tried by one alone" in TRIED.read_text(), "the world is broken"
+def test_in_a_broken_world(broken):
+    pass
+"""
+NEVER = """
+import pytest
+@pytest.mark.parametrize("number", range({count}))
+def test_never(number):
+    with open("tried", "a") as tried:
+        print(number, file=tried)
+    assert False, "never"
 """
 
 
@@ -65,20 +85,41 @@ def test_ci_leaves_nothing_out_and_ends_with_what_was_run_once_more(tmp_path: Pa
     assert done.stdout.endswith("\ntests/a.py::b\nit was late\n") is (failing not in ("check", "test-dist"))
 
 
-def test_a_test_that_was_run_again_is_listed_with_why_it_failed_first(tmp_path: Path) -> None:
-    shutil.copy(ROOT / "tests" / "conftest.py", tmp_path)
-    (tmp_path / "test_flaky.py").write_text(FLAKY)
-    log = tmp_path / "reruns.txt"
-    options = ["-q", "-p", "no:cacheprovider", "--reruns=1", f"--reruns-log={log}", tmp_path]
+def once_more(folder: Path, text: str) -> tuple[subprocess.CompletedProcess[str], str, list[str]]:
+    """A file of tests through `.ci/once-more`: how it ended, its log, what the tests wrote."""
+    shutil.copy(ROOT / "tests" / "conftest.py", folder)
+    (folder / "test_flaky.py").write_text(text)
+    log = folder / "failures.txt"
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", *options], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+        [ROOT / ".ci/once-more", log, sys.executable, "-m", "pytest", "-q", "-n", "2", "--dist", "loadfile", folder],
+        cwd=folder, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return done, log.read_text() if log.exists() else "", (folder / "tried").read_text().splitlines()
+
+
+def test_what_fails_is_run_once_more_alone_and_listed_with_why_it_failed_first(tmp_path: Path) -> None:
+    done, log, tried = once_more(tmp_path, FLAKY)
     assert done.returncode == 0, done.stdout
-    assert "1 passed, 1 rerun" in done.stdout
-    assert "test_flaky.py::test_second_time" in log.read_text()
-    assert "AssertionError: the first time" in log.read_text()
+    assert sorted(tried) == ["passed", "tried by one alone", "tried by one of two"]
+    assert log.count("test_flaky.py::test_second_time") == 1
+    assert "AssertionError: the first time" in log
+    assert "AssertionError: the world is broken" in log
+
+
+def test_what_passes_is_not_run_again(tmp_path: Path) -> None:
+    done, log, tried = once_more(tmp_path, FLAKY.replace("tried by one alone", "tried by one"))
+    assert (done.returncode, log, sorted(tried)) == (0, "", ["passed", "tried by one of two"]), done.stdout
+
+
+@pytest.mark.parametrize(("count", "runs"), [(2, 2), (41, 1)])
+def test_what_fails_twice_ends_ci_and_what_fails_by_the_dozen_at_once(
+    tmp_path: Path, count: int, runs: int
+) -> None:
+    done, log, tried = once_more(tmp_path, NEVER.format(count=count))
+    assert done.returncode == 1
+    assert len(tried) == runs * count
+    assert log.count("AssertionError: never") >= count
 
 
 def test_make_test_alone_runs_nothing_again() -> None:
-    assert "--reruns" not in (ROOT / "Makefile").read_text()
-    assert "--reruns" not in (ROOT / "pyproject.toml").read_text()
+    assert "once-more" not in (ROOT / "Makefile").read_text()
