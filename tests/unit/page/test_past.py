@@ -237,7 +237,41 @@ def test_a_reader_that_hangs_or_dies_ends_nothing_else(
         assert turns > 1
         with pytest.raises(UsageError, match=said):
             task.result()
-        assert past._child is not None
-        assert past._child.returncode is not None
+        assert not past._children
+
+    asyncio.run(run())
+
+
+READER = """
+import os, resource, sys, time
+from pathlib import Path
+if sys.argv[1] == "list":
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    session = Path("/proc/self/autogroup")  # as not every kernel has it
+    print(os.nice(0), 2 ** 28 < limit < 2 ** 33, not session.exists() or session.read_text().endswith(" nice 15\\n"))
+else:
+    time.sleep(600)
+"""
+
+
+@pytest.mark.wall
+def test_a_list_waits_for_no_verdict_and_a_reader_stands_behind_the_tool(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "reader_of_this_test.py").write_text(READER)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(_past, "_MODULE", "reader_of_this_test")
+
+    async def run() -> None:
+        past = PastRecordings(tmp_path, profile_path())
+        judging = past.reading("0" * 24, verdict=True)
+        assert judging is not None
+        while not past._children:
+            await asyncio.sleep(0.01)
+        assert (await past.listing()).split() == [b"%d" % max(os.nice(0), 15), b"True", b"True"]
+        assert not judging.done()
+        past.close()
+        with pytest.raises((asyncio.CancelledError, UsageError)):
+            await judging
 
     asyncio.run(run())

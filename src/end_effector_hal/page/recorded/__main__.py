@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import suppress
 from pathlib import Path
 
 from pydantic_core import to_json
@@ -42,8 +41,6 @@ def answer(word: str, folder: Path, id_: str = "", description: str = "") -> byt
 
 
 def _main() -> int:
-    with suppress(OSError):
-        os.nice(10)
     word, folder, *rest = sys.argv[1:]
     try:
         found = answer(word, Path(folder), *rest)

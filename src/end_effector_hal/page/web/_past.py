@@ -1,4 +1,4 @@
-"""The recordings of a folder, for the live page: listed and read by a process of their own, one at a time."""
+"""The recordings of a folder, for the live page: listed and read each by a process of its own."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
+
+from ._second_rank import bound_memory, step_back
 
 LIST_S, READ_S = 15.0, 180.0
 _ID = re.compile(r"[0-9a-f]{24}")
@@ -27,14 +29,15 @@ class PastRecordings:
 
     def __init__(self, folder: Path, description: Path) -> None:
         self._folder, self._description = folder, description
-        self._one = asyncio.Semaphore(1)
+        # who lists does not wait for who judges
+        self._to_list, self._to_read = asyncio.Semaphore(1), asyncio.Semaphore(1)
         self._asked = 0
         self._tasks: dict[tuple[str, str], asyncio.Task[bytes]] = {}
-        self._child: asyncio.subprocess.Process | None = None
+        self._children: set[asyncio.subprocess.Process] = set()
 
     async def listing(self) -> bytes:
         """The list as JSON; raises UsageError."""
-        return await self._ask(LIST_S, "list", str(self._folder))
+        return await self._ask(self._to_list, LIST_S, "list", str(self._folder))
 
     def reading(self, id_: str, *, verdict: bool) -> asyncio.Task[bytes] | None:
         """The task that reads or judges a recording; it raises UsageError. None: that is no id."""
@@ -44,7 +47,7 @@ class PastRecordings:
         task = self._tasks.get(key)
         if task is None:
             words = key[1], str(self._folder), id_, str(self._description)
-            task = self._tasks[key] = asyncio.create_task(self._ask(READ_S, *words))
+            task = self._tasks[key] = asyncio.create_task(self._ask(self._to_read, READ_S, *words))
             task.add_done_callback(lambda done: done.cancelled() or done.exception())  # a page may have gone
             for old in [each for each in self._tasks if each[0] != id_ and self._tasks[each].done()]:
                 del self._tasks[old]  # one recording is kept
@@ -59,23 +62,23 @@ class PastRecordings:
         """End what is being read."""
         for task in self._tasks.values():
             task.cancel()
-        if self._child is not None and self._child.returncode is None:
+        for child in self._children:
             with suppress(ProcessLookupError):
-                self._child.kill()
+                child.kill()
 
-    async def _ask(self, most_s: float, *words: str) -> bytes:
+    async def _ask(self, turn: asyncio.Semaphore, most_s: float, *words: str) -> bytes:
         if self._asked >= _MOST:
             raise UsageError("Other recordings are being read: try again.")
         self._asked += 1
         try:
-            async with self._one:
+            async with turn:
                 return await self._answer(most_s, words)
         finally:
             self._asked -= 1
 
     async def _answer(self, most_s: float, words: tuple[str, ...]) -> bytes:
         pipe, nothing = asyncio.subprocess.PIPE, asyncio.subprocess.DEVNULL
-        self._child = child = await asyncio.create_subprocess_exec(
+        child = await asyncio.create_subprocess_exec(
             sys.executable,
             "-P",  # nothing of the current folder, which may hold somebody's recording
             "-m",
@@ -86,6 +89,9 @@ class PastRecordings:
             stderr=pipe,
             start_new_session=True,
         )
+        step_back(child.pid, session=True)
+        bound_memory(child.pid)
+        self._children.add(child)
         try:
             out, said = await asyncio.wait_for(child.communicate(), most_s)
         except TimeoutError:
@@ -95,6 +101,7 @@ class PastRecordings:
                 with suppress(ProcessLookupError):
                     child.kill()
                 await child.wait()
+            self._children.discard(child)
         if child.returncode:
             lines = said.decode(errors="replace").strip().splitlines()
             known = child.returncode == 2 and lines

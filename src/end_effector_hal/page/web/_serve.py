@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import os
 import socket
 from collections.abc import Callable, Coroutine, Sequence
 from contextlib import suppress
@@ -29,6 +30,7 @@ from ._faults import FaultCommands
 from ._hub import Hub
 from ._past import PastRecordings
 from ._recordings import ServedRecording, make_recordings_app
+from ._second_rank import step_back
 
 Ready = Callable[[str], None]
 
@@ -83,6 +85,8 @@ def serve_recordings(
     Raises:
         UsageError: the address cannot be used.
     """
+
+    step_back(os.getpid())  # a tool may be running on this machine, and this process judges whole recordings
 
     async def recorded(address: PageAddress, listener: socket.socket) -> None:
         shown = [ServedRecording(each, part) for each in files]
