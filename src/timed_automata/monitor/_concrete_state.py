@@ -10,12 +10,22 @@ from timed_automata.errors import RangeError
 from timed_automata.execute import ExecutionSnapshot, Resumed, snapshot_of
 from timed_automata.network import Edge, Fired, Network, Semantics, State, Transition
 
+_LONG_AGO = -(1 << 62)
+
 
 class TimedTransition(NamedTuple):
-    """A transition that can be taken from ``due`` on; its data guards hold since ``since``."""
+    """A transition that can be taken from ``due`` on.
+
+    Attributes:
+        transition: which.
+        since: when its data guards began to hold.
+        reached: when its clocks reach the last of its lower bounds; far in the past without one.
+        due: the later of the two.
+    """
 
     transition: Transition
     since: int
+    reached: int
     due: int
 
 
@@ -120,10 +130,11 @@ class ConcreteState:
         for transition in self.transitions():
             since = ages.get(transition.edges, self.entered)
             kept = self._kept(transition)
-            due = max([since, *map(self._instant, _lower([*transition.bounds, *kept]))])
+            reached = max(map(self._instant, _lower([*transition.bounds, *kept])), default=_LONG_AGO)
+            due = max(since, reached)
             uppers = _upper([*transition.bounds, *(bound for bound in kept if bound not in expired)])
             if self.holds(uppers, due) and self._enters(transition) and not (hurry and due > self.entered):
-                yield TimedTransition(transition, since, due)
+                yield TimedTransition(transition, since, reached, due)
 
     def _instant(self, bound: Bound) -> int:
         """The first whole instant at which a lower bound holds."""

@@ -234,16 +234,28 @@ class Monitor:
         That which comes first, of an execution; that which is recorded; or the only one.
         """
         doing = [t for t in self._concrete.transitions() if self._does(t, step)]
-        first = self._first() if self._boundary is not None else None
-        for known in (first, recorded):
-            if known is not None and any(known.edges == each.edges for each in doing):
-                return known
+        known = self._first(step.at) if self._boundary is not None else []
+        if recorded is not None:
+            told = [each for each in known if each.edges == recorded.edges]
+            known = [*told, *known, recorded]
+        for each in known:
+            if any(each.edges == other.edges for other in doing):
+                return each
         return doing[0] if len(doing) == 1 else None
 
-    def _first(self) -> Transition | None:
-        """What is due first; of what is due at once, what stands first in the file."""
-        first = min(self._concrete.timed, key=lambda each: each.due, default=None)
-        return None if first is None else first.transition
+    def _first(self, at: int) -> list[Transition]:
+        """What is due first; of what is due at once, what stands first in the file.
+
+        An execution takes what reaches a lower bound at this very instant when all events of the instant have come:
+        before, it may take what waits for no clock. So there may be two.
+        """
+        timed = self._concrete.timed
+        waiting = (each for each in timed if each.reached < at and each.due <= at)
+        firsts = (
+            min(timed, key=lambda each: each.due, default=None),
+            min(waiting, key=lambda each: each.due, default=None),
+        )
+        return [each.transition for each in firsts if each is not None]
 
     def _does(self, transition: Transition, step: Step) -> bool:
         try:
@@ -279,9 +291,9 @@ class Monitor:
             recorded = f"{shortened(step.due)} µs, {shortened(step.late_us)} µs before it was taken"
             what = f"{named(step)} was due at {due} µs; recorded is {recorded}."
             self._object(step.at, "no run", what)
-        first = self._first()
-        if first is not None and due is not None and first.edges != taken.edges:
-            who = in_words(self.network, first.edges)
+        firsts = self._first(step.at)
+        if firsts and due is not None and all(first.edges != taken.edges for first in firsts):
+            who = in_words(self.network, firsts[0].edges)
             self._object(step.at, "no run", f"{named(step)} was taken before {who}, which comes first.")
 
     def _fire(self, transition: Transition, step: Step, event: Received | None = None) -> None:

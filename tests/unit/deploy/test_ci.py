@@ -93,6 +93,7 @@ def once_more(folder: Path, text: str) -> tuple[subprocess.CompletedProcess[str]
     done = subprocess.run(
         [ROOT / ".ci/once-more", log, sys.executable, "-m", "pytest", "-q", "-n", "2", "--dist", "loadfile", folder],
         cwd=folder, capture_output=True, text=True, check=False,
+        env={name: value for name, value in os.environ.items() if name != "PYTEST_XDIST_WORKER"},
     )  # fmt: skip
     return done, log.read_text() if log.exists() else "", (folder / "tried").read_text().splitlines()
 

@@ -237,6 +237,34 @@ def test_executions_of_random_networks_are_runs_of_them(model, late):
     assert [o for o in monitor.objections if o.kind != "missed"] == []
 
 
+AT_ONE_INSTANT = """<nta><declaration>clock x; bool told; broadcast chan on;</declaration><template><name>P</name>
+<location id="a"/><location id="b"/><location id="c"/><init ref="a"/>
+<transition><source ref="a"/><target ref="b"/><label kind="guard">x &gt;= 2</label></transition>
+<transition><source ref="a"/><target ref="c"/><label kind="synchronisation">on!</label>
+<label kind="guard">told</label></transition>
+</template><system>system P;</system></nta>"""
+
+
+@pytest.mark.parametrize(("told_us", "target"), [(2_000, "c"), (1_999, "c"), (2_001, "b")])
+def test_what_an_event_allows_may_come_before_a_bound_of_the_same_instant(tmp_path, told_us, target):
+    """The executor takes what is at its bound when all events of the instant have come."""
+    path = tmp_path / "model.xml"
+    path.write_text(AT_ONE_INSTANT, encoding="utf-8")
+    network, seen = load_network(path), []
+    execution = Execution(network, ["P"], ["told"], observe=seen.append)
+    execution.start(0)
+    execution.advance(1_999)
+    if told_us > 2_000:
+        execution.advance(2_000)
+    execution.write({"told": 1}, told_us)
+    execution.advance(2_001)
+    assert [edge.target for step in seen if isinstance(step, Step) for edge in step.edges] == [target]
+    monitor = Monitor(network, ["P"], ["told"])
+    for observation in seen:
+        monitor.observe(observation)
+    assert monitor.objections == []
+
+
 def test_queries_with_their_clocks(tmp_path):
     path = tmp_path / "model.xml"
     path.write_text(
