@@ -247,9 +247,17 @@ def test_il_03_that_fails_is_tried_again():
     arbiter.set(arbiter.changer, unlock=True)
     arbiter.lines.error = OSError(5, "Input/output error")
     arbiter.to(5 * S)
+    (why,) = arbiter.rules.predicates.faults.values()
+    assert why.startswith(
+        "IL-03: unlock (tool changer) was active for its longest time and cannot be deactivated: "
+    )
+    with pytest.raises(LineRefusedError):
+        arbiter.rules.reset(arbiter.now)
     arbiter.lines.error = None
     arbiter.to(9 * S)
-    assert arbiter.written == [(1 * S, UNLOCK, True), (7 * S, UNLOCK, False)]
+    assert [at for at, *_ in arbiter.written] == [1 * S, 5 * S]
+    assert len(arbiter.rules.trips) == 0, "the reset cleared them, and a further try is none"
+    assert list(arbiter.rules.predicates.faults.values()) == [why]
 
 
 # Clients

@@ -22,9 +22,9 @@ from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 MOST_WAITING = 64
+"""Writes of one client."""
 RETRY_US = 100_000
 """Between two tries of a deactivation that the hardware refuses."""
-"""Writes of one client."""
 DOUBT = "last wills"
 """The name of the fault that is latched when the last wills of an earlier arbiter are not executed."""
 
@@ -56,6 +56,7 @@ class LineArbiter:
         self.predicates = SensorPredicates(needs, policy.fresh_us, state.faults, policy.faults, policy.proven)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
+        self._stays: dict[str, str] = {}  # faults of lines that the hardware does not deactivate
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
         self._lines = OutputLines(backend, policy, at, before_change, state.pulsed)
         for line in policy.lines:
@@ -211,7 +212,7 @@ class LineArbiter:
         """
         self.trips.clear()
         stay = self.predicates.reset(at)
-        for name, why in {**(still or {}), **self._lines.troubles()}.items():
+        for name, why in {**(still or {}), **self._lines.troubles(), **self._stays}.items():
             self.predicates.latch(name, why)
             stay.append(why.rstrip("."))
         if stay:
@@ -343,16 +344,24 @@ class LineArbiter:
 
     def _end_activation(self, line: str, at: int) -> None:
         interlock = self.policy.bounded_by(line)
-        why = f"{interlock}: {self.policy.called(line)} was active for its longest time and was deactivated."
-        _log.warning("%s", why)
-        self.trips.append((at, line))
-        self.predicates.latch(f"{interlock} {line}", why)
+        fault, ended = (
+            f"{interlock} {line}",
+            f"{interlock}: {self.policy.called(line)} was active for its longest time",
+        )
+        again = fault in self._stays
         try:
             self._lines.set({line: False}, at)
         except WireError as error:
-            # Tried again one longest time later; a loop would starve the clients.
-            self._lines.changed_at[line] = at
-            _log.error("%s stays active: %s", line, error)
+            why = self._stays[fault] = f"{ended} and cannot be deactivated: {error} It is tried again."
+            self._lines.changed_at[line] = at - self.policy.max_active_us[line] + RETRY_US
+        else:
+            self._stays.pop(fault, None)
+            why = f"{ended} and was deactivated."
+        if not again:
+            self.trips.append((at, line))
+            self.predicates.latch(fault, why)
+        if again is not (fault in self._stays) or not again:
+            _log.warning("%s", why)
 
     def _apply_due(self, session: Session, at: int) -> None:
         """Execute what is due. What cannot be deactivated is tried again; what cannot be activated is not.
