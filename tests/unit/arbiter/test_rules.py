@@ -255,7 +255,7 @@ def test_il_03_that_fails_is_tried_again():
         arbiter.rules.reset(arbiter.now)
     arbiter.lines.error = None
     arbiter.to(9 * S)
-    assert [at for at, *_ in arbiter.written] == [1 * S, 5 * S]
+    assert [at for at, *_ in arbiter.written] == [1 * S, 5 * S + 100_000]
     assert len(arbiter.rules.trips) == 0, "the reset cleared them, and a further try is none"
     assert list(arbiter.rules.predicates.faults.values()) == [why]
 
