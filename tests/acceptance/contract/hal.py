@@ -275,7 +275,7 @@ class Hal:
         """Nothing is held, nothing is wrong, the tool is locked."""
         self._settle()
         if self.state["state_name"] != "STAND_BY":
-            self.do("Drop")
+            wait_until("a drop", partial(self._succeeds, "Drop"))
         wait_until(
             "the tool changer", lambda: self.state["tool_changer_name"] in ("LOCKED", "UNLOCKED", "FAULT")
         )
@@ -283,7 +283,7 @@ class Hal:
             wait_until("a reset", lambda: self.call("ResetFaults")[0])
             wait_until("no fault", lambda: self.state["tool_changer_name"] != "FAULT")
         if self.state["tool_changer_name"] != "LOCKED":
-            self.do("LockToolChanger")
+            wait_until("a lock", partial(self._succeeds, "LockToolChanger"))
         # a grip is refused while anything is not proven to be gone (IL-07), and a vacuum may still grow for a moment
         wait_until("rest", lambda: all(map(is_rest, self.states.messages[-4:])))
 
@@ -291,9 +291,16 @@ class Hal:
         """A part is held, and nothing is wrong."""
         self._settle()
         if self.state["state_name"] != "GRIPPED":
-            self.rest()
-            self.do("TriggerGrip")
+            wait_until("a grip", self._grips)
         wait_until("a part is held", lambda: all(map(is_hold, self.states.messages[-4:])))
+
+    def _grips(self) -> bool:
+        self.rest()
+        return self._succeeds("TriggerGrip")
+
+    def _succeeds(self, action: str) -> bool:
+        """On a busy machine a command is too late, or a reading is stale: then it is given again."""
+        return bool(self.send(action).end()[1]["outcome_name"] == "SUCCEEDED")
 
     def _settle(self) -> None:
         self.choose("nominal")
