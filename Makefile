@@ -48,7 +48,7 @@ contract-edits: setup ros2 ## by hand: edits of the transport, each of which the
 	@$(APART) $(ROS2)/bin/python -m tests.acceptance.contract.edits --unedited
 
 test-thinned: setup ## those of which `make test` runs representatives, and the packages of examples/
-	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m nightly
+	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m nightly --durations=15
 
 # The peer knows the messages and nothing else of this product
 test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library and middleware, against the HAL on Jazzy

@@ -114,7 +114,7 @@ def test_only_free_sensors_find_that_a_line_is_activated_after_a_refusal() -> No
             MUTANTS, key=lambda each: "constants" in each
         )  # in an ordinary run those of two steps
         if mutant["caught_by"] != "time"
-    ],
+    ][:: 1 if NIGHTLY else 6],
     "edited",
 )
 def test_what_ordinary_sensors_find_out_free_ones_find_out(mutant: Mutant) -> None:
