@@ -306,6 +306,18 @@ def test_nothing_is_told_as_held_before_the_last_will_that_holds_it_has_arrived(
     assert tool.program.status.held
 
 
+def test_what_went_inactive_before_it_was_adopted_is_not_activated_again(tool: Tool) -> None:
+    """The line arbiter was lost between the start and the first frames, and has executed a last will."""
+    other = Tool(tool.description)
+    other.lines.active = dict.fromkeys(other.lines.active, True)
+    other.program._act(other.program._restart("another restart"))  # finds them active
+    other.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    other.lines.active = dict.fromkeys(other.lines.active, False)
+    other.run(400)
+    assert not any(other.lines.active.values())
+    assert other.program.status.ee is EndEffectorState.STAND_BY
+
+
 def test_a_step_that_was_looked_ahead_at_is_the_one_that_is_taken() -> None:
     prepared, other = Tool(), Tool()
     other.idle = other.worker.work  # type: ignore[method-assign]

@@ -58,6 +58,7 @@ class Adoption:
             self.obstacle, self._begin_at = str(error), at + RETRY_US
             return []
         self.begun, self.obstacle, self._begin_at = True, "", None
+        self.outputs.found(levels, self.controller.status())
         statuses = self.controller.start(levels, at, sensor_fault=found)
         return statuses + (self.controller.update_peer(peer, at) if peer else [])
 
