@@ -73,6 +73,20 @@ def test_a_client_that_was_started_again_meanwhile_finds_the_will_executed() -> 
     new.hello("grip", OTHER, GRIP, (), 2_100 * MS)
 
 
+def test_a_deactivation_that_waited_when_both_died_is_done_by_the_next_arbiter() -> None:
+    """IL-10: the line had just changed. Its program had accepted a cancel, the will that it left is about the others."""
+    old, lines = rules(bottom=True)
+    session = old.hello("grip", TOKEN, GRIP, (), 1 * S)
+    old.write(session, {TOP: True}, (LastWillStep(TOP), LastWillStep(BOTTOM)), 1 * S)
+    assert old.write(session, {TOP: False}, (LastWillStep(BOTTOM),), 1 * S + 10 * MS) == 40 * MS
+    old.declare_dead(session, "killed", 1 * S + 20 * MS)
+    assert lines.state[TOP]
+    new = LineArbiter(lines, POLICY, 2 * S, replace(old.state, clean=False))
+    new.advance(3 * S)
+    assert not lines.state[TOP]
+    assert not lines.state[BOTTOM]
+
+
 def test_a_pid_does_not_tell_who_comes_back() -> None:
     """In PID namespaces of their own, as in containers, all clients have pid 0."""
     new, _ = rules(GRIPPING._replace(pid=0), bottom=True, top=True)

@@ -287,6 +287,37 @@ def test_a_drop_is_carried_out_once_the_line_arbiter_is_there_again(tool: Tool) 
     assert tool.program.status.ee is EndEffectorState.STAND_BY
 
 
+def test_nothing_is_told_as_held_before_the_last_will_that_holds_it_has_arrived(tool: Tool) -> None:
+    """Until then the arbiter would unwind it, should the program die."""
+    assert tool.command("grip").accepted
+    while not all(tool.lines.active.values()):
+        tool.run(1)
+    tool.lines.away = True
+    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.run(30)
+    assert tool.program._adoption.controller.status().ee is EndEffectorState.GRIPPED
+    tool.lines.active[tool.description.actuators["top_vacuum"].line] = False  # and its feedback goes
+    tool.run(30)
+    assert tool.program._adoption.controller.status().ee is EndEffectorState.GRIP_ERROR
+    assert not any(status.held for status in tool.statuses)
+    tool.lines.away = False
+    tool.run(100)
+    assert tool.program.status.ee is EndEffectorState.GRIP_ERROR
+    assert tool.program.status.held
+
+
+def test_what_went_inactive_before_it_was_adopted_is_not_activated_again(tool: Tool) -> None:
+    """The line arbiter was lost between the start and the first frames, and has executed a last will."""
+    other = Tool(tool.description)
+    other.lines.active = dict.fromkeys(other.lines.active, True)
+    other.program._act(other.program._restart("another restart"))  # finds them active
+    other.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    other.lines.active = dict.fromkeys(other.lines.active, False)
+    other.run(400)
+    assert not any(other.lines.active.values())
+    assert other.program.status.ee is EndEffectorState.STAND_BY
+
+
 def test_a_step_that_was_looked_ahead_at_is_the_one_that_is_taken() -> None:
     prepared, other = Tool(), Tool()
     other.idle = other.worker.work  # type: ignore[method-assign]

@@ -174,13 +174,14 @@ class Session:
     def record(self) -> SessionRecord:
         """What the next arbiter must know of it.
 
-        Deactivations that still wait in the queue come first in its last will: they were accepted.
+        Deactivations that still wait in the queue come first in its last will: they were accepted. Once it has ended
+        the queue holds the last will, too, and waits are those of other lines.
         """
-        will = self.will
-        if not self.ended:
-            waits = {line for write in self.queue for line in write.levels}
-            off = (line for line in sorted(waits) if not self.queued_level(line))
-            will = tuple(map(LastWillStep, off)) + will
+        waits = {line for write in self.queue for line in write.levels}
+        if self.ended:
+            waits -= {step.line for step in self.will}
+        off = (line for line in sorted(waits) if not self.queued_level(line))
+        will = tuple(map(LastWillStep, off)) + self.will
         lines = tuple(sorted(self.lines))
         return SessionRecord(self.client, self.token, lines, will, self.ended, self.pid)
 

@@ -73,6 +73,10 @@ class Outputs:
         self.objected = False
         """It has just refused an activation, and the automata do not know yet."""
 
+    def found(self, levels: Mapping[str, bool], status: Status) -> None:
+        """The levels that are adopted, as a program begins: what has changed before it knows is found out by `agree`."""
+        self._written = {line: levels[line] for line in self.mapping.levels(status) if line in levels}
+
     def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
         """Begin to bring the lines to what the first status asks for that changes something; returns those after it.
 

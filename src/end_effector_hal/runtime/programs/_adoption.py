@@ -10,7 +10,6 @@ from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.runtime.boundary import AnyController
 from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs
-from end_effector_hal.vocabulary import EndEffectorState
 
 
 class DeclaredDeadError(Exception):
@@ -59,6 +58,7 @@ class Adoption:
             self.obstacle, self._begin_at = str(error), at + RETRY_US
             return []
         self.begun, self.obstacle, self._begin_at = True, "", None
+        self.outputs.found(levels, self.controller.status())
         statuses = self.controller.start(levels, at, sensor_fault=found)
         return statuses + (self.controller.update_peer(peer, at) if peer else [])
 
@@ -94,9 +94,8 @@ class Adoption:
                 self.outputs.alarm = str(error)
         if not self.outputs.lost:
             return [*statuses, self.now(at)]
-        # before GRIPPED nothing is held: the will that holds must have arrived, or the owner may still unwind
-        held = EndEffectorState.GRIPPED
-        return [status for status in statuses if status.ee != held or published.ee == held]
+        # before it is told nothing is held: the will that holds must have arrived, or the owner may still unwind
+        return [status for status in statuses if published.held or not status.held]
 
     def now(self, at: int) -> Status:
         """The status; before the lines are adopted nothing else gives it a time."""
