@@ -1,0 +1,5 @@
+"""Compares two networks: whether an edit changes what can happen."""
+
+from ._equivalence import ReachedNetwork
+
+__all__ = ["ReachedNetwork"]
