@@ -111,6 +111,12 @@ class _Product:
             if theirs.values[at] != ours.values[here]:
                 what = f"'{name}' starts as {ours.values[here]} in the implementation and as {theirs.values[at]} in "
                 raise UsageError(f"{what}the specification.")
+        for bounds, whose in (
+            (self._ours.invariant(ours), "implementation"),
+            (self._theirs.invariant(theirs), "specification"),
+        ):
+            if self._zones.within(self._zones.start, bounds) is None:
+                raise UsageError(f"An invariant of the {whose} does not hold at its start.")
         self._meet(None, ours, theirs, self._zones.start, "")
 
     def _start(self, theirs: State) -> State:

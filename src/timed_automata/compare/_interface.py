@@ -21,7 +21,8 @@ class Interface:
         outputs: broadcast channels of both networks: that something is sent there is seen.
         system: processes of the implementation that take part; None: all but those that are named as environment.
         before: channels on which the implementation receives something at time 0, before the comparison begins.
-        start: what its variables are set to before that.
+        start: what its variables are set to before that. What neither a process that takes part nor the environment
+            writes keeps its value.
     """
 
     environment: Collection[str] = ()

@@ -207,6 +207,23 @@ def test_what_is_not_supported_is_refused() -> None:
         compared(begun, lamp())
 
 
+def test_both_must_be_able_to_start() -> None:
+    for one, other, whose in ((lamp(), "", "specification"), ("", lamp(), "implementation")):
+        never = network(
+            DECLARATIONS,
+            Template(
+                "Lamp",
+                list(LAMP.values()),
+                declarations="clock u;",
+                invariants={"Off": "u > 0"},
+                initial="Off",
+            ),
+            USER,
+        )
+        with pytest.raises(UsageError, match=f"An invariant of the {whose} does not hold at its start"):
+            compared(one or never, other or never)
+
+
 def test_what_the_interface_names_must_be_there() -> None:
     with pytest.raises(UsageError, match="no process 'Users'"):
         trace_inclusion(lamp(), lamp(), Interface(environment=["Users"]))
