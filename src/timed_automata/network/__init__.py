@@ -1,7 +1,7 @@
 """A network of timed automata, made of a document, and its one semantics."""
 
 from ._loader import export, load_network, make_network
-from ._network import Edge, Given, Network, Process, State, effects_of
+from ._network import Edge, Given, Location, Network, Process, State, effects_of
 from ._semantics import Fired, Semantics, Transition
 from ._trace import Change, Trace, TraceStep, changes_between
 
@@ -10,6 +10,7 @@ __all__ = [
     "Edge",
     "Fired",
     "Given",
+    "Location",
     "Network",
     "Process",
     "Semantics",

@@ -28,6 +28,7 @@ CALLS: dict[str, tuple[str, ...]] = {
     "doctor": ("--only", "python"),
     "init": ("new",),
     "model check": (),
+    "model fig5": (),
     "model show": ("--model", "lamp.xml"),
     "model mutants": ("--template", "Arming", "--sample", "1", "--jobs", "1"),
     "model simulate": ("--steps", "30"),

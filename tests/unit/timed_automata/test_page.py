@@ -18,7 +18,17 @@ PURPOSES = re.findall(r"^\*\*(\w+)\*\* ", PAGE, re.MULTILINE)
 
 
 def test_the_page_shows_what_the_library_is_for() -> None:
-    assert PURPOSES == ["Load", "Check", "Simulate", "Execute", "Explore", "Explain", "Find", "Monitor"]
+    assert PURPOSES == [
+        "Load",
+        "Check",
+        "Simulate",
+        "Execute",
+        "Explore",
+        "Explain",
+        "Find",
+        "Monitor",
+        "Compare",
+    ]
     assert len(EXAMPLES) == len(PURPOSES) == PAGE.count("```python")
 
 

@@ -13,6 +13,7 @@ from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._check import check
+from end_effector_hal.cli.model._fig5 import fig5
 from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.cli.model._simulate import simulate
 from end_effector_hal.cli.model._source import COILS, DESCRIPTION, MODEL, open_source
@@ -135,5 +136,6 @@ def export_network(description: Path | None, coils: str | None, output: Path | N
 
 
 command.add_command(check)
+command.add_command(fig5)
 command.add_command(mutants)
 command.add_command(simulate)

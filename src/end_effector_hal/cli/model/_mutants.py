@@ -49,7 +49,8 @@ def mutants(
 
     Edited are guards, invariants, assignments, synchronisations, targets, committed and urgent, and the functions of
     the templates that a program executes. A mutant is caught when a requirement does not hold of it; one that survives
-    is an edit that no requirement notices: it changes nothing, or a requirement is missing. The exit code is 4 then.
+    is an edit that no requirement notices. Where it is proven to change nothing that can happen it is equivalent;
+    otherwise a requirement may be missing, and the exit code is 4.
     """
     from end_effector_hal.control import model_constants
     from end_effector_hal.verification.mutation import judge_all
@@ -93,13 +94,14 @@ def _executed(source: Source, template: str | None) -> tuple[str, ...]:
 
 def _table(judged: Iterable[MutantVerdict]) -> Iterator[str]:
     """How many of each kind of edit were caught."""
-    outcomes = ("caught", "survives", "off", "invalid", "open")
+    outcomes = ("caught", "equivalent", "survives", "off", "invalid", "open")
     kinds: dict[str, Counter[str]] = {}
     for each in judged:
         kinds.setdefault(each.mutant.operator, Counter())[str(each.outcome)] += 1
-    heads = ("caught", "survive", "off", "invalid", "open")
+    heads = ("caught", "same", "survive", "off", "invalid", "open")
     yield f"{'edit':22}" + "".join(f"{head:>9}" for head in heads)
     total: Counter[str] = sum(kinds.values(), Counter())
     for kind, counts in [*sorted(kinds.items()), ("all", total)]:
         yield f"{kind:22}" + "".join(f"{counts[outcome]:>9}" for outcome in outcomes)
-    yield "off: the values of this description switch the edge off. invalid: no model any more. open: too many states."
+    yield "same: proven to change nothing that can happen. off: the values of this description switch the edge off."
+    yield "invalid: no model any more. open: too many states."

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 from end_effector_hal.errors import ModelError, RangeError, UsageError
 from end_effector_hal.verification.proof import Requirement, requirements_of
 from timed_automata import Network, make_network
+from timed_automata.compare import ReachedNetwork
 from timed_automata.explore import Explorer, Overview, ReactionBound, overview
 from timed_automata.mutate import Mutant
 from timed_automata.network import Given
@@ -20,6 +22,7 @@ class MutantOutcome(StrEnum):
     """What became of a mutant."""
 
     CAUGHT = "caught"
+    EQUIVALENT = "equivalent"  # proven to do the same as the file as it is: there is nothing to notice
     SURVIVES = "survives"
     INVALID = "invalid"  # no model any more: the compiler refuses it
     OFF = "off"  # of an edge that the constants switch off: nothing to be noticed
@@ -81,6 +84,11 @@ class Baseline:
         self._idle = _idle(found)
         self._off = {text.partition(": ")[0] for text in found.coverage.disabled}
 
+    @cached_property
+    def reached(self) -> ReachedNetwork:
+        """All states of the file as it is."""
+        return ReachedNetwork(self.network, self.executed)
+
     def off(self, mutant: Mutant) -> bool:
         """Whether the constants switch off the edge that was edited, or all edges into the location."""
         template = next(
@@ -98,13 +106,13 @@ class Baseline:
 
 def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
     """Look for a requirement that notices the edit."""
-    if baseline.off(mutant):
-        return MutantVerdict(mutant, MutantOutcome.OFF)
     try:
         network = make_network(mutant.document, baseline.constants)
         requirements = requirements_of(network)
     except ModelError:
         return MutantVerdict(mutant, MutantOutcome.INVALID)
+    if baseline.off(mutant) and baseline.reached.equivalent(network):  # the edit may switch it on
+        return MutantVerdict(mutant, MutantOutcome.OFF)
     try:
         found = _overview(network, requirements, baseline, stop=True)
         by = tuple(_caught(network, requirements, found))
@@ -117,7 +125,10 @@ def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
         return MutantVerdict(mutant, MutantOutcome.CAUGHT, ("ranges",))
     if by:
         return MutantVerdict(mutant, MutantOutcome.CAUGHT, by)
-    return MutantVerdict(mutant, MutantOutcome.OPEN if found.ended else MutantOutcome.SURVIVES)
+    if found.ended:
+        return MutantVerdict(mutant, MutantOutcome.OPEN)
+    same = baseline.reached.equivalent(network)
+    return MutantVerdict(mutant, MutantOutcome.EQUIVALENT if same else MutantOutcome.SURVIVES)
 
 
 def _overview(

@@ -1,6 +1,6 @@
 """Searches over symbolic states: reachability, deadlocks, lassos, and concrete runs of what is found."""
 
-from ._concrete import Ending, Leg, NoRunError, anywhere, concrete
+from ._concrete import Ending, Leg, NoRunError, Timing, anywhere, concrete
 from ._conditions import Only, Within, ZoneCondition
 from ._cycles import components, shortest_cycle
 from ._deadlock import MOST_DOUBTS, Deadlocks
@@ -24,6 +24,7 @@ __all__ = [
     "SearchNode",
     "Stage",
     "Start",
+    "Timing",
     "WidestFirst",
     "Within",
     "ZoneCondition",

@@ -1,12 +1,13 @@
 """The discrete and the symbolic states of a network, each worked out once."""
 
-from ._discrete import Action, DiscreteSpace, Move
+from ._discrete import Action, DiscreteSpace, DiscreteState, Move
 from ._semantics import SlicedSemantics
 from ._symbolic import Form, InvariantGuardedSpace, PlannedMove, StateRecord, SymbolicSpace
 
 __all__ = [
     "Action",
     "DiscreteSpace",
+    "DiscreteState",
     "Form",
     "InvariantGuardedSpace",
     "Move",

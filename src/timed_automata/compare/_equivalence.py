@@ -1,0 +1,241 @@
+"""Whether an edit changes nothing that can happen: a bisimulation between a network and an edited one.
+
+Rule 1. Two states are related if they are the same, or differ only in variables that belong to one process and were
+seen to make no difference: from there on, both networks have the same moves into states that are related.
+Rule 2. Two moves are the same if they use the same channel, are enabled at the same valuations of the clocks, and lead
+to the same locations, to the same values of all other variables, and to the same values of the clocks that are active.
+Rule 3. Time passes in the same way: the invariants allow the same valuations.
+
+Every state that the network reaches is compared with itself in the edited network; where an edit writes another value
+into a variable of a process, the two states that result are compared as well, and so on. Zones are those of the search:
+they hold every valuation that is reached, and some that behave alike. What is shown is therefore true; what is not
+shown may be true all the same.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Iterator, Sequence
+
+from timed_automata.compare._moves import ComparedMove, moves_of, place
+from timed_automata.compare._regions import same_union
+from timed_automata.compiler import Bound
+from timed_automata.errors import RangeError
+from timed_automata.explore.search import Search, without_collector
+from timed_automata.explore.states import DiscreteSpace, DiscreteState, Move, StateRecord, SymbolicSpace
+from timed_automata.explore.zones import Limits, Zone, constrained, included, up
+from timed_automata.network import Network
+
+_MOST_PAIRS = 50_000  # of states that differ; more are not looked at
+_Place = tuple[tuple[int, ...], bytes]
+_Pair = tuple[DiscreteState, DiscreteState, Zone]
+
+
+class ReachedNetwork:
+    """A network whose states were all found, for the comparison with edited ones.
+
+    Args:
+        network: what edited networks are compared with.
+        templates: those that are edited; the variables that are declared in them are their own affair.
+
+    Raises:
+        RangeError: a value leaves its range in a run.
+    """
+
+    def __init__(self, network: Network, templates: Collection[str]) -> None:
+        self.network = network
+        own = tuple(f"{process.name}." for process in network.processes if process.template in templates)
+        self._seen = [at for name, at in network.offsets.items() if not name.startswith(own)] if own else None
+        self._limits = Limits(network)
+        self.space = SymbolicSpace(DiscreteSpace(network), self._limits)
+        self.reached: list[tuple[StateRecord, Sequence[Zone]]] = []
+        with without_collector():
+            for _ in Search(self.space).nodes():
+                pass
+            for record in self.space.records:
+                if record.passed:
+                    self.reached.append((record, [node.zone for node in record.passed]))
+        self._known: dict[DiscreteState, tuple[ComparedMove, ...]] = {}
+
+    def equivalent(self, edited: Network) -> bool:
+        """Whether an edited network was shown to do the same; False: it was not shown.
+
+        The edit may be in guards, invariants, updates, synchronisations, targets and kinds of locations, and in
+        functions; processes, locations, variables, clocks and channels are those of the network.
+        """
+        if not self._comparable(edited):
+            return False
+        try:
+            with without_collector():
+                return _Comparison(self, edited).holds()
+        except RangeError:
+            return False
+
+    def _comparable(self, edited: Network) -> bool:
+        ours, theirs = (
+            (
+                network.initial,
+                network.clocks,
+                network.variables,
+                network.channels,
+                [(each.name, [at.name for at in each.locations]) for each in network.processes],
+            )
+            for network in (self.network, edited)
+        )
+        return ours == theirs
+
+    def moves(self, state: DiscreteState) -> tuple[ComparedMove, ...]:
+        """The moves of a state, found once."""
+        found = self._known.get(state)
+        if found is None:
+            found = self._known[state] = tuple(moves_of(state))
+        return found
+
+    def seen(self, state: DiscreteState) -> object:
+        """What others see of a state."""
+        if self._seen is None:
+            return place(state)
+        values = state.state.values
+        return state.vector.locations, tuple([values[at] for at in self._seen])
+
+    def active(self, state: DiscreteState) -> Collection[int]:
+        """The clocks whose values may be asked for."""
+        return self._limits.at(state.vector.locations)
+
+
+class _Comparison:
+    def __init__(self, reached: ReachedNetwork, edited: Network) -> None:
+        self._reached, self._space = reached, reached.space
+        self._edited, self._limits = DiscreteSpace(edited), Limits(edited)
+        self._waiting: deque[_Pair] = deque()
+        self._passed: dict[tuple[_Place, _Place], list[Zone]] = {}
+        self._pairs = 0
+
+    def holds(self) -> bool:
+        for record, zones in self._reached.reached:
+            state = record.discrete
+            other = self._edited.at(state.state)
+            if other is None:
+                return False
+            if not self._plainly_same(state, other) and not all(
+                self._same(record, other, zone) for zone in zones
+            ):
+                return False
+        while self._waiting:
+            state, other, zone = self._waiting.popleft()
+            if not self._same(self._space.record(state), other, zone):
+                return False
+        return True
+
+    def _plainly_same(self, state: DiscreteState, other: DiscreteState) -> bool:
+        """Whether moves and invariant are the same whatever the clocks say."""
+        if state.delays != other.delays or state.invariant != other.invariant:
+            return False
+        ours, theirs = self._reached.moves(state), list(moves_of(other))
+        return len(ours) == len(theirs) and all(
+            one.plain == another.plain for one, another in zip(ours, theirs, strict=True)
+        )
+
+    def _same(self, record: StateRecord, other: DiscreteState, zone: Zone) -> bool:
+        """Whether two states do the same in a zone; pairs of states that they lead to are put off."""
+        state = record.discrete
+        if state.delays != other.delays:
+            return False
+        inside = constrained(zone, record.n, record.invariant)
+        if inside is None:
+            return True
+        return self._same_time(record, other, inside) and self._same_moves(record, other, inside)
+
+    def _same_time(self, record: StateRecord, other: DiscreteState, zone: Zone) -> bool:
+        if record.discrete.invariant == other.invariant:
+            return True
+        if any(bound.clock not in record.form.index for bound in other.invariant):
+            return False
+        invariant = self._constrained(record, zone, other.invariant)
+        if invariant is None or not included(zone, invariant):
+            return False
+        if not record.discrete.delays:
+            return True
+        later = self._constrained(record, up(zone, record.n), other.invariant)
+        ours = constrained(up(zone, record.n), record.n, record.invariant)
+        return later is not None and ours is not None and included(later, ours) and included(ours, later)
+
+    def _same_moves(self, record: StateRecord, other: DiscreteState, zone: Zone) -> bool:
+        ours = self._by_label(record, self._reached.moves(record.discrete), zone)
+        theirs = self._by_label(record, tuple(moves_of(other)), zone)
+        if ours is None or theirs is None or ours.keys() != theirs.keys():
+            return False
+        return all(self._match(record, ours[label], theirs[label], zone) for label in ours)
+
+    def _by_label(
+        self, record: StateRecord, moves: Sequence[ComparedMove], zone: Zone
+    ) -> dict[object, dict[_Place, tuple[DiscreteState, list[Zone]]]] | None:
+        """The moves that are possible in a zone by what others see of them, then by where they lead.
+
+        None: one asks for a clock about which nothing is known.
+        """
+        found: dict[object, dict[_Place, tuple[DiscreteState, list[Zone]]]] = {}
+        index = record.form.index
+        for move in moves:
+            if any(bound.clock not in index for bound in move.bounds):
+                return None
+            enabled = self._constrained(record, zone, move.bounds)
+            if enabled is None:
+                continue
+            resets = tuple(self._resets(record, move, enabled))
+            label = (move.channel, resets, self._reached.seen(move.target))
+            targets = found.setdefault(label, {})
+            targets.setdefault(place(move.target), (move.target, []))[1].append(enabled)
+        return found
+
+    def _resets(self, record: StateRecord, move: ComparedMove, zone: Zone) -> Iterator[tuple[int, int]]:
+        """The clocks that are set to what they are not already, if it matters."""
+        index, n = record.form.index, record.n
+        active = {*self._reached.active(move.target), *self._limits.at(move.target.vector.locations)}
+        for clock, value in move.resets:
+            if clock in active:
+                at = index.get(clock)
+                pinned = at is not None and zone[at * n] == 2 * value + 1 and zone[at] == 1 - 2 * value
+                if not pinned:
+                    yield clock, value
+
+    def _match(
+        self,
+        record: StateRecord,
+        ours: dict[_Place, tuple[DiscreteState, list[Zone]]],
+        theirs: dict[_Place, tuple[DiscreteState, list[Zone]]],
+        zone: Zone,
+    ) -> bool:
+        """Whether the moves with one label lead to the same states, or to some that are to be compared."""
+        for key in ours.keys() & theirs.keys():
+            if not same_union(ours[key][1], theirs[key][1], record.n):
+                return False
+        left = [ours[key] for key in ours if key not in theirs]
+        right = [theirs[key] for key in theirs if key not in ours]
+        if len(left) != len(right):
+            return False
+        for (target, zones), (other, other_zones) in zip(left, right, strict=True):
+            if target.invariant != other.invariant or not same_union(zones, other_zones, record.n):
+                return False
+            if not self._put_off(record, target, other, zone):
+                return False
+        return True
+
+    def _put_off(self, record: StateRecord, target: DiscreteState, other: DiscreteState, zone: Zone) -> bool:
+        """Compare two states later; False: there are too many."""
+        passed = self._passed.setdefault((place(target), place(other)), [])
+        for move in self._moves_to(record, target):
+            after = self._space.step(record, move).plan(zone)
+            if after is None or any(included(after, known) for known in passed):
+                continue
+            passed.append(after)
+            self._pairs += 1
+            self._waiting.append((target, other, after))
+        return self._pairs <= _MOST_PAIRS
+
+    def _moves_to(self, record: StateRecord, target: DiscreteState) -> Iterator[Move]:
+        return (move for move in record.discrete.moves if move.target is target)
+
+    @staticmethod
+    def _constrained(record: StateRecord, zone: Zone, bounds: Sequence[Bound]) -> Zone | None:
+        return constrained(zone, record.n, record.constraints(tuple(bounds)))

@@ -1,0 +1,158 @@
+"""Which edits change nothing that can happen: known answers, and random networks against the naive explorer."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, note, settings
+from hypothesis import strategies as st
+
+from tests.support.nightly import NIGHTLY, PHASES, examples
+from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.random_networks import LARGEST, networks
+from tests.unit.timed_automata.explore.regions import Region, Regions
+from timed_automata import Network, make_network
+from timed_automata.compare import ReachedNetwork
+from timed_automata.errors import ModelError, RangeError
+from timed_automata.mutate import mutants
+
+pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
+
+DECLARATIONS = "int[0, 3] told; broadcast chan go, done;"
+WORLD = Template("World", ["w -> w; guard: c >= 2; sync: go!; do: c = 0"], declarations="clock c;")
+
+
+def lamp(**changed: str) -> Network:
+    """A lamp that is lit for 5 to 6, with one of its texts changed."""
+    texts = {
+        "lit": "u = 0, n = 2, told = n",
+        "guard": "u >= 5",
+        "invariant": "u <= 6",
+        "out": "told = 0",
+        "target": "Off",
+        "more": "",
+    } | changed
+    edges = [
+        f"Off -> Lit; sync: go?; do: {texts['lit']}",
+        f"Lit -> {texts['target']}; guard: {texts['guard']}; sync: done!; do: {texts['out']}",
+    ]
+    edges += [texts["more"]] if texts["more"] else []
+    Lamp = Template(
+        "Lamp",
+        edges,
+        declarations="clock u; int[0, 3] n; bool odd;",
+        invariants={"Lit": texts["invariant"]},
+        locations="Off Lit Out",
+    )
+    return network(DECLARATIONS, Lamp, WORLD)
+
+
+SAME = {
+    "a condition that always holds there": {"guard": "u >= 5 && n == 2"},
+    "a bound that another one implies": {"guard": "u >= 5 && u <= 6"},
+    "an edge that is never taken": {"more": "Lit -> Off; guard: u > 6"},
+    "an edge that stands twice": {"more": "Lit -> Off; guard: u >= 5; sync: done!; do: told = 0"},
+    "the two halves of an edge": {
+        "guard": "u > 5",
+        "more": "Lit -> Off; guard: u == 5; sync: done!; do: told = 0",
+    },
+    "a clock that is set before it is asked for": {"out": "told = 0, u = 3"},
+    "a variable of its own that is written before it is read": {"out": "told = 0, n = 1"},
+    "a variable of its own that nobody reads": {"lit": "u = 0, n = 2, told = n, odd = !odd"},
+}
+OTHER = {
+    "a guard that holds later": {"guard": "u >= 6"},
+    "a guard that holds at all but one instant": {"guard": "u > 5"},
+    "an invariant that lets time pass": {"invariant": "u <= 7"},
+    "an invariant that ends earlier": {"invariant": "u < 6"},
+    "a clock that is not set": {"lit": "n = 2, told = n"},
+    "a clock that is set to something else": {"lit": "u = 1, n = 2, told = n"},
+    "a variable that others see": {"out": "told = 1"},
+    "a variable of its own that others see later": {"lit": "u = 0, n = 3, told = n"},
+    "a guard that holds later, and a variable of its own": {"guard": "u >= 6", "out": "told = 0, n = 1"},
+    "another target": {"target": "Out"},
+    "one more edge": {"more": "Lit -> Off; guard: u >= 5; do: told = 0"},
+}
+
+
+@pytest.mark.parametrize("changed", SAME.values(), ids=SAME)
+def test_an_edit_that_changes_nothing(changed: dict[str, str]) -> None:
+    assert ReachedNetwork(lamp(), ["Lamp"]).equivalent(lamp(**changed))
+
+
+@pytest.mark.parametrize("changed", OTHER.values(), ids=OTHER)
+def test_an_edit_that_changes_something(changed: dict[str, str]) -> None:
+    assert not ReachedNetwork(lamp(), ["Lamp"]).equivalent(lamp(**changed))
+
+
+def test_own_variables_are_compared_unless_their_template_is_named() -> None:
+    reached = ReachedNetwork(lamp(), [])
+    assert reached.equivalent(lamp(guard="u >= 5 && n == 2"))
+    assert not reached.equivalent(lamp(out="told = 0, n = 1"))
+
+
+def test_what_the_own_variable_decides_later_is_seen() -> None:
+    """The two states differ in `odd` alone, until it is asked."""
+    late = {"more": "Off -> Out; guard: odd"}
+    assert not ReachedNetwork(lamp(**late), ["Lamp"]).equivalent(lamp(**late, out="told = 0, odd = true"))
+
+
+def test_a_network_with_other_variables_is_not_the_same() -> None:
+    other = network(DECLARATIONS + "int more;", *([WORLD]))
+    assert not ReachedNetwork(lamp(), ["Lamp"]).equivalent(other)
+
+
+# Random networks
+
+
+def bisimilar(left: Network, right: Network) -> bool:
+    """The same steps of locations and values, with the same pauses, in the graphs of regions; any clocks."""
+    ours, theirs = Regions(left, LARGEST), Regions(right, LARGEST)
+    waiting = [(frozenset([ours.initial]), frozenset([theirs.initial]))]
+    passed = set(waiting)
+    while waiting:
+        pair = waiting.pop()
+        steps = [_steps(regions, states) for regions, states in zip((ours, theirs), pair, strict=True)]
+        if steps[0].keys() != steps[1].keys():
+            return False
+        for key in steps[0]:
+            after = frozenset(steps[0][key]), frozenset(steps[1][key])
+            if after not in passed:
+                passed.add(after)
+                waiting.append(after)
+    return True
+
+
+def _steps(regions: Regions, states: frozenset[Region]) -> dict[object, set[Region]]:
+    found: dict[object, set[Region]] = defaultdict(set)
+    for state in states:
+        for after in regions.actions(state):
+            found[after.locations, after.values].add(after)
+        later = regions.later(state)
+        if later is not None:
+            found["time"].add(later)
+    return found
+
+
+@settings(
+    max_examples=examples(40, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+)
+@given(networks(), st.randoms(use_true_random=False))
+def test_what_is_shown_to_be_the_same_is_the_same(random_one: Network, random) -> None:  # type: ignore[no-untyped-def]
+    note(random_one.document.source.decode().replace("<", "\n<"))
+    try:
+        reached = ReachedNetwork(random_one, [])
+    except (ModelError, RangeError):
+        return
+    assert reached.equivalent(make_network(random_one.document))
+    every = list(mutants(random_one.document))
+    for mutant in random.sample(every, min(8, len(every))):
+        try:
+            edited = make_network(replace(mutant.document))
+        except ModelError:
+            continue
+        if reached.equivalent(edited):
+            note(str(mutant))
+            assert bisimilar(random_one, edited)
