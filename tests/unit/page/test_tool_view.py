@@ -261,3 +261,23 @@ def test_nobody_says_no_leak_before_it_is_known(verdin: Description) -> None:
         unknown += hold["leak_kpa_s"] is None
         before = kpa or before
     assert 25 < unknown < 35  # twice 1.6 s
+
+
+def test_what_is_over_is_in_the_log_once_and_is_no_alarm(verdin: Description) -> None:
+    watched = Watched(verdin)
+    watched.tool.run(1.0)
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(4.0)
+    watched.tool.link = False
+    watched.tool.run(0.4)
+    watched.tool.link = True
+    watched.tool.run(1.0)
+    again = "Top vacuum had no valid reading for a while; it is read again."
+    assert f"Over: {again}" in watched.shown()["state"]["alarms"]
+    assert watched.tool.command("drop").accepted
+    watched.tool.run(4.0)
+    assert watched.shown()["state"]["alarms"] == []
+    assert watched.texts("over").count(again) == 1
+    said = [each for each in watched.texts("over") if "Top vacuum" in each]
+    assert said == [again]
+    assert not any(each.startswith("Over") for each in watched.texts("alarm"))
