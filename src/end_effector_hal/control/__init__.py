@@ -1,5 +1,6 @@
 """What the tool decides with: the executed automata and their words; sans-IO."""
 
+from ._alarm_changes import alarm_changes
 from ._constants import LATER_CONSTANTS, model_constants
 from ._controller import PROGRAMS, Controller
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
@@ -19,6 +20,7 @@ __all__ = [
     "Status",
     "StatusLines",
     "StepReport",
+    "alarm_changes",
     "changer_will",
     "ending_in_words",
     "maintenance_will",

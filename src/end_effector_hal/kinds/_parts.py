@@ -85,8 +85,8 @@ class LeakWatch(HoldWatch, Protocol):
     """One that follows a pressure as well."""
 
     @property
-    def leak_kpa_s(self) -> float:
-        """By how much it falls in a second; 0: it does not, or too little is known."""
+    def leak_kpa_s(self) -> float | None:
+        """By how much it falls in a second; 0: it does not. None: not known."""
 
     @property
     def lost_in_s(self) -> float | None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.vocabulary import to_s
-
 SAID_US, LATE_SAID_US = 10_000_000, 1_000_000
 """So long after the last refusal it is told; what came late is told otherwise as well: the readings are stale."""
 LATE_US = 60_000_000
 """What is older has not waited so long: its stamp is wrong."""
 HIGHEST = 2**63 - 1
+_OLD = "too old"
 
 
 class StampGate:
@@ -51,18 +50,18 @@ class StampGate:
             self._last = stamp
             return True
         self.refused += 1
-        late = type(stamp) is int and 0 <= now - stamp < LATE_US and why.endswith(" old")
+        late = type(stamp) is int and 0 <= now - stamp < LATE_US and why == _OLD
         said_us = LATE_SAID_US if late else SAID_US
         if (
             not self.notices(now) or said_us > self._said_us
         ):  # the words of its beginning: it does not flicker
-            times = f" {self.refused} since the start." if self.refused > 1 else ""
             doubt = (
                 "Did the machine stand still?"
                 if late
                 else "Is a clock wrong, or does somebody else publish them?"
             )
-            self._text = f"{self._what} are refused and count for nothing: one is {why}.{times} {doubt}"
+            # without numbers: the same fault is the same alarm, in each program and each time
+            self._text = f"{self._what} are refused and count for nothing: one is {why}. {doubt}"
             self._said_us = said_us
         self._until = max(self._until or 0, now + said_us)
         return False
@@ -80,9 +79,9 @@ class StampGate:
         if type(stamp) is not int or not 0 <= stamp <= HIGHEST:
             return "stamped with what is no time"
         if stamp > now:
-            return f"stamped {to_s(stamp - now):.3g} s ahead of now"
+            return "stamped ahead of now"
         if self._in_order and self._last is not None and stamp < self._last:
-            return f"stamped {to_s(self._last - stamp):.3g} s before the one that came last"
+            return "stamped before the one that came last"
         if old_us is not None and now - stamp >= old_us:
-            return f"{to_s(now - stamp):.3g} s old"
+            return _OLD
         return ""

@@ -53,7 +53,8 @@ class Trend:
         self._samples.clear()
         while self._points[-1][0] - self._points[0][0] > self._window_us / 1e6:
             self._points.popleft()
-        self._older, self._newer = self._slopes()
+        halves = self._halves()
+        self._older, self._newer = map(_surely, halves) if halves else (0.0, 0.0)
         return True
 
     def clear(self) -> None:
@@ -63,33 +64,36 @@ class Trend:
         self._older = self._newer = 0.0
 
     @property
-    def falls(self) -> float:
-        """By how much it falls in a second; 0: it does not, or too little is known yet."""
-        return max(0.0, -self._newer) if self._older < 0 else 0.0
+    def falls(self) -> float | None:
+        """By how much it falls in a second; 0: it does not. None: not known yet, or only its newer half falls."""
+        if self._halves() is None or self._newer < 0 <= self._older:
+            return None
+        return max(0.0, -self._newer)
 
     def falls_by(self, distance: float) -> float | None:
         """Seconds until it has fallen so far from where it is, or None: it does not."""
-        if not self.falls:
+        falls = self.falls
+        if not falls:
             return None
         if distance <= 0:
             return 0.0
         slowing = self._newer / self._older
         if slowing > ALMOST:
-            return distance / self.falls
+            return distance / falls
         # the slope goes with slowing ** (t / half); that of the newer half is half of it old
         half_s, decay = self._window_us / 2e6, -log(slowing)
-        left = 1 - distance * decay / (self.falls * sqrt(slowing) * half_s)
+        left = 1 - distance * decay / (falls * sqrt(slowing) * half_s)
         return -log(left) / decay * half_s if left > 0 else None
 
-    def _slopes(self) -> tuple[float, float]:
-        span_s = self._points[-1][0] - self._points[0][0]
+    def _halves(self) -> tuple[list[Point], list[Point]] | None:
+        """The older and the newer half of the window; None: too little of it is known."""
+        span_s = self._points[-1][0] - self._points[0][0] if self._points else 0.0
         if span_s < 0.8 * self._window_us / 1e6:
-            return 0.0, 0.0
+            return None
         middle = self._points[0][0] + span_s / 2
         older = [point for point in self._points if point[0] <= middle]
         newer = [point for point in self._points if point[0] >= middle]
-        enough = min(len(older), len(newer)) >= 3
-        return (_surely(older), _surely(newer)) if enough else (0.0, 0.0)
+        return (older, newer) if min(len(older), len(newer)) >= 3 else None
 
 
 def _surely(points: Sequence[Point]) -> float:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.cli.run._voices import Changes, JsonLines, Words
+from end_effector_hal.cli.run._voices import Changes, JsonLines, Words, status_lines
 from end_effector_hal.control import StepReport
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description, load, profile_path
@@ -161,3 +161,43 @@ def test_a_reader_who_has_gone_worries_nobody(
     Changes(description, voice).status(tool.status)
     voice.alarm(0, "A text.", over=False)
     voice.help("A text.")
+
+
+WEAK = "Weak grip: Cups fell to 52.0 kPa; minimum for a secure grip: 60 kPa."
+SECURE_AGAIN = "Over: Cups was not secure for a while; it is again (62 kPa)."
+DOWN = "The sensor link is down."
+
+
+def alarmed(changes: Changes, *rounds: tuple[str, ...]) -> None:
+    status = VirtualTool(changes._description).status
+    for at, alarms in enumerate(rounds):
+        changes.status(replace(status, at=at, alarms=alarms))
+
+
+def test_what_is_over_is_said_once_and_not_as_an_alarm(description: Description, screen: Screen) -> None:
+    changes = Changes(description, Words(screen))
+    alarmed(changes, (), (DOWN, WEAK), (SECURE_AGAIN,), ())
+    assert [text for text, err in screen.lines if err] == [
+        f"alarm: {DOWN}",
+        f"alarm: {WEAK}",
+        "over: Cups was not secure for a while; it is again (62 kPa).",
+        f"over: {DOWN}",
+    ]
+    (line,) = (
+        each
+        for each in status_lines(
+            description, replace(VirtualTool(description).status, alarms=(SECURE_AGAIN,))
+        )
+        if "secure" in each
+    )
+    assert line.startswith("over: Cups was")
+
+
+def test_json_has_each_sentence_as_the_status_has_it(
+    description: Description, capsys: pytest.CaptureFixture[str]
+) -> None:
+    alarmed(Changes(description, JsonLines(0)), (), (WEAK,), (SECURE_AGAIN,), ())
+    told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [(each["text"], each["over"]) for each in told if each["event"] == "alarm"] == [
+        (WEAK, False), (SECURE_AGAIN, False), (WEAK, True), (SECURE_AGAIN, True)
+    ]  # fmt: skip

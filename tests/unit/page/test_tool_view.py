@@ -13,6 +13,8 @@ from pydantic_core import to_json
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.nodes.hal_main._margins import Margins
+from end_effector_hal.nodes.transport import AMBIENT_PA
 from end_effector_hal.page.view import STALE_US, ToolView
 from end_effector_hal.runtime.boundary import PUBLISHED, STREAMED, Published, RecordedController
 from end_effector_hal.runtime.boundary._open import header_of
@@ -225,3 +227,57 @@ def test_an_edge_knows_the_requirements_that_name_its_ends_or_what_it_writes(ver
     assert "order-step" not in spoken_of("Unwind", "ReleaseError")
     assert "outputs" not in spoken_of("StandBy", "Activate")  # it speaks of the valves, which Actuator writes
     assert drawn["requirements"][0]["sentence"]
+
+
+@pytest.mark.parametrize("supply", ["supply", "none"])
+def test_the_margin_of_a_cylinder_is_that_of_ros(verdin: Description, supply: str) -> None:
+    """Also without a sensor of the supply: its nominal pressure counts, and no rod has a margin at 0 kPa."""
+    stanza = verdin.supply.model_copy(update={"channel": supply})
+    watched = Watched(verdin.model_copy(update={"supply": stanza}))
+    watched.tool.run(1.5)
+    card = watched.shown()["cards"][1]
+    assert card["kpa"] < 5
+    margins = Margins(watched.description)
+    margins.store("cylinder", card["kpa"] * 1000 + AMBIENT_PA)
+    margins.store(supply, 600_000 + AMBIENT_PA)
+    assert card["margin_kpa"] * 1000 == pytest.approx(margins.values(())[1], abs=200)
+    assert card["margin_kpa"] == pytest.approx(card["kpa"] - 510, abs=5)
+
+
+def test_nobody_says_no_leak_before_it_is_known(verdin: Description) -> None:
+    """From the beginning of the grip, and after a gap, until the window of the trend is full again."""
+    watched = Watched(verdin, "leak-grows:bottom_vacuum:2")
+    watched.tool.run(1.0)
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(2.0)
+    assert watched.tool.status.held
+    before, unknown = 100.0, 0
+    for moment in range(60):
+        watched.tool.link = not 30 <= moment < 34
+        watched.tool.run(0.1)
+        hold, kpa = watched.shown()["cards"][0]["hold"], watched.shown()["cards"][0]["kpa"]
+        if kpa is not None and kpa < before - 0.1:
+            assert hold["leak_kpa_s"] is None or hold["leaks"]
+        unknown += hold["leak_kpa_s"] is None
+        before = kpa or before
+    assert 25 < unknown < 35  # twice 1.6 s
+
+
+def test_what_is_over_is_in_the_log_once_and_is_no_alarm(verdin: Description) -> None:
+    watched = Watched(verdin)
+    watched.tool.run(1.0)
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(4.0)
+    watched.tool.link = False
+    watched.tool.run(0.4)
+    watched.tool.link = True
+    watched.tool.run(1.0)
+    again = "Top vacuum had no valid reading for a while; it is read again."
+    assert f"Over: {again}" in watched.shown()["state"]["alarms"]
+    assert watched.tool.command("drop").accepted
+    watched.tool.run(4.0)
+    assert watched.shown()["state"]["alarms"] == []
+    assert watched.texts("over").count(again) == 1
+    said = [each for each in watched.texts("over") if "Top vacuum" in each]
+    assert said == [again]
+    assert not any(each.startswith("Over") for each in watched.texts("alarm"))

@@ -209,3 +209,12 @@ def test_booleans_of_the_prototype_work_under_the_same_rules() -> None:
     assert feed(bottom=True) == ["confirmed[0]"]
     assert feed(cylinder_extended=True) == ["confirmed[1]"]
     assert feed(cylinder_extended=False) == ["gone[1]"]
+
+
+@pytest.mark.parametrize("supply", [None, True, False])
+def test_without_a_pressure_of_the_supply_its_nominal_one_counts(feed: Feed, supply: bool | None) -> None:
+    """A bit says that there is air, not how much: True is not 1 Pa."""
+    feed(12, supply=supply)
+    assert feed(12, cylinder=509_999, cylinder_retracted=False)[0] == "partial[1]"
+    assert feed.senses.now.evidence[1] is Evidence.PARTIAL
+    assert "confirmed[1]" in feed(6, cylinder=510_000)

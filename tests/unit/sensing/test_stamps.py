@@ -26,16 +26,16 @@ def description() -> Description:
     return load(profile_path())
 
 
-def refused(why: str, times: str = "") -> str:
-    return f"Sensor frames are refused and count for nothing: one is {why}.{times} {DOUBT}"
+def refused(why: str) -> str:
+    return f"Sensor frames are refused and count for nothing: one is {why}. {DOUBT}"
 
 
 # Stamps, by the time at which they come
 
 NOW = 5_000_000
 WRONG: list[tuple[Any, str]] = [
-    (NOW + 1, "stamped 1e-06 s ahead of now"),
-    (YEAR_2038, "stamped 2.15e+09 s ahead of now"),
+    (NOW + 1, "stamped ahead of now"),
+    (YEAR_2038, "stamped ahead of now"),
     (-1, "stamped with what is no time"),
     (-(2**63), "stamped with what is no time"),
     (2**63, "stamped with what is no time"),
@@ -71,9 +71,7 @@ def test_what_came_late_is_told_for_a_second_and_what_is_far_too_old_for_ten(
     gate, now = StampGate("Sensor frames", old_us=STALE), 2 * 10**12
     assert not gate.passes(now - age_us, now)
     (text,) = gate.notices(now + said_s * 1_000_000 - 1)
-    assert text.startswith(
-        f"Sensor frames are refused and count for nothing: one is {age_us / 1e6:.3g} s old."
-    )
+    assert text.startswith("Sensor frames are refused and count for nothing: one is too old.")
     assert text.endswith("Did the machine stand still?" if said_s == 1 else DOUBT)
     assert gate.notices(now + said_s * 1_000_000) == ()
 
@@ -83,8 +81,7 @@ def test_a_wrong_stamp_is_told_although_one_came_late() -> None:
     assert not gate.passes(NOW - STALE, NOW)
     assert not gate.passes(NOW + 1_000_000, NOW)
     assert not gate.passes(NOW - STALE, NOW)
-    times = " 2 since the start."
-    assert gate.notices(NOW + 9_999_999) == (refused("stamped 1 s ahead of now", times),)
+    assert gate.notices(NOW + 9_999_999) == (refused("stamped ahead of now"),)
 
 
 def test_what_is_older_than_the_last_that_counted_is_refused() -> None:
@@ -100,10 +97,22 @@ def test_the_words_of_its_beginning_stand_until_it_is_over_and_the_next_ones_cou
     gate = StampGate("Sensor frames")
     for late in range(50):
         assert not gate.passes(YEAR_2038, NOW + late)
-        assert gate.notices(NOW + late) == (refused("stamped 2.15e+09 s ahead of now"),)
+        assert gate.notices(NOW + late) == (refused("stamped ahead of now"),)
     gate.passes(-1, NOW + 20_000_000)
-    times = " 51 since the start."
-    assert gate.notices(NOW + 20_000_000) == (refused("stamped with what is no time", times),)
+    assert gate.notices(NOW + 20_000_000) == (refused("stamped with what is no time"),)
+
+
+def test_the_same_fault_is_the_same_alarm_each_time() -> None:
+    """With numbers in it an alarm that comes and goes would be a new one each time; `refused` has the count."""
+    gate = StampGate("Sensor frames", old_us=STALE)
+    told = set()
+    for number in range(5):
+        now = NOW + number * 2_000_000
+        assert gate.notices(now) == ()
+        assert not gate.passes(now - STALE - number, now)
+        told.update(gate.notices(now))
+    assert len(told) == 1
+    assert gate.refused == 5
 
 
 # A whole tool: one wrong frame changes nothing but an alarm
@@ -243,4 +252,4 @@ def test_detectors_ask_for_the_stamp_first(description: Description) -> None:
     assert senses.accepts(Frame(NOW, None, None, {}), NOW)
     assert senses.refused == 1
     assert senses.deadline(NOW) == NOW + 10_000_000
-    assert senses.refusals(NOW) == (refused("stamped 1e-06 s ahead of now"),)
+    assert senses.refusals(NOW) == (refused("stamped ahead of now"),)

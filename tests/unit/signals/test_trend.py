@@ -35,15 +35,15 @@ def test_noise_changes_it_little(noise: float) -> None:
 def test_a_fall_that_slows_down_ends_where_it_is_going() -> None:
     """From 85 to 65 kPa with a time constant of 1 s: after 2.5 s it is at 66.6 and never comes to 60."""
     trend = fed(lambda s: 65.0 + 20.0 * math.exp(-s), 2.5)
-    assert trend.falls > 0
+    assert trend.falls
     assert trend.falls_by(6.6) is None
     expected = -math.log(0.6 / 1.64)  # from 1.64 kPa above its end to 0.6 above it
     assert trend.falls_by(1.04) == pytest.approx(expected, rel=0.15)
 
 
 def test_nothing_is_known_before_the_window_is_nearly_full() -> None:
-    assert fed(lambda s: 80.0 - 3.0 * s, 1.5).falls == 0.0
-    assert fed(lambda s: 80.0 - 3.0 * s, 1.9).falls > 0.0
+    assert fed(lambda s: 80.0 - 3.0 * s, 1.5).falls is None
+    assert fed(lambda s: 80.0 - 3.0 * s, 1.9).falls == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("level", [50.5, 60.0, 85.0])
@@ -51,11 +51,17 @@ def test_noise_alone_is_no_fall_that_would_matter(level: float) -> None:
     trend, random = Trend(2_000_000, PERIOD), Random(3)
     for at in range(0, 120_000_000, PERIOD):
         if trend.take(level + random.gauss(0.0, 0.1), at):
-            assert trend.falls < 0.3
+            assert (trend.falls or 0.0) < 0.3
 
 
 def test_a_rise_is_no_fall() -> None:
     assert fed(lambda s: 60.0 + 3.0 * s, 2.5).falls_by(1.0) is None
+
+
+def test_a_fall_that_has_just_begun_is_not_taken_for_none() -> None:
+    """Its older half rises or is level: whether the newer one is a step or a fall is not known."""
+    assert fed(lambda s: 80.0, 2.5).falls == 0.0
+    assert fed(lambda s: 80.0 - max(0.0, 3.0 * (s - 2.0)), 2.5).falls is None
 
 
 def test_a_step_is_no_fall_before_or_after_it_crosses_the_middle() -> None:
@@ -66,10 +72,10 @@ def test_a_step_is_no_fall_before_or_after_it_crosses_the_middle() -> None:
 def test_after_a_gap_it_begins_anew() -> None:
     trend = fed(lambda s: 80.0 - 3.0 * s, 2.5)
     trend.clear()
-    assert trend.falls == 0.0
+    assert trend.falls is None
     assert trend.falls_by(1.0) is None
 
 
 def test_rare_samples_make_the_window_longer() -> None:
-    assert fed(lambda s: 80.0 - s, 5.0, period=1_000_000).falls == 0.0
+    assert fed(lambda s: 80.0 - s, 5.0, period=1_000_000).falls is None
     assert fed(lambda s: 80.0 - s, 12.0, period=1_000_000).falls == pytest.approx(1.0)

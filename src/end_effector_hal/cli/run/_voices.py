@@ -11,14 +11,14 @@ from typing import Any
 import click
 
 from end_effector_hal.cli._json_output import print_line
-from end_effector_hal.control import Answer, Status, StatusLines, refused, unanswered
+from end_effector_hal.control import Answer, Status, StatusLines, alarm_changes, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.nodes.process import PER_S, Allowance
 from end_effector_hal.runtime import Result
-from end_effector_hal.vocabulary import Command, display_name
+from end_effector_hal.vocabulary import OVER, Command, display_name
 from end_effector_hal.wires import now_us
 
 _ENDED = {
@@ -65,8 +65,9 @@ class Words:
 
     def alarm(self, at: int, text: str, *, over: bool) -> None:
         """One line each."""
-        begun = "no longer" if over else "alarm"
-        self._paced(self._worse, f"{begun}: {text}", at, err=True, fg=None if over else "yellow")
+        self._paced(
+            self._worse, f"{'over' if over else 'alarm'}: {text}", at, err=True, fg=None if over else "yellow"
+        )
 
     def result(self, command: Command, result: Result) -> None:
         """How a command ended, with the reason in words."""
@@ -232,7 +233,7 @@ def status_lines(description: Description, status: Status) -> Iterator[str]:
         yield f"tool changer {status.changer.name}"
     yield f"sensors {'up' if status.link_up else 'DOWN'}"
     for alarm in status.alarms:
-        yield f"alarm: {alarm}"
+        yield f"over: {alarm.removeprefix(OVER)}" if alarm.startswith(OVER) else f"alarm: {alarm}"
     if status.reason:
         yield f"last reason: {status.reason}"
 
@@ -264,16 +265,20 @@ class Changes:
         # in words the transition has said it already
         if now[1] != before[1] or (now != before and isinstance(self._voice, JsonLines)):
             self._voice.state(status.at, *now)
-        for alarm in status.alarms:
-            if alarm not in self._alarms:
-                self._voice.alarm(status.at, alarm, over=False)
-        for alarm in self._alarms:
-            if alarm not in status.alarms:
-                self._voice.alarm(status.at, alarm, over=True)
+        for text, over in self._alarm_changes(status.alarms):
+            self._voice.alarm(status.at, text, over=over)
         self._alarms = status.alarms
         with self._told:
             self._at = max(self._at, status.at)  # the two programs may tell in another order than it happened
             self._told.notify_all()
+
+    def _alarm_changes(self, alarms: tuple[str, ...]) -> Iterator[tuple[str, bool]]:
+        if not isinstance(self._voice, JsonLines):
+            yield from alarm_changes(self._alarms, alarms)
+            return
+        # for a program each sentence begins and ends, as in `alarms` of a status
+        yield from ((text, False) for text in alarms if text not in self._alarms)
+        yield from ((text, True) for text in self._alarms if text not in alarms)
 
     def catch_up(self, at: int) -> None:
         """Wait until what happened up to ``at`` µs is told, for a second at most: a result comes after its states."""

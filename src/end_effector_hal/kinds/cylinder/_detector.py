@@ -72,8 +72,7 @@ class CylinderDetector:
         return bool(retracted) if retracted is not None else not extended
 
     def _threshold_pa(self, readings: ChannelReadings, at: int) -> float:
-        supply = readings.get(self._supply.channel, at)
-        supply_pa = self._supply.nominal_kpa * 1000 if supply is None else supply
+        supply_pa = self._supply.pressure_pa(readings.get(self._supply.channel, at))
         # a little lower once extended: noise at the threshold is no loss
         margin_pa = self._supply.hysteresis_kpa * 1000 if self._held else 0.0
         return self._actuator.extended_fraction * supply_pa - margin_pa

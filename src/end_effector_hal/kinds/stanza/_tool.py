@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
@@ -100,6 +101,12 @@ class Supply(Part):
         default=None,
         description="a pressure that does not move by a count for so long is invalid; null: never",
     )
+
+    def pressure_pa(self, reading: float | None) -> float:
+        """What counts as its pressure, gauge Pa: a reading, or the nominal one where none is valid or a bit is all."""
+        if reading is None or isinstance(reading, bool) or isnan(reading):
+            return self.nominal_kpa * 1000
+        return reading
 
 
 class Hold(Part):

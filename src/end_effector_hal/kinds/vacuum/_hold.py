@@ -63,8 +63,8 @@ class VacuumWatch:
             yield from self._leak(who, self.kpa, at)
 
     @property
-    def leak_kpa_s(self) -> float:
-        """By how much the vacuum falls in a second."""
+    def leak_kpa_s(self) -> float | None:
+        """By how much the vacuum falls in a second; None: not known."""
         return self.trend.falls
 
     @property
@@ -106,7 +106,10 @@ class VacuumWatch:
         if self.keeps.lasted(at, to_us(hold.trend_s)):
             text = f"{who} leaked for a while; it is at {kpa:.0f} kPa now."
             yield HoldFinding(AlarmKind.LEAK, text, over=True)
-        elif left_s is not None and self.leaks.lasted(at, to_us(LASTS * hold.trend_s)):
-            fall = f"falls by {self.trend.falls:.1f} kPa/s from {kpa:.1f} kPa"
+        elif (falls := self.trend.falls) and left_s is not None and self._believed(at):
+            fall = f"falls by {falls:.1f} kPa/s from {kpa:.1f} kPa"
             text = f"Leak: {who} {fall} and would be lost (under {lost_kpa:g} kPa) in {left_s:.0f} s."
             yield HoldFinding(AlarmKind.LEAK, text)
+
+    def _believed(self, at: int) -> bool:
+        return self.leaks.lasted(at, to_us(LASTS * self._hold.trend_s))

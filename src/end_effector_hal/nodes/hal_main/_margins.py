@@ -34,10 +34,8 @@ class Margins:
         return tuple(fault for kind in kinds if (fault := fault_of(kind)))
 
     def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
-        supply = self._gauge(self._supply.channel, stale)
-        gauge = self._gauge(part.channel, stale)
-        supply = self._supply.nominal_kpa * 1000 if math.isnan(supply) else supply
-        return kind_of(part).margin_pa(part, gauge, supply)
+        supply_pa = self._supply.pressure_pa(self._gauge(self._supply.channel, stale))
+        return kind_of(part).margin_pa(part, self._gauge(part.channel, stale), supply_pa)
 
     def _gauge(self, channel: str, stale: Collection[str] | None) -> float:
         if stale is None or channel in stale:

@@ -119,11 +119,10 @@ class Card {
   showHold(hold) {
     this.hold.hidden = !hold;
     if (!hold) return;
-    const leaks = hold.leak_kpa_s > 0.02;
-    const falls = leaks && hold.lost_in_s !== null;
-    this.hold.className = `hold${falls ? " leak" : hold.secure === false ? " weak" : ""}`;
-    const left = falls ? (hold.lost_in_s > 0 ? `■ lost in ${seconds(hold.lost_in_s)}` : "■ lost") : hold.secure === false ? "▲ weak" : "● secure";
-    const right = hold.leak_kpa_s === null ? "" : leaks ? `leak ${hold.leak_kpa_s.toFixed(2)} kPa/s` : "no leak";
+    const falls = hold.leaks && hold.lost_in_s !== null;
+    this.hold.className = `hold${falls ? " leak" : hold.secure === false || hold.leaks ? " weak" : ""}`;
+    const left = falls ? (hold.lost_in_s > 0 ? `■ lost in ${seconds(hold.lost_in_s)}` : "■ lost") : hold.secure === false ? "▲ weak" : hold.leaks ? "▲ leaks" : "● secure";
+    const right = hold.leak_kpa_s === null ? "" : hold.leaks ? `leak ${hold.leak_kpa_s.toFixed(2)} kPa/s` : "no leak";
     const text = hold.secure === null ? "● held" : left;
     if (this.holdKey !== text + right) {
       this.holdKey = text + right;

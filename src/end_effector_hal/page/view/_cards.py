@@ -12,6 +12,8 @@ from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import ACTIVE, PENDING, EndEffectorState, Evidence, display_name
 
 _MARKS = ("gone", "lost_at_once", "lost", "confirmed", "secure")
+LEAKS_KPA_S = 0.02
+"""A vacuum that falls more slowly is shown as one without a leak."""
 
 
 class Cards:
@@ -110,7 +112,9 @@ class Cards:
         value = readings.get(part.channel, seen_at)
         if isinstance(value, int) and not isinstance(value, bool):
             card["kpa"] = (-value if kind.below_ambient else value) / 1000
-            margin = kind.margin_pa(part, value, (controller.senses.now.supply.kpa or 0.0) * 1000)
+            supply = self._description.supply
+            supply_pa = supply.pressure_pa(readings.get(supply.channel, seen_at))
+            margin = kind.margin_pa(part, value, supply_pa)
             card["margin_kpa"] = None if margin != margin else margin / 1000
         card["bits"] = [readings.get(bit, seen_at) for bit in self._bits(part)]
         if status.held:
@@ -122,6 +126,7 @@ class Cards:
         hold: dict[str, Any] = {
             "secure": watch.secure if watch else None,
             "leak_kpa_s": None,
+            "leaks": False,
             "lost_in_s": None,
         }
         pressed = self._carried.get(self._parts[index][1].channel) is Kind.PRESSURE
@@ -131,6 +136,7 @@ class Cards:
             leak, lost_in_s = watch.leak_kpa_s, watch.lost_in_s
             hold |= {
                 "leak_kpa_s": None if leak is None else round(leak, 2),
+                "leaks": leak is not None and leak > LEAKS_KPA_S,
                 "lost_in_s": None if lost_in_s is None else round(lost_in_s, 1),
             }
         return hold

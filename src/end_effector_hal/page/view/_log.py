@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, alarm_changes
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, display_name
@@ -97,12 +97,9 @@ class EventLog:
         before = self._alarms.get(program, ())
         self._alarms[program] = status.alarms
         elsewhere = {alarm for name, alarms in self._alarms.items() if name != program for alarm in alarms}
-        for alarm in status.alarms:
-            if alarm not in before and alarm not in elsewhere:
-                self.add(status.at, "alarm", alarm, program)
-        for alarm in before:
-            if alarm not in status.alarms and alarm not in elsewhere:
-                self.add(status.at, "over", f"No longer: {alarm}", program)
+        own = [text for text in status.alarms if text not in elsewhere]
+        for text, over in alarm_changes([text for text in before if text not in elsewhere], own):
+            self.add(status.at, "over" if over else "alarm", text, program)
 
     def _step(self, program: str, step: Step, readings: Mapping[str, Any]) -> None:
         edges = [self._edge(edge.process, edge.source, edge.target, edge.where) for edge in step.edges]
