@@ -104,7 +104,7 @@ class PredicatePublisher:
             with self._lock:
                 at = self._clock()
                 proven = self._needed_of(self._predicates.advance(at))
-                if proven != self._sent or at >= self._due:
+                if proven and (proven != self._sent or at >= self._due):
                     self._send(proven, at)
 
     def _needed_of(self, proven: Mapping[str, bool]) -> dict[str, bool]:
