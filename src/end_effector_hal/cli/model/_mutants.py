@@ -50,6 +50,7 @@ def mutants(
     Edited are guards, invariants, assignments, synchronisations, targets, committed and urgent, and the functions of
     the templates that a program executes. A mutant is caught when a requirement does not hold of it; one that survives
     is an edit that no requirement notices: it changes nothing, or a requirement is missing. The exit code is 4 then.
+    What the values of the description switch off, or do not show, is judged with those of other tools, too.
     """
     from end_effector_hal.control import model_constants
     from end_effector_hal.verification.mutation import judge_all
@@ -102,4 +103,4 @@ def _table(judged: Iterable[MutantVerdict]) -> Iterator[str]:
     total: Counter[str] = sum(kinds.values(), Counter())
     for kind, counts in [*sorted(kinds.items()), ("all", total)]:
         yield f"{kind:22}" + "".join(f"{counts[outcome]:>9}" for outcome in outcomes)
-    yield "off: the values of this description switch the edge off. invalid: no model any more. open: too many states."
+    yield "off: switched off, with the values of other tools too. invalid: no model any more. open: too many states."
