@@ -172,10 +172,11 @@ class _QueryExpressions(Expressions):
                 return self.formula(operand, not wanted)
             case ast.Binary(op="&&" | "||" | "imply" as op, left=left, right=right):
                 parts = (self.formula(left, wanted != (op == "imply")), self.formula(right, wanted))
-                return (All if (op == "&&") == wanted else Some)(parts)
+                return _joined(All if (op == "&&") == wanted else Some, parts)
             case ast.Conditional(test=test, yes=yes, no=no):
-                then = All((self.formula(test, True), self.formula(yes, wanted)))
-                return Some((then, All((self.formula(test, False), self.formula(no, wanted)))))
+                then = _joined(All, (self.formula(test, True), self.formula(yes, wanted)))
+                other = _joined(All, (self.formula(test, False), self.formula(no, wanted)))
+                return _joined(Some, (then, other))
             case ast.Quantified(kind="forall" | "exists" as kind):
                 return self._each(node, kind, wanted)
             case ast.Binary(op="<" | "<=" | "==" | ">=" | ">" | "!="):
@@ -187,7 +188,8 @@ class _QueryExpressions(Expressions):
         if self.effects.writes:
             changed = ", ".join(sorted(self.effects.writes))
             raise fault(node.span, f"The query '{node.span.snippet}' changes {changed}.")
-        return Data(self.function_of(value.source), value.source, wanted)
+        known = None if value.known is None else bool(value.known) is wanted
+        return Data(self.function_of(value.source), value.source, wanted, known)
 
     def _each(self, node: ast.Quantified, kind: str, wanted: bool) -> Formula:
         low, high = self.bounds(node.type)
@@ -217,6 +219,14 @@ class _QueryExpressions(Expressions):
         if _names_deadlock(node):
             return refused(node.span, f"{snippet}, 'deadlock' in an expression", "Expected a condition.")
         return refused(node.span, f"{snippet}, a clock in an expression", "Compare clocks with numbers.")
+
+
+def _joined(join: type[All | Some], parts: tuple[Formula, ...]) -> Formula:
+    """Without what constants decide: of clocks that are compared there nothing need be known."""
+    decides = join is Some
+    open_ = tuple(part for part in parts if not isinstance(part, Data) or part.known in (None, decides))
+    decided = next((part for part in open_ if isinstance(part, Data) and part.known is not None), None)
+    return decided or (join(open_) if len(open_) > 1 else (*open_, *parts)[0])
 
 
 def _names_deadlock(node: ast.Expression) -> bool:

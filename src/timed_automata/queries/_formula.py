@@ -34,6 +34,7 @@ class Data:
     holds: Callable[[tuple[int, ...], tuple[int, ...]], Any]
     source: str
     wanted: bool = True
+    known: bool | None = None  # what constants make of it
 
     def cases(self, state: State) -> list[Case]:
         """True or nothing."""

@@ -51,6 +51,7 @@ def mutants(
     the templates that a program executes. A mutant is caught when a requirement does not hold of it; one that survives
     is an edit that no requirement notices. Where it is proven to change nothing that can happen it is equivalent;
     otherwise a requirement may be missing, and the exit code is 4.
+    What the values of the description switch off, or do not show, is judged with those of other tools, too.
     """
     from end_effector_hal.control import model_constants
     from end_effector_hal.verification.mutation import judge_all
@@ -103,5 +104,5 @@ def _table(judged: Iterable[MutantVerdict]) -> Iterator[str]:
     total: Counter[str] = sum(kinds.values(), Counter())
     for kind, counts in [*sorted(kinds.items()), ("all", total)]:
         yield f"{kind:22}" + "".join(f"{counts[outcome]:>9}" for outcome in outcomes)
-    yield "same: proven to change nothing that can happen. off: the values of this description switch the edge off."
+    yield "same: proven to change nothing that can happen. off: switched off, with the values of other tools too."
     yield "invalid: no model any more. open: too many states."

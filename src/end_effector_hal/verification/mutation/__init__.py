@@ -1,6 +1,6 @@
 """Whether the requirements bind the automata: systematic edits of what is executed, and which requirement notices."""
 
 from ._judge import Baseline, MutantOutcome, MutantVerdict, judge
-from ._judge_all import judge_all
+from ._judge_all import Baselines, judge_all
 
-__all__ = ["Baseline", "MutantOutcome", "MutantVerdict", "judge", "judge_all"]
+__all__ = ["Baseline", "Baselines", "MutantOutcome", "MutantVerdict", "judge", "judge_all"]

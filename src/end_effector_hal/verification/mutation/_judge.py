@@ -6,12 +6,14 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from typing import NamedTuple
 
 from end_effector_hal.errors import ModelError, RangeError, UsageError
 from end_effector_hal.verification.proof import Requirement, requirements_of
 from timed_automata import Network, make_network
 from timed_automata.compare import ReachedNetwork
 from timed_automata.explore import Explorer, Overview, ReactionBound, overview
+from timed_automata.explore.properties import Coverage
 from timed_automata.mutate import Mutant
 from timed_automata.network import Given
 
@@ -25,7 +27,7 @@ class MutantOutcome(StrEnum):
     EQUIVALENT = "equivalent"  # proven to do the same as the file as it is: there is nothing to notice
     SURVIVES = "survives"
     INVALID = "invalid"  # no model any more: the compiler refuses it
-    OFF = "off"  # of an edge that the constants switch off: nothing to be noticed
+    OFF = "off"  # of an edge that the constants of every tool switch off: nothing to be noticed
     OPEN = "open"  # too many states
 
 
@@ -37,11 +39,13 @@ class MutantVerdict:
         mutant: what was edited.
         outcome: what became of it.
         caught_by: ids of the requirements, or checks, that were seen not to hold; the search ends at the first.
+        variant: the tool with which it was caught, in words; empty: the tool at hand.
     """
 
     mutant: Mutant
     outcome: MutantOutcome
     caught_by: tuple[str, ...] = ()
+    variant: str = ""
 
     def document(self) -> dict[str, object]:
         """As JSON has it."""
@@ -55,7 +59,16 @@ class MutantVerdict:
             "place": one.place,
             "outcome": str(self.outcome),
             "caught_by": list(self.caught_by),
+            "variant": self.variant,
         }
+
+
+class _Found(NamedTuple):
+    """What the exploration of the file as it is says."""
+
+    states: int
+    idle: Mapping[str, int]
+    failing: frozenset[str]
 
 
 class Baseline:
@@ -65,24 +78,40 @@ class Baseline:
         network: with the constants that mutants are judged with.
         constants: these constants, as they were given.
         executed: templates that a program executes.
+        variant: words for these constants, where they are not those of the tool at hand. A requirement that does not
+            hold with them is not asked then, such as that of an interlock that is off.
 
     Raises:
         UsageError: a requirement does not hold of the file itself.
     """
 
-    def __init__(self, network: Network, constants: Mapping[str, Given], executed: Collection[str]) -> None:
+    def __init__(
+        self,
+        network: Network,
+        constants: Mapping[str, Given],
+        executed: Collection[str],
+        variant: str = "",
+    ) -> None:
         self.network, self.constants, self.executed = network, constants, tuple(executed)
+        self.variant = variant
         bound = network.constants.get("D")
         self.reaction = ReactionBound(self.executed, bound) if isinstance(bound, int) else None
-        requirements = requirements_of(network)
-        found = overview(network, [each.query for each in requirements], reaction=self.reaction)
-        failing = [each.id for each, answer in zip(requirements, found.answers, strict=True) if not answer]
-        if failing:
-            what = f"Does not hold of the file as it is: {', '.join(failing)}."
+        self._off = {text.partition(": ")[0] for text in Coverage().report(network).disabled}
+        if not variant and (failing := self._found.failing):
+            what = f"Does not hold of the file as it is: {', '.join(sorted(failing))}."
             raise UsageError(what, todo="`eehal verify` shows a run; mutants are judged by what holds.")
-        self.states = found.states
-        self._idle = _idle(found)
-        self._off = {text.partition(": ")[0] for text in found.coverage.disabled}
+
+    @cached_property
+    def _found(self) -> _Found:
+        requirements = requirements_of(self.network)
+        found = overview(self.network, [each.query for each in requirements], reaction=self.reaction)
+        answers = zip(requirements, found.answers, strict=True)
+        return _Found(found.states, _idle(found), frozenset(each.id for each, holds in answers if not holds))
+
+    @property
+    def states(self) -> int:
+        """Symbolic states of the file as it is."""
+        return self._found.states
 
     @cached_property
     def reached(self) -> ReachedNetwork:
@@ -99,16 +128,20 @@ class Baseline:
         into = [edge.place.where(0) for edge in template.edges if edge.target == mutant.location]
         return bool(into) and mutant.location != template.initial and self._off.issuperset(into)
 
+    def asked(self, network: Network) -> tuple[Requirement, ...]:
+        """The requirements of a mutant's network that hold of the file itself."""
+        return tuple(each for each in requirements_of(network) if each.id not in self._found.failing)
+
     def more_idle(self, found: Overview) -> list[str]:
         """Checks of coverage that say more of a mutant than of the file itself."""
-        return [name for name, count in _idle(found).items() if count > self._idle[name]]
+        return [name for name, count in _idle(found).items() if count > self._found.idle[name]]
 
 
 def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
     """Look for a requirement that notices the edit."""
     try:
         network = make_network(mutant.document, baseline.constants)
-        requirements = requirements_of(network)
+        requirements = baseline.asked(network)
     except ModelError:
         return MutantVerdict(mutant, MutantOutcome.INVALID)
     if baseline.off(mutant) and baseline.reached.equivalent(network):  # the edit may switch it on
@@ -122,9 +155,9 @@ def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
         if not by and not found.ended:
             by = tuple(_unnoticed(network, found, baseline))
     except RangeError:
-        return MutantVerdict(mutant, MutantOutcome.CAUGHT, ("ranges",))
+        by = ("ranges",)
     if by:
-        return MutantVerdict(mutant, MutantOutcome.CAUGHT, by)
+        return MutantVerdict(mutant, MutantOutcome.CAUGHT, by, baseline.variant)
     if found.ended:
         return MutantVerdict(mutant, MutantOutcome.OPEN)
     same = baseline.reached.equivalent(network)

@@ -8,11 +8,50 @@ from multiprocessing import get_context
 from random import Random
 
 from end_effector_hal.verification.mutation._judge import Baseline, MutantOutcome, MutantVerdict, judge
-from timed_automata import Network
+from end_effector_hal.verification.mutation._variants import variants
+from timed_automata import Network, make_network
 from timed_automata.mutate import Mutant, mutants
 from timed_automata.network import Given
 
-_worker: tuple[Baseline, list[Mutant]]
+_worker: tuple[Baselines, list[Mutant]]
+_DECIDED = MutantOutcome.CAUGHT, MutantOutcome.INVALID
+
+
+class Baselines:
+    """The file with the constants of the tool at hand, and with those of its variants, explored when first needed.
+
+    Args:
+        network: the automata with the constants of a tool.
+        constants: these constants, by name.
+        executed: templates that a program executes.
+
+    Raises:
+        UsageError: a requirement does not hold of the file itself.
+    """
+
+    def __init__(self, network: Network, constants: Mapping[str, Given], executed: Collection[str]) -> None:
+        self._first = Baseline(network, constants, executed)
+        self._variants = dict(variants(network, constants))
+        self._explored: dict[str, Baseline] = {}
+
+    def __iter__(self) -> Iterator[Baseline]:
+        yield self._first
+        for words, constants in self._variants.items():
+            if words not in self._explored:
+                network = make_network(self._first.network.document, constants)
+                self._explored[words] = Baseline(network, constants, self._first.executed, words)
+            yield self._explored[words]
+
+    def judge(self, mutant: Mutant) -> MutantVerdict:
+        """Judge a mutant with the tool at hand, then with its variants until it is caught."""
+        found: list[MutantVerdict] = []
+        for baseline in self:
+            verdict = judge(mutant, baseline)
+            if verdict.outcome in _DECIDED:
+                return verdict
+            found.append(verdict)
+        worst = (MutantOutcome.OPEN, MutantOutcome.SURVIVES, MutantOutcome.EQUIVALENT, MutantOutcome.OFF)
+        return min(found, key=lambda each: worst.index(each.outcome))
 
 
 def judge_all(
@@ -40,23 +79,23 @@ def judge_all(
     chosen = list(range(len(every)))
     if sample is not None and sample < len(chosen):
         chosen = sorted(Random(seed).sample(chosen, sample))
-    baseline = Baseline(network, constants, executed)
+    baselines = Baselines(network, constants, executed)
     # a forked process has all of it already
-    with ProcessPoolExecutor(jobs, get_context("fork"), _start, (baseline, every)) as pool:
+    with ProcessPoolExecutor(jobs, get_context("fork"), _start, (baselines, every)) as pool:
         try:
-            for number, (outcome, by) in zip(chosen, pool.map(_judge, chosen), strict=True):
-                yield MutantVerdict(every[number], outcome, by)
+            for number, (outcome, by, variant) in zip(chosen, pool.map(_judge, chosen), strict=True):
+                yield MutantVerdict(every[number], outcome, by, variant)
         finally:
             pool.shutdown(cancel_futures=True)
 
 
-def _start(baseline: Baseline, every: list[Mutant]) -> None:
+def _start(baselines: Baselines, every: list[Mutant]) -> None:
     global _worker
-    _worker = baseline, every
+    _worker = baselines, every
 
 
-def _judge(number: int) -> tuple[MutantOutcome, tuple[str, ...]]:
+def _judge(number: int) -> tuple[MutantOutcome, tuple[str, ...], str]:
     """Without the mutant itself: it is known at the other side."""
-    baseline, every = _worker
-    judged = judge(every[number], baseline)
-    return judged.outcome, judged.caught_by
+    baselines, every = _worker
+    judged = baselines.judge(every[number])
+    return judged.outcome, judged.caught_by, judged.variant

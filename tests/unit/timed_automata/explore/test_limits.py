@@ -10,8 +10,9 @@ from tests.unit.timed_automata.explore.classics import csma_cd, fischer, train_g
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import load_network
 from timed_automata.explore.states._discrete import DiscreteSpace
-from timed_automata.explore.zones._limits import NEVER, Limit, Limits, QueryLimits, largest
+from timed_automata.explore.zones._limits import NEVER, Limit, Limits, QueryLimits, largest, limits_of
 from timed_automata.network import Semantics
+from timed_automata.queries import compile_formula, parse_query
 
 
 def test_limits_run_back_along_the_edges_until_a_clock_is_set() -> None:
@@ -52,6 +53,23 @@ def test_clocks_of_several_processes() -> None:
     assert limits((0, 0)) == {}
     assert limits((1, 0)) == {1: Limit(NEVER, 2)}
     assert limits((1, 2)) == {1: Limit(NEVER, 2), 2: Limit(2, NEVER)}
+
+
+@pytest.mark.parametrize(
+    ("condition", "limits"),
+    [
+        ("N > 1 || x >= 5", {}),
+        ("N == 1 && i > 0 imply x >= 5", {}),
+        ("N > 3 || x >= 5", {1: Limit(NEVER, 5)}),
+        ("i > 1 || x >= 5", {1: Limit(NEVER, 5)}),
+        ("(N > 1 ? i > 0 : x >= 7) && (N > 2 imply x >= 5)", {1: Limit(NEVER, 5)}),
+    ],
+)
+def test_what_constants_decide_in_a_query_asks_for_no_clock(condition: str, limits: dict[int, Limit]) -> None:
+    model = network("const int N = 3; int[0, 2] i; clock x;", Template("P", ["a -> b"]))
+    asked = parse_query(f"A[] {condition}").condition
+    assert asked is not None
+    assert limits_of(compile_formula(model, asked, negated=True)) == limits
 
 
 def test_a_constant_too_large_is_refused() -> None:

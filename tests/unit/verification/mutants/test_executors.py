@@ -12,7 +12,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError, RangeError
 from end_effector_hal.vocabulary import ChangerState
 from tests.unit.verification.mutants.mutants import MUTANTS, first_of_each
-from timed_automata import Event, Execution, Network, Step
+from timed_automata import Event, Execution, Network, Observation, Step
 
 INTERFACE = load(profile_path()).automata.interface
 EXECUTED = ("Gripper", "Actuator", "Changer", "Arming")
@@ -36,9 +36,13 @@ UNLOCKED, UNLOCKING, LOCKING = ChangerState.UNLOCKED, ChangerState.UNLOCKING, Ch
 RUNS, INPUTS = 200, 60
 
 
-def play(network: Network, seed: int) -> list[object]:
-    """What the executed side puts out for random inputs: the seed decides, and what the outputs ask of the world."""
-    execution, chooser = Execution(network, EXECUTED, INTERFACE), random.Random(seed)
+def play(network: Network, seed: int, observe: Callable[[Observation], object] | None = None) -> list[object]:
+    """What the executed side puts out for random inputs: the seed decides, and what the outputs ask of the world.
+
+    ``observe`` is called with what a monitor sees.
+    """
+    execution = Execution(network, EXECUTED, INTERFACE, observe=observe)
+    chooser = random.Random(seed)
     told: list[object] = []
     levels = {f"evidence[{i}]": 1 for i in range(3)} | {"tool": 1}
     active = [chooser.random() < 0.2] * 3

@@ -24,7 +24,7 @@ class Watched:
         class Recorded(Execution):
             def __init__(self, *args: object, **options: object) -> None:
                 watched.seen, watched.at = [], 0
-                super().__init__(*args, **options, observe=watched.seen.append)  # type: ignore[arg-type]
+                super().__init__(*args, **options | {"observe": watched.seen.append})  # type: ignore[arg-type]
 
             def advance(self, at: int) -> tuple[Step, ...]:
                 watched.at = at

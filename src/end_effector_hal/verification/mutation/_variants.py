@@ -1,0 +1,89 @@
+"""Other tools than the one at hand: what the constants of one tool switch off is judged with those of another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from timed_automata import Network
+from timed_automata.network import Given
+
+Pattern = Mapping[str, bool | int | tuple[bool, ...] | tuple[int, ...]]
+_STEPS = 2
+_TIMES: Pattern = {
+    "ATTEMPTS": (3, 2),
+    "T_CONFIRM": (4000, 5000),
+    "T_RESET": (700, 1000),
+    "T_GONE": (1500, 2000),
+}
+_FAR_MS = 1_000_000  # how long a command may take is asked of the tool at hand alone
+_WIDE: Pattern = {"GRIP_BOUND": _FAR_MS, "RELEASE_BOUND": _FAR_MS, "CANCEL_BOUND": _FAR_MS}
+_BLOWN_OFF: Pattern = {"BLOWS": True, "T_GAP": (150, 100), "IL_08_GAP": (50, 50), "UNTIL_GONE": (True, False)}
+
+VARIANTS: Mapping[str, Pattern] = {
+    "one step": {"N": 1},
+    "a latching tool changer": {"N": 1, "LATCHING": True, "IL_02": False, "UNLOCK_KEEPS": True},
+    "no sensors of the stand": {"N": 1, "STAND": False},
+    "no tool changer, no IL-06 and IL-07": {
+        "CHANGER": False,
+        "SHOWS_EMPTY": True,
+        "IL_06": False,
+        "IL_07": False,
+    },
+    "an ending holds one of two": {
+        "CANCEL_KEEPS": (True, False),
+        "ABORT_KEEPS": (False, True),
+        "TIMEOUT_KEEPS": (True, False),
+        "DEATH_KEEPS": (False, True),
+        "MIXED": True,
+    },
+    "endings hold both": {
+        "CANCEL_KEEPS": (True, True),
+        "ABORT_KEEPS": (True, True),
+        "TIMEOUT_KEEPS": (True, True),
+        "DEATH_KEEPS": (True, True),
+    },
+    "a loss and the start release both": {
+        "LOSS_KEEPS": (False, False),
+        "START_KEEPS": (False, False),
+        "HELD_DEATH_KEEPS": (False, False),
+    },
+    "a loss and the start release one of two": {
+        "LOSS_KEEPS": (False, True),
+        "START_KEEPS": (True, False),
+        "MIXED": True,
+    },
+    "evidence of nothing": {"SHOWS_EMPTY": True},
+    "one is blown off, a cancel holds the other": {
+        **_BLOWN_OFF,
+        "T_BLOW": (200, 0),
+        "CANCEL_KEEPS": (False, True),
+        "MIXED": True,
+    },
+    "both are blown off": {**_BLOWN_OFF, "T_BLOW": (200, 150)},
+    "no IL-01": {"N": 1, "IL_01": False},
+    "two steps": {},
+}
+"""Constants by the words for a tool of two steps, or of one where that is enough; the quick ones first."""
+
+
+def variants(network: Network, constants: Mapping[str, Given]) -> Iterator[tuple[str, dict[str, Given]]]:
+    """The first two steps of a tool with other constants, those that its automata have; with the words for them.
+
+    Args:
+        network: the automata with the constants of the tool.
+        constants: these constants.
+    """
+    if "N" not in constants:
+        return
+    for words, changes in VARIANTS.items():
+        if not changes.keys() <= network.constants.keys():
+            continue
+        steps = 1 if changes.get("N") == 1 else _STEPS
+        order: Pattern = {"N": steps, "RELEASE_ORDER": tuple(reversed(range(steps)))}
+        changed: dict[str, Given] = {**constants, **_WIDE, **_TIMES, **changes, **order}
+        yield words, {name: _of(steps, value) for name, value in changed.items()}
+
+
+def _of(steps: int, value: Given) -> Given:
+    """A constant for a tool with so many steps."""
+    return (list(value) * steps)[:steps] if isinstance(value, Sequence) else value
