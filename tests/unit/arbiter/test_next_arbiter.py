@@ -74,7 +74,7 @@ def test_a_client_that_was_started_again_meanwhile_finds_the_will_executed() -> 
 
 
 def test_a_deactivation_that_waited_when_both_died_is_done_by_the_next_arbiter() -> None:
-    """IL-10: the line had just changed. Its program had accepted a cancel, the will that it left is about the others."""
+    """IL-10: the line had just changed. Its program had accepted a cancel; its last will is about the others."""
     old, lines = rules(bottom=True)
     session = old.hello("grip", TOKEN, GRIP, (), 1 * S)
     old.write(session, {TOP: True}, (LastWillStep(TOP), LastWillStep(BOTTOM)), 1 * S)

@@ -74,7 +74,7 @@ class Outputs:
         """It has just refused an activation, and the automata do not know yet."""
 
     def found(self, levels: Mapping[str, bool], status: Status) -> None:
-        """The levels that are adopted, as a program begins: what has changed before it knows is found out by `agree`."""
+        """The levels that a program adopts as it begins; `agree` finds out what has changed since."""
         self._written = {line: levels[line] for line in self.mapping.levels(status) if line in levels}
 
     def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
