@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from _pytest.mark import ParameterSet
+from click import Command
 from click.testing import CliRunner
 
 from end_effector_hal.cli._figures import draw_run
@@ -13,6 +14,7 @@ from end_effector_hal.cli._verify import command as verify
 from end_effector_hal.cli.model._model import command as model
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import RunInfo
 from end_effector_hal.verification.deaths import DEATHS_FILE, death_network
 from end_effector_hal.verification.proof import (
@@ -48,6 +50,19 @@ def test_its_network_is_exported(tmp_path: Path) -> None:
     result = CliRunner().invoke(model, ["export", "--deaths", "-o", str(own)], catch_exceptions=False)
     assert result.exit_code == 0
     assert load_network(own).constants["SETTLE"] == 50
+
+
+@pytest.mark.parametrize(
+    ("command", "words", "what"),
+    [
+        (verify, ["--deaths", "--free-sensors", "all"], "The network of deaths has no sensors"),
+        (verify, ["--deaths", "--model", "lamp.xml"], "The network of deaths and a model are named"),
+        (model, ["show", "--deaths", "--coils", "cup"], "Two networks are named"),
+    ],
+)
+def test_two_networks_at_once_are_refused(command: Command, words: list[str], what: str) -> None:
+    with pytest.raises(UsageError, match=what):
+        CliRunner().invoke(command, words, catch_exceptions=False)
 
 
 def test_it_has_the_time_that_a_line_of_the_tool_settles() -> None:
@@ -112,7 +127,7 @@ def place(mutant: Mutant) -> ParameterSet:
     return pytest.param(mutant, id=name, marks=[pytest.mark.nightly] if name in SLOWER else [])
 
 
-@pytest.mark.parametrize("mutant", map(place, PLACES))
+@pytest.mark.parametrize("mutant", [place(each) for each in PLACES])
 def test_requirement_8_is_found_false_and_drawn(mutant: Mutant, tmp_path: Path) -> None:
     finding = refuted(mutant)
     assert told_run(finding)[-1].endswith("fell must be false, but it is true.")
