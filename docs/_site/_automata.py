@@ -7,6 +7,7 @@ from pathlib import Path
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.verification.coils import COILS_FILE
+from end_effector_hal.verification.deaths import DEATHS_FILE
 from end_effector_lab.figures import draw_template
 from timed_automata import load_document
 
@@ -22,7 +23,10 @@ def automata() -> str:
     executed |= dict.fromkeys(tool.automata.tool_change, "Executed in ToolChange.")
     tools = _templates(tool.automata_path, executed, "Part of the environment, which the proof needs.")
     coils = _templates(COILS_FILE, {}, "Of `two_coils.xml`, which proves outputs with two coils.")
-    return "\n\n".join((*tools, *coils))
+    deaths = _templates(
+        DEATHS_FILE, {}, "Of `deaths.xml`, in which program and line arbiter die at any instant."
+    )
+    return "\n\n".join((*tools, *coils, *deaths))
 
 
 def _templates(file: Path, executed: dict[str, str], others: str) -> Iterator[str]:

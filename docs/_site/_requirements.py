@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 
 from end_effector_hal.control import network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.verification.coils import COILS_FILE
+from end_effector_hal.verification.deaths import DEATHS_FILE
 from end_effector_hal.verification.proof import Requirement, requirements_of
 from timed_automata import load_network
 from timed_automata.monitor import Monitor
@@ -44,9 +46,16 @@ def requirements() -> str:
     parts.append(
         "A network of their own proves them, with the times of each; that of the tool may then assume it."
     )
-    coils = requirements_of(load_network(COILS_FILE))
-    parts += [part.replace("## ", "### ", 1) for each in coils for part in _requirement(each, [], [])]
+    parts += _apart(COILS_FILE)
+    parts.append("## Of deaths at any instant")
+    parts.append("A network of its own proves them, once for all tools: `eehal verify --deaths`.")
+    parts += _apart(DEATHS_FILE)
     return "\n\n".join(parts)
+
+
+def _apart(file: Path) -> Iterator[str]:
+    for each in requirements_of(load_network(file)):
+        yield from (part.replace("## ", "### ", 1) for part in _requirement(each, [], []))
 
 
 def _requirement(each: Requirement, recordings: list[str], found: list[dict[str, str]]) -> Iterator[str]:

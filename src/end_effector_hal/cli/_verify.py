@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from end_effector_hal.cli.model import DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.cli.model import DEATHS, DESCRIPTION, MODEL, Source, open_source
 from end_effector_hal.errors import UsageError
 
 from ._figures import Drawing, draw_run, figures, is_figure
@@ -32,6 +32,7 @@ T = TypeVar("T")
 @click.command(name="verify")
 @DESCRIPTION
 @MODEL
+@DEATHS
 @click.option("--all", "every", is_flag=True, help="Print every requirement, not only what does not hold.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print {requirements, bounds, ...} as JSON, all of them."
@@ -52,6 +53,7 @@ T = TypeVar("T")
 def command(
     description: Path | None,
     model: Path | None,
+    deaths: bool,
     every: bool,
     as_json: bool,
     output: Path | None,
@@ -67,6 +69,9 @@ def command(
     exit code is 4 when a requirement does not hold. The verdict about a DESCRIPTION is kept in
     ${XDG_STATE_HOME:-~/.local/state}/end-effector-hal/verdicts, by its content.
 
+    With --deaths another network is proven, once for all tools: whoever dies when and how often, no line of a held part
+    goes inactive except after a Drop. It takes some seconds.
+
     With --free-sensors the automata alone are proven, in a world whose sensors have no memory and no least time between
     two changes: that the ordinary, smaller world leaves nothing out. Time need not diverge there, since a sensor may
     flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
@@ -76,7 +81,9 @@ def command(
     from end_effector_hal.verification.coils import prove_tool
     from end_effector_hal.verification.proof import prove
 
-    source = open_source(description, model)
+    if deaths and free is not None:
+        raise UsageError("The network of deaths has no sensors.", todo="Leave --free-sensors out.")
+    source = open_source(description, model, deaths=deaths)
     if free is not None:
         source = _set_free(source, free)
     content = content_hash(source.description) if source.description is not None else ""

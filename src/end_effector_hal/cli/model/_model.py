@@ -16,15 +16,14 @@ from end_effector_hal.cli.model._check import check
 from end_effector_hal.cli.model._fig5 import fig5
 from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.cli.model._simulate import simulate
-from end_effector_hal.cli.model._source import COILS, DESCRIPTION, MODEL, open_source
+from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, open_source
 from end_effector_hal.errors import UsageError
 from timed_automata.document import Template, did_you_mean
 
 
 def _template_names(context: click.Context) -> Iterable[str]:
-    source = open_source(
-        context.params.get("description"), context.params.get("model"), context.params.get("coils")
-    )
+    named = (context.params.get(each) for each in ("description", "model", "coils"))
+    source = open_source(*named, deaths=bool(context.params.get("deaths")))
     return [_name(each) for each in source.network.document.templates]
 
 
@@ -37,6 +36,7 @@ def command() -> None:
 @DESCRIPTION
 @MODEL
 @COILS
+@DEATHS
 @click.option(
     "-o",
     "--output",
@@ -57,6 +57,7 @@ def show(
     description: Path | None,
     model: Path | None,
     coils: str | None,
+    deaths: bool,
     output: Path,
     template: str | None,
     as_json: bool,
@@ -66,7 +67,7 @@ def show(
     Locations, edges and labels stand where the file says; the constants of the description that a template
     mentions are listed under its name.
     """
-    draw, source = figures().draw_template, open_source(description, model, coils)
+    draw, source = figures().draw_template, open_source(description, model, coils, deaths=deaths)
     templates = _wanted(source.network.document.templates, template)
     one = is_figure(output)
     if one and len(templates) > 1:
@@ -118,8 +119,9 @@ def _file_names(names: list[str]) -> list[str]:
 @command.command(name="export", short_help="Write the network with the constants of a description.")
 @DESCRIPTION
 @COILS
+@DEATHS
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
-def export_network(description: Path | None, coils: str | None, output: Path | None) -> None:
+def export_network(description: Path | None, coils: str | None, deaths: bool, output: Path | None) -> None:
     """Write the network with the constants of a description, for UPPAAL.
 
     Layout, comments and queries are those of the file; only the values of constants differ. The same
@@ -127,7 +129,7 @@ def export_network(description: Path | None, coils: str | None, output: Path | N
     """
     from timed_automata import export
 
-    data = export(open_source(description, None, coils).network)
+    data = export(open_source(description, None, coils, deaths=deaths).network)
     if output is None:
         click.echo(data, nl=False)
     else:

@@ -13,7 +13,7 @@ from end_effector_hal.cli._figures import Drawing, draw_run, figures, is_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._progress import Progress
-from end_effector_hal.cli.model._source import COILS, DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, Source, open_source
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ NO_STATES = "The model has no variables ee, command and actuator[], so there is 
 @DESCRIPTION
 @MODEL
 @COILS
+@DEATHS
 @click.option("--seed", default=0, show_default=True, help="The same seed, the same run.")
 @click.option("--steps", type=click.IntRange(0), help="Largest number of transitions; by default 100.")
 @click.option(
@@ -45,6 +46,7 @@ def simulate(
     description: Path | None,
     model: Path | None,
     coils: str | None,
+    deaths: bool,
     seed: int,
     steps: int | None,
     seconds: float | None,
@@ -66,7 +68,7 @@ def simulate(
 
     if output is not None and is_figure(output):
         figures()  # without what draws them nothing is played
-    source = open_source(description, model, coils)
+    source = open_source(description, model, coils, deaths=deaths)
     choices = parse_choices(source.network, choose)
     if seconds is not None and isnan(seconds):  # what a range of click lets through
         raise UsageError("--for nan is no length of time.")

@@ -25,6 +25,11 @@ COILS = click.option(
     metavar="NAME",
     help="Instead: the network of the two coils of an actuator, or of tool_changer.",
 )
+DEATHS = click.option(
+    "--deaths",
+    is_flag=True,
+    help="Instead: the network of the line arbiter, in which anybody dies at any instant.",
+)
 
 
 @dataclass(frozen=True)
@@ -45,16 +50,19 @@ class Source:
         return replace(run_info(self.description, scenario=scenario), simulated=True)
 
 
-def open_source(description: Path | None, model: Path | None, coils: str | None = None) -> Source:
+def open_source(
+    description: Path | None, model: Path | None, coils: str | None = None, *, deaths: bool = False
+) -> Source:
     """The network of a description (by default the shipped one), or of a UPPAAL file.
 
     Args:
         description, model: the file.
         coils: instead of the automata of a description: an output of two coils.
+        deaths: instead: the network in which program and line arbiter die.
 
     Raises:
         DescriptionError, ModelError: it is not valid.
-        UsageError: both are named, or there is no such output.
+        UsageError: two networks are named, or there is no such output.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import model_constants
@@ -63,10 +71,13 @@ def open_source(description: Path | None, model: Path | None, coils: str | None 
     from timed_automata import load_network
 
     if model is not None:
-        if description is not None or coils is not None:
-            raise UsageError("A description and a model are named.", todo="Leave one of them out.")
+        if description is not None or coils is not None or deaths:
+            other = "The network of deaths" if deaths else "A description"
+            raise UsageError(f"{other} and a model are named.", todo="Leave one of them out.")
         network = load_network(model)
         return Source(str(model), network, None, _told(network))
+    if deaths and coils is not None:
+        raise UsageError("Two networks are named: --coils and --deaths.", todo="Leave one of them out.")
     path = description or profile_path()
     if is_uppaal(path):
         todo = f"Write '--model {path}'."
@@ -74,6 +85,8 @@ def open_source(description: Path | None, model: Path | None, coils: str | None 
     loaded = load_tool(path)
     if coils is not None:
         return _coils_of(loaded, coils)
+    if deaths:
+        return _deaths_of(loaded)
     constants, network = model_constants(loaded), load_automata(loaded)
     told = {name: value for name, value in _told(network).items() if name in constants}
     return Source(str(path), network, loaded, told)
@@ -90,6 +103,13 @@ def _coils_of(description: Description, output: str) -> Source:
         )
     network = networks[output]
     return Source(f"{description.source}: the coils of {output}", network, None, _told(network))
+
+
+def _deaths_of(description: Description) -> Source:
+    from end_effector_hal.verification.deaths import death_network
+
+    network = death_network(description)
+    return Source(f"{description.source}: deaths", network, None, _told(network))
 
 
 def _told(network: Network) -> dict[str, object]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
+
 from end_effector_hal.vocabulary import EndEffectorState
 
 TROUBLES = {"journal", "session record"}
@@ -33,12 +35,24 @@ class Judge:
         if not level and self.held:
             self._violated(f"{name} of a held part goes inactive without a Drop")
 
-    def told(self, state: int) -> None:
-        """A program has said its state."""
-        if state == EndEffectorState.GRIPPED:
+    def told(self, state: int, waits: Iterable[str] = (), *, held: bool = False) -> None:
+        """A program has said its state, and whether it holds; ``waits``: lines that are about to go inactive."""
+        if held:
+            for name in waits:
+                self._violated(f"it is told as held while {name} waits to be deactivated")
             self.held = True
         if state != EndEffectorState.GRIPPING:
             self.commanded = False
+
+    def asked(self, levels: Mapping[str, bool], will: Sequence[Mapping[str, object]] | None) -> None:
+        """The program writes: what ``deaths.xml`` assumes of it."""
+        if not self.held:
+            return
+        for name in self._gripping:
+            if self._lines[name] and not levels.get(name, True):
+                self._violated(f"{name} of a held part is asked to be inactive")
+        if will:
+            self._violated("the last will of a program that holds would release")
 
     def accepted(self, command: str) -> None:
         """A program has accepted a command."""

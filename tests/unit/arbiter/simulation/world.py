@@ -119,7 +119,10 @@ class World:
 
     def message(self, line: bytes) -> None:
         """The arbiter reads a message."""
-        self._message = str(json.loads(line)["op"])
+        content = json.loads(line)
+        self._message = str(content["op"])
+        if self._message == "set":
+            self.judge.asked(content["levels"], content.get("will"))
         self.hazard("message")
 
     def hazard(self, where: str) -> None:
@@ -174,6 +177,11 @@ class World:
             self._heal_at["program"] = self.now + self.random.choice((TICK_US, 400_000, 3_000_000))
         if fault == "power":
             self._doomed.add("power")
+
+    def waits(self) -> list[str]:
+        """Lines whose deactivation waits for them to settle."""
+        sessions = self.arbiter.rules.sessions if self.arbiter is not None else []
+        return [name for name in GRIP_LINES for each in sessions if each.queued_level(name) is False]
 
     def shown(self) -> None:
         """Somebody is told of the faults that the arbiter has latched."""
@@ -486,7 +494,7 @@ class Program:
 
     def _tell(self, status: Status) -> None:
         self.told = status
-        self._world.judge.told(int(status.ee))
+        self._world.judge.told(int(status.ee), self._world.waits(), held=status.held)
 
     def _program_loses(self, error: Any) -> None:
         self._program._lose(error)
