@@ -4,6 +4,7 @@ from ._channels import CodecChannels, used_channels
 from ._codec import not_fitted, slow, unproven
 from ._declared import channel_faults
 from ._frames import frame_faults
+from ._limits import limit_faults
 from ._order import order_faults
 from ._outputs import lost_by_silence, output_faults
 from ._shared import shared_faults
@@ -13,6 +14,7 @@ __all__ = [
     "CodecChannels",
     "channel_faults",
     "frame_faults",
+    "limit_faults",
     "lost_by_silence",
     "not_fitted",
     "order_faults",
