@@ -8,10 +8,16 @@ from ._limits import limit_faults
 from ._order import order_faults
 from ._outputs import lost_by_silence, output_faults
 from ._shared import shared_faults
+from ._span_search import BIT, GAUGE_KPA, Spans, SpanSearch, Wanted, range_kpa
 from ._stanzas import rule_faults
 
 __all__ = [
+    "BIT",
+    "GAUGE_KPA",
     "CodecChannels",
+    "SpanSearch",
+    "Spans",
+    "Wanted",
     "channel_faults",
     "frame_faults",
     "limit_faults",
@@ -19,6 +25,7 @@ __all__ = [
     "not_fitted",
     "order_faults",
     "output_faults",
+    "range_kpa",
     "rule_faults",
     "shared_faults",
     "slow",
