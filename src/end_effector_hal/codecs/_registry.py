@@ -10,8 +10,8 @@ from end_effector_hal.codecs._codec import Codec, Decoder, Device, PolledCodec, 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.plugins import Plugins
 from end_effector_hal.signals import Frame, Kind
+from end_effector_hal.vocabulary import MOST_CHANNELS
 
-MOST_CHANNELS = 64
 LONGEST_PERIOD_US = 600_000_000
 _CHANNEL = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _RESERVED = "none"

@@ -30,10 +30,25 @@ from .model import (
     type_bits,
 )
 from .reading import examine, examine_text, load
-from .rules import CodecChannels, lost_by_silence, not_fitted, slow, unproven, used_channels
+from .rules import (
+    BIT,
+    GAUGE_KPA,
+    CodecChannels,
+    Spans,
+    SpanSearch,
+    Wanted,
+    lost_by_silence,
+    not_fitted,
+    range_kpa,
+    slow,
+    unproven,
+    used_channels,
+)
 
 __all__ = [
+    "BIT",
     "CODES",
+    "GAUGE_KPA",
     "PASCAL",
     "Channel",
     "CodecChannels",
@@ -49,9 +64,12 @@ __all__ = [
     "RecordFrame",
     "RecordValue",
     "RegisterValue",
+    "SpanSearch",
+    "Spans",
     "TextFrame",
     "TextValue",
     "ToolChanger",
+    "Wanted",
     "camel_case",
     "did_you_mean",
     "examine",
@@ -63,6 +81,7 @@ __all__ = [
     "not_fitted",
     "profile_names",
     "profile_path",
+    "range_kpa",
     "raw_limits",
     "run_directory",
     "schema",

@@ -2,6 +2,7 @@
 
 from ._last_will import LEASE_US, SETTLE_US, LastWill, LastWillStep, read_last_will
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
+from ._limits import LONGEST_MESSAGE, MOST_ACTUATORS, MOST_CHANNELS, MOST_LINES, MOST_PREDICATES
 from ._tables import (
     ACTIVE,
     INACTIVE,
@@ -19,7 +20,12 @@ __all__ = [
     "ACTIVE",
     "INACTIVE",
     "LEASE_US",
+    "LONGEST_MESSAGE",
     "LONGEST_SENTENCE",
+    "MOST_ACTUATORS",
+    "MOST_CHANNELS",
+    "MOST_LINES",
+    "MOST_PREDICATES",
     "OVER",
     "PENDING",
     "SETTLE_US",

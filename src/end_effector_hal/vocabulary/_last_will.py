@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
 
-MOST_STEPS, LONGEST_US = 64, 600_000_000
+from ._limits import MOST_LINES
+
+LONGEST_US = 600_000_000
 LEASE_US = 1_000_000
 """A client that does not renew its lease for so long is declared dead."""
 SETTLE_US = 50_000
@@ -48,8 +50,8 @@ def read_last_will(steps: object) -> LastWill:
             raise UsageError("a last will must be a list of steps.")
         steps = list(steps)
     will = tuple([_step(i, step) for i, step in enumerate(steps)])
-    if len(will) > MOST_STEPS:
-        raise UsageError(f"a last will has at most {MOST_STEPS} steps, this one has {len(will)}.")
+    if len(will) > MOST_LINES:
+        raise UsageError(f"a last will has at most {MOST_LINES} steps, this one has {len(will)}.")
     if any(a.after_us > b.after_us for a, b in pairwise(will)):
         raise UsageError("the steps of a last will must stand in the order of their after_us.")
     return will

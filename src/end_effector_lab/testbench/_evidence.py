@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from math import inf
 
-from end_effector_hal.description import PASCAL, Description
+from end_effector_hal.description import BIT, GAUGE_KPA, Description, Spans, SpanSearch, Wanted, range_kpa
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.kinds.stanza import Condition, EvidenceConditions, named
+from end_effector_hal.kinds.stanza import EvidenceConditions, named
 
 from .physics import Device
 
 AWAY_KPA = 5.0
 """So far from a threshold a sensor shows what is meant, where there is room."""
-MOST_STEPS = 20_000
-_GAUGE_KPA = -100.0, 2000.0
-
-Span = tuple[float, float]
-"""kPa from the first to the second; of a bit (0, 0) or (1, 1)."""
-Spans = Mapping[str, Span]
 
 
 @dataclass(frozen=True)
@@ -74,7 +67,7 @@ def shown_by_conditions(description: Description) -> dict[str, ShownByConditions
         if part.evidence is None:
             continue
         free = {
-            leaf.channel: (0.0, 1.0) if leaf.bit else _range_kpa(description, leaf.channel)
+            leaf.channel: BIT if leaf.bit else range_kpa(description, leaf.channel) or GAUGE_KPA
             for leaf in part.evidence.leaves
             if leaf.channel not in taken
         }
@@ -99,19 +92,9 @@ def _elsewhere(description: Description) -> Iterator[str]:
         yield description.e_stop.channel
 
 
-def _range_kpa(description: Description, channel: str) -> Span:
-    declared = description.channels.get(channel)
-    if declared is None or declared.unit is None or declared.range is None:
-        return _GAUGE_KPA
-    low, high = (each * PASCAL[declared.unit] / 1000 for each in declared.range)
-    return low, high
-
-
-def _solved(
-    description: Description, name: str, asked: EvidenceConditions, free: dict[str, Span]
-) -> ShownByConditions:
+def _solved(description: Description, name: str, asked: EvidenceConditions, free: Spans) -> ShownByConditions:
     def shown(*which: str) -> Spans | None:
-        return _Search().solved(_wanted(asked, which), free)
+        return SpanSearch().solved(_wanted(asked, which), free)
 
     confirmed, gone = shown("confirmed"), shown("gone")
     if confirmed is None or gone is None:
@@ -125,7 +108,7 @@ def _solved(
     return ShownByConditions(bits, confirmed, gone, shown(), shown("empty") if asked.empty else None)
 
 
-def _wanted(asked: EvidenceConditions, which: tuple[str, ...]) -> list[tuple[Condition, bool]]:
+def _wanted(asked: EvidenceConditions, which: tuple[str, ...]) -> list[Wanted]:
     """What is to hold, and what is not: all the others."""
     wanted = [
         (condition, key in which)
@@ -136,58 +119,3 @@ def _wanted(asked: EvidenceConditions, which: tuple[str, ...]) -> list[tuple[Con
     if asked.fault is None and first is not None and second is not None:  # both are a contradiction
         wanted += [(second, False)] if "confirmed" in which else [(first, False)] if "gone" in which else []
     return wanted
-
-
-class _Search:
-    """Looks for spans of the free channels, in a bounded number of steps."""
-
-    def __init__(self) -> None:
-        self._left = MOST_STEPS
-
-    def solved(self, wanted: list[tuple[Condition, bool]], spans: Spans) -> Spans | None:
-        """Where each condition is what is wanted of it; None: nowhere, or not found."""
-        return next(self._all_of(wanted, spans), None)
-
-    def _all_of(self, wanted: list[tuple[Condition, bool]], spans: Spans) -> Iterator[Spans]:
-        if not wanted:
-            yield spans
-            return
-        (condition, holds), *rest = wanted
-        for narrowed in self._where(condition, holds, spans):
-            yield from self._all_of(rest, narrowed)
-
-    def _where(self, condition: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
-        """Where one condition holds, or does not; a channel that is not free is no hindrance."""
-        self._left -= 1
-        if self._left < 0:
-            return
-        if condition.not_ is not None:
-            yield from self._where(condition.not_, not holds, spans)
-        elif not condition.parts:
-            yield from _narrowed(condition, holds, spans)
-        elif (condition.all is not None) is holds:
-            yield from self._all_of([(part, holds) for part in condition.parts], spans)
-        else:
-            for part in condition.parts:
-                yield from self._where(part, holds, spans)
-
-
-def _narrowed(leaf: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
-    channel = leaf.on or leaf.channel or ""
-    if channel not in spans:
-        yield spans
-        return
-    for first, last in _allowed(leaf, holds):
-        low, high = max(spans[channel][0], first), min(spans[channel][1], last)
-        if low < high or (leaf.on is not None and low == high):
-            yield {**spans, channel: (low, high)}
-
-
-def _allowed(leaf: Condition, holds: bool) -> list[Span]:
-    if leaf.on is not None:
-        return [(1.0, 1.0) if holds else (0.0, 0.0)]
-    if leaf.between_kpa is not None:
-        first, last = leaf.between_kpa
-        return [(first, last)] if holds else [(-inf, first), (last, inf)]
-    limit, below = (leaf.above_kpa or 0.0, not holds) if leaf.below_kpa is None else (leaf.below_kpa, holds)
-    return [(-inf, limit) if below else (limit, inf)]

@@ -38,8 +38,8 @@ pytestmark = pytest.mark.wall
         ({"op": "hello", "client": "x\ny", "token": TOKEN, "lines": [BOTTOM]}, "all printable"),
         ({"op": "hello", "client": "x" * 65, "token": TOKEN, "lines": [BOTTOM]}, "client must be a name"),
         (
-            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM] * 65},
-            "lines must be a list of 1 to 64",
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM] * 129},
+            "lines must be a list of 1 to 128",
         ),
         (
             {"op": "tell", "predicates": {"locked": True}, "at_us": 1},
@@ -122,7 +122,7 @@ def test_garbage_is_answered(bench, text, error):
         [{"line": BOTTOM, "level": 0}],
         [{"line": 3}],
         [{"line": BOTTOM, "after_us": 2}, {"line": TOP, "after_us": 1}],
-        [{"line": BOTTOM}] * 65,
+        [{"line": BOTTOM}] * 129,
         "BOTTOM",
         {"line": BOTTOM},
     ],

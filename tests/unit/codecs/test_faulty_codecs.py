@@ -236,8 +236,8 @@ def test_the_tests_of_a_codec_s_author_find_such_frames(fault: str) -> None:
     [
         ({"name": 7}, "a name that is no name"),
         ({"name": "a\nb"}, "a name that is no name"),
-        ({"channels": {}}, "0 channels, expected 1 to 64"),
-        ({"channels": {f"c{n}": Kind.BIT for n in range(65)}}, "65 channels, expected 1 to 64"),
+        ({"channels": {}}, "0 channels, expected 1 to 262"),
+        ({"channels": {f"c{n}": Kind.BIT for n in range(263)}}, "263 channels, expected 1 to 262"),
         ({"channels": {"Bottom": Kind.BIT}}, "a channel that is no name"),
         ({"channels": {"none": Kind.BIT}}, "a channel that is no name"),
         ({"channels": {7: Kind.BIT}}, "a channel that is no name"),

@@ -142,6 +142,17 @@ def test_adoption_is_one_request_of_outputs_by_the_name_of_the_product(kernel, t
     assert [line["out"] for line in fake.chips[chip]] == [True, True, False, False]
 
 
+def test_a_chip_with_more_lines_than_the_kernel_allows_in_a_request_gets_two(kernel, tmp_path):
+    names = [f"L{n}" for n in range(130)]
+    fake, make = kernel(gpiochip0=names)
+    lines = make()
+    assert list(lines.request(names[1:])) == names[1:]
+    chip, name = str(tmp_path / "gpiochip0"), "end-effector-hal"
+    assert fake.requests == [(chip, [*span], name) for span in (range(1, 65), range(65, 129), [129])]
+    lines.set({"L1": True, "L129": True})
+    assert [name for name, level in lines.levels().items() if level] == ["L1", "L129"]
+
+
 @pytest.fixture
 def descriptors(monkeypatch):
     """Gives requests of the fake kernel descriptors that are known to ioctl, as copies are; counts what is open."""

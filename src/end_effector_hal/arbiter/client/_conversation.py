@@ -8,9 +8,9 @@ import struct
 from collections.abc import Mapping
 from typing import Any
 
-from end_effector_hal.arbiter.protocol import LONGEST, LastWillRunsError, read_reply, write_message
+from end_effector_hal.arbiter.protocol import LastWillRunsError, read_reply, write_message
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, UsageError
-from end_effector_hal.vocabulary import printable
+from end_effector_hal.vocabulary import LONGEST_MESSAGE, printable
 
 _ERRORS: dict[str, type[ReportedError]] = {
     error.code: error for error in (UsageError, LineBusyError, LineRefusedError, ArbiterError)
@@ -106,7 +106,7 @@ class Conversation:
     def _receive(self) -> dict[str, Any]:
         assert self._socket
         while b"\n" not in self._rest:
-            data = self._socket.recv(LONGEST)
+            data = self._socket.recv(LONGEST_MESSAGE)
             if not data:
                 raise OSError("it closed the connection")
             if len(self._rest) > LONGEST_REPLY:

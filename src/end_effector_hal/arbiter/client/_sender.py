@@ -7,9 +7,9 @@ import socket
 from collections.abc import Mapping
 from pathlib import Path
 
-from end_effector_hal.arbiter.protocol import LONGEST, SENSORS, make_token, read_reply, write_message
+from end_effector_hal.arbiter.protocol import SENSORS, make_token, read_reply, write_message
 from end_effector_hal.errors import ArbiterError, UsageError
-from end_effector_hal.vocabulary import printable
+from end_effector_hal.vocabulary import LONGEST_MESSAGE, printable
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -80,12 +80,12 @@ class PredicateSender:
     def _read_replies(self, sock: socket.socket) -> None:
         """Raises ArbiterError when the arbiter has refused something, or has gone."""
         try:
-            data = sock.recv(LONGEST)
+            data = sock.recv(LONGEST_MESSAGE)
         except BlockingIOError:
             return
         if not data:
             raise ArbiterError("the line arbiter has closed the connection.")
-        *lines, self._received = (self._received + data)[-2 * LONGEST :].split(b"\n")
+        *lines, self._received = (self._received + data)[-2 * LONGEST_MESSAGE :].split(b"\n")
         for line in lines:
             try:
                 reply = read_reply(line)

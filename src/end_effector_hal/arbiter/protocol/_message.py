@@ -29,8 +29,6 @@ def read_json(content: bytes, read: Callable[[Any], T]) -> T:
         raise UsageError(f"this is not the JSON that was expected: {error}.") from error
 
 
-LONGEST = 1 << 16
-"""Bytes of a message."""
 DEEPEST = 4
 DIGITS = 18
 _NO_OBJECT = "a message must be a JSON object in UTF-8."

@@ -59,7 +59,7 @@ declared dead before), ``status``. A reply with the id null belongs to no reques
 says why.
 
 Every text has printable characters only, a name at most 64, a sentence at most 500; numbers are integers of at most
-18 digits; a message has at most 65,536 bytes.
+18 digits. A message has at most 128 lines, 528 predicates and 262,144 bytes: what a tool of 64 actuators needs.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple, TypeGuard
 
 from end_effector_hal.errors import LineBusyError, UsageError
-from end_effector_hal.vocabulary import LastWill, is_name, read_last_will
+from end_effector_hal.vocabulary import MOST_LINES, MOST_PREDICATES, LastWill, is_name, read_last_will
 
 
 class LastWillRunsError(LineBusyError):
@@ -99,8 +99,6 @@ def is_token(given: object) -> TypeGuard[str]:
     return isinstance(given, str) and _TOKEN.fullmatch(given) is not None
 
 
-MOST_NAMES = 64
-"""Lines or predicates in one message."""
 OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset")
 SENSORS = "sensors"
 
@@ -158,15 +156,15 @@ def _read_hello(message: Mapping[str, Any]) -> Request:
     if role == SENSORS:
         return Request("hello", role, str(client), token)
     lines = message.get("lines")
-    if not (isinstance(lines, list) and 0 < len(lines) <= MOST_NAMES and all(map(is_name, lines))):
-        raise UsageError(f"lines must be a list of 1 to {MOST_NAMES} line names.")
+    if not (isinstance(lines, list) and 0 < len(lines) <= MOST_LINES and all(map(is_name, lines))):
+        raise UsageError(f"lines must be a list of 1 to {MOST_LINES} line names.")
     return Request("hello", role, str(client), token, tuple(lines), will=_read_last_will(message))
 
 
 def _read_set(message: Mapping[str, Any]) -> Request:
     levels, until_us = message.get("levels", {}), message.get("until_us")
-    if not (_is_flags(levels) and (levels or "will" in message)):
-        raise UsageError(f"levels must be an object of at most {MOST_NAMES} line names, each true or false.")
+    if not (_is_flags(levels, MOST_LINES) and (levels or "will" in message)):
+        raise UsageError(f"levels must be an object of at most {MOST_LINES} line names, each true or false.")
     if until_us is not None and type(until_us) is not int:
         raise UsageError("until_us must be a time in µs.")
     return Request("set", levels=levels, will=_read_last_will(message), until_us=until_us)
@@ -174,8 +172,8 @@ def _read_set(message: Mapping[str, Any]) -> Request:
 
 def _read_predicates(message: Mapping[str, Any]) -> Request:
     predicates, at_us = message.get("predicates"), message.get("at_us")
-    if not (predicates and _is_flags(predicates)):
-        raise UsageError(f"predicates must be an object of 1 to {MOST_NAMES} names, each true or false.")
+    if not (predicates and _is_flags(predicates, MOST_PREDICATES)):
+        raise UsageError(f"predicates must be an object of 1 to {MOST_PREDICATES} names, each true or false.")
     if type(at_us) is not int:
         raise UsageError("at_us must be a time in µs.")
     return Request("tell", predicates=predicates, at_us=at_us)
@@ -194,10 +192,10 @@ def _read_last_will(message: Mapping[str, Any]) -> LastWill | None:
     return None if message.get("will") is None else read_last_will(message["will"])
 
 
-def _is_flags(given: object) -> bool:
-    """Whether it is an object of names, each true or false."""
+def _is_flags(given: object, most: int) -> bool:
+    """Whether it is an object of at most so many names, each true or false."""
     return (
         isinstance(given, dict)
-        and len(given) <= MOST_NAMES
+        and len(given) <= most
         and all(is_name(name) and isinstance(value, bool) for name, value in given.items())
     )

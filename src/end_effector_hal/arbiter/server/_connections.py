@@ -9,8 +9,9 @@ import struct
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from end_effector_hal.arbiter.protocol import LONGEST, write_message
+from end_effector_hal.arbiter.protocol import write_message
 from end_effector_hal.arbiter.rules import Session, process_words
+from end_effector_hal.vocabulary import LONGEST_MESSAGE
 from end_effector_hal.wires import Acceptor, now_us, program_name
 
 
@@ -54,14 +55,14 @@ class Connection:
     @property
     def overlong(self) -> bool:
         """Whether more came than any message is long."""
-        return not self.waits and len(self._rest) > LONGEST
+        return not self.waits and len(self._rest) > LONGEST_MESSAGE
 
     def receive(self) -> None:
         """Read what is there; nothing while messages wait, so that a flood fills the buffers of its sender."""
         if self.waits or self.ended:
             return
         try:
-            data = self.sock.recv(LONGEST)
+            data = self.sock.recv(LONGEST_MESSAGE)
         except BlockingIOError:
             return
         except OSError:

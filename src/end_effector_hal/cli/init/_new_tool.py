@@ -335,7 +335,8 @@ def _link(
 def _sequence(actuators: Sequence[WantedActuator]) -> Iterator[str]:
     yield ""
     yield (
-        f"sequence: [{', '.join(each.name for each in actuators)}]".ljust(_WHAT) + "# in the order of a grip"
+        f"sequence: [{', '.join(each.name for each in actuators)}]".ljust(_WHAT - 1)
+        + " # in the order of a grip"
     )
     yield ""
     yield "actuators:"

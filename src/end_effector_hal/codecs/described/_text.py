@@ -14,7 +14,8 @@ from end_effector_hal.codecs.described._field import Field
 from end_effector_hal.description import Channel, TextFrame, TextValue
 from end_effector_hal.signals import Frame
 
-LONGEST = 1024
+LONGEST, OF_A_VALUE = 1024, 16
+"""Bytes of a line, and of each of its values where they take more."""
 _NUMBER = re.compile(rb"[+-]?([0-9]{1,15}(\.[0-9]{0,15})?|\.[0-9]{1,15})([eE][+-]?[0-9]{1,2})?")
 NO_VALUE = b"-"
 """Stands for an empty field where blanks separate."""
@@ -36,6 +37,12 @@ class Layout:
     def marked(self) -> bool:
         """Whether a whole line can be told from the tail of one."""
         return bool(self.start) or self.checksum != "none"
+
+    @property
+    def longest(self) -> int:
+        """Bytes of a line, at the most."""
+        values = max([len(self.places), *(each.field or 0 for each in self.places)])
+        return max(LONGEST, OF_A_VALUE * values)
 
     @property
     def blanks(self) -> bool:
@@ -119,12 +126,12 @@ class TextDecoder(DescribedDecoder):
 
     def _kept(self, rest: bytes) -> bytes:
         """What can still be a line; one byte too many says that it is none, however the bytes came in pieces."""
-        start = self._layout.start
+        start, longest = self._layout.start, self._layout.longest
         if not start:
-            self.errors["noise"] += max(0, len(rest) - LONGEST - 1)
-            return rest[: LONGEST + 1]
+            self.errors["noise"] += max(0, len(rest) - longest - 1)
+            return rest[: longest + 1]
         begins = rest.rfind(start)
-        if begins < 0 or len(rest) - begins > LONGEST:
+        if begins < 0 or len(rest) - begins > longest:
             begins = max(0, len(rest) - len(start) + 1)  # a part of a start may stand at its end
         self.errors["noise"] += begins
         return rest[begins:]
@@ -146,7 +153,7 @@ class TextDecoder(DescribedDecoder):
             return None
         self.errors["noise"] += begins
         line = line[begins:]
-        if len(line) > LONGEST:
+        if len(line) > layout.longest:
             self.errors["format"] += 1
             return None
         body = line.removeprefix(layout.start).removesuffix(b"\r")

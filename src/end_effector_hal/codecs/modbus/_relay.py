@@ -13,8 +13,6 @@ from end_effector_hal.codecs.modbus._read import Read
 from end_effector_hal.signals import Frame, Kind
 
 LONGEST_ADU = 256
-LONGEST = 2 * LONGEST_ADU * 64
-"""Bytes of a record: 64 channels stand in at most 64 answers."""
 
 
 class BusCodec(Codec, Protocol):
@@ -66,12 +64,14 @@ class RelayDecoder(ReadCycle):
         super().__init__(reads)
         self._rest = b""
         self._last = 0
+        # an answer as two digits a byte, in quotes; time and names
+        self._longest = (2 * LONGEST_ADU + 3) * len(reads) + 100
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """The frames of the records that end in ``data``, with the time that stands in each."""
         self.bytes += len(data)
         *records, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST:
+        if len(self._rest) > self._longest:
             self.errors["noise"] += len(self._rest)
             self._rest = b""
         return [frame for record in records for frame in self._frames(record, at)]

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field
 
 from end_effector_hal.kinds.stanza import LineName, Name, Names, Part, Word
 from end_effector_hal.signals import Kind, Value
+from end_effector_hal.vocabulary import MOST_CHANNELS
 
 Unit = Literal["Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi", "inHg"]
 PASCAL: dict[str, float] = {
@@ -67,7 +68,7 @@ def mask_shift(bitmask: int) -> int:
 class TextValue(Part):
     """A value in a line of text: by its place among the fields, or by its key."""
 
-    field: Annotated[int | None, Field(ge=1, le=64)] = Field(
+    field: Annotated[int | None, Field(ge=1, le=MOST_CHANNELS)] = Field(
         default=None, description="which of the separated fields, from 1 on"
     )
     key: Annotated[str | None, Field(min_length=1, max_length=40)] = Field(

@@ -14,6 +14,7 @@ from end_effector_hal.description.model import Description
 from end_effector_hal.description.rules import (
     channel_faults,
     frame_faults,
+    limit_faults,
     order_faults,
     output_faults,
     rule_faults,
@@ -97,7 +98,15 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
         *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed)),
     ]
     facts = Facts(tree, places, broken)
-    rules = (order_faults, rule_faults, shared_faults, frame_faults, channel_faults, output_faults)
+    rules = (
+        limit_faults,
+        order_faults,
+        rule_faults,
+        shared_faults,
+        frame_faults,
+        channel_faults,
+        output_faults,
+    )
     faults += [fault for rule in rules for fault in rule(facts)]
     broken |= {("actuators", name) for name in guessed}
     return likely(tree, places, broken) if faults else description, faults, broken

@@ -39,7 +39,7 @@ def plain(text: str) -> object:
 
 DEPTH = 20
 """Levels of lists and mappings."""
-NODES = 5_000
+NODES = 10_000
 """Keys and values of a file, and of what its aliases unfold to."""
 
 

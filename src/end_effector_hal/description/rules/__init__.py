@@ -4,19 +4,28 @@ from ._channels import CodecChannels, used_channels
 from ._codec import not_fitted, slow, unproven
 from ._declared import channel_faults
 from ._frames import frame_faults
+from ._limits import limit_faults
 from ._order import order_faults
 from ._outputs import lost_by_silence, output_faults
 from ._shared import shared_faults
+from ._span_search import BIT, GAUGE_KPA, Spans, SpanSearch, Wanted, range_kpa
 from ._stanzas import rule_faults
 
 __all__ = [
+    "BIT",
+    "GAUGE_KPA",
     "CodecChannels",
+    "SpanSearch",
+    "Spans",
+    "Wanted",
     "channel_faults",
     "frame_faults",
+    "limit_faults",
     "lost_by_silence",
     "not_fitted",
     "order_faults",
     "output_faults",
+    "range_kpa",
     "rule_faults",
     "shared_faults",
     "slow",

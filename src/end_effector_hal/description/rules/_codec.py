@@ -24,6 +24,7 @@ from ._channels import (
     too_soon,
     unwired,
 )
+from ._evidence import impossible_evidence, overlapping_evidence
 
 
 def unproven(description: Description, codec: CodecChannels) -> list[Fault]:
@@ -35,6 +36,7 @@ def unproven(description: Description, codec: CodecChannels) -> list[Fault]:
         fault for name, each in description.ordered for fault in _unproven(description, codec, name, each)
     ]
     named = [*unwired(description, codec), *no_bits(description, codec), *impossible_thresholds(description)]
+    named += impossible_evidence(description, codec)
     return sorted([*found, *named, *too_soon(description, codec)])
 
 
@@ -150,9 +152,11 @@ def slow(description: Description, codec: CodecChannels) -> list[str]:
     """A sentence for each time-out that may end while the link still counts what it showed before.
 
     A reading counts until it is stale, so that a time-out must last longer; what one attempt shows must not be
-    read in the next, so that the pause between them lasts longer than a period.
+    read in the next, so that the pause between them lasts longer than a period. And one for evidence that contradicts
+    itself.
     """
-    return [*_ends_too_early(description, codec), *_read_twice(description, codec)]
+    early, twice = _ends_too_early(description, codec), _read_twice(description, codec)
+    return [*early, *twice, *overlapping_evidence(description)]
 
 
 def _ends_too_early(description: Description, codec: CodecChannels) -> Iterator[str]:

@@ -14,7 +14,6 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
 from ._frames import CODE, OVER_LINK, declared_format, key_fault, link_of, link_paths
 from ._places import limits_of_source, place_faults, shared_places
 
-MOST_CHANNELS = 64
 OF_BITS, OF_PRESSURES = ("on", "invert"), ("scale", "offset", "range")
 MEANING = ("unit", *OF_PRESSURES, "invalid", *OF_BITS)
 
@@ -22,10 +21,6 @@ MEANING = ("unit", *OF_PRESSURES, "invalid", *OF_BITS)
 def channel_faults(facts: Facts) -> Iterator[Fault]:
     """Every fault of the channels that a description declares."""
     names = facts.names("channels") if isinstance(facts.get("channels"), dict) else []
-    if len(names) > MOST_CHANNELS:
-        place = facts.places.key("channels")
-        what, expected = "too many channels", f"at most {MOST_CHANNELS}"
-        yield Fault.at(place, "EE-208", what, found=str(len(names)), expected=expected)
     for name in names:
         if isinstance(facts.get("channels", name), dict):
             yield from _channel(facts, name)

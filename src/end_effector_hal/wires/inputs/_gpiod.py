@@ -13,7 +13,7 @@ from typing import Any
 
 from end_effector_hal.description import DigitalInput
 from end_effector_hal.errors import WireError
-from end_effector_hal.wires.lines import busy, find_lines, load_gpiod, open_chip
+from end_effector_hal.wires.lines import busy, chip_requests, find_lines, load_gpiod, open_chip
 
 from ._lines import Edges, LineEdge
 
@@ -46,7 +46,7 @@ class _Request:
 
 
 class GpiodInputLines:
-    """`InputLines` on ``/dev/gpiochip*``; one request for all inputs of a chip.
+    """`InputLines` on ``/dev/gpiochip*``; one request for all inputs of a chip, for each 64 of them.
 
     Args:
         pattern: where the chips are.
@@ -59,11 +59,9 @@ class GpiodInputLines:
     def request(self, inputs: Mapping[str, DigitalInput]) -> None:
         """Claim; see `InputLines.request`."""
         self._gpiod = load_gpiod()
-        by_chip: dict[str, dict[str, int]] = {}
-        for name, (chip, offset) in find_lines(self._gpiod, self._pattern, list(inputs)).items():
-            by_chip.setdefault(chip, {})[name] = offset
+        found = find_lines(self._gpiod, self._pattern, list(inputs))
         try:
-            for path, offsets in by_chip.items():
+            for path, offsets in chip_requests(found):
                 claimed = self._claimed(path, offsets, inputs)
                 self._requests.append(_Request(claimed, {at: name for name, at in offsets.items()}))
         except BaseException:
@@ -71,7 +69,7 @@ class GpiodInputLines:
             raise
 
     def fds(self) -> list[int]:
-        """One of each chip."""
+        """One of each request."""
         return [each.request.fd for each in self._requests]
 
     def due(self) -> None:

@@ -3,7 +3,17 @@
 from ._backend import LineBackend, LineHandover, RemoteLines, line_not_found
 from ._chip_log import ChipLog, ChipState, Edge, LineState
 from ._composed import ComposedLines
-from ._gpiod import CONSUMER, GpiodLines, busy, find_chips, find_lines, line_infos, load_gpiod, open_chip
+from ._gpiod import (
+    CONSUMER,
+    GpiodLines,
+    busy,
+    chip_requests,
+    find_chips,
+    find_lines,
+    line_infos,
+    load_gpiod,
+    open_chip,
+)
 from ._virtual import Pull, VirtualChip, VirtualLines, VirtualPins, read_chip
 from ._watcher import ChipWatcher
 
@@ -24,6 +34,7 @@ __all__ = [
     "VirtualLines",
     "VirtualPins",
     "busy",
+    "chip_requests",
     "find_chips",
     "find_lines",
     "line_infos",

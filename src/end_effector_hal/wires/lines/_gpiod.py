@@ -16,10 +16,12 @@ from end_effector_hal.wires._processes import holders_of_lines
 from end_effector_hal.wires.lines._backend import line_not_found
 
 CONSUMER = "end-effector-hal"
+MOST_REQUESTED = 64
+"""Lines of one request: GPIO_V2_LINES_MAX of the kernel."""
 
 
 class GpiodLines:
-    """A `LineBackend` on ``/dev/gpiochip*``; one request for all lines of a chip.
+    """A `LineBackend` on ``/dev/gpiochip*``; one request for all lines of a chip, for each 64 of them.
 
     Args:
         pattern: where the chips are.
@@ -42,14 +44,12 @@ class GpiodLines:
     def request(self, names: Sequence[str]) -> dict[str, bool]:
         """Claim and adopt; see `LineBackend.request`."""
         self._gpiod = load_gpiod()
-        by_chip: dict[str, dict[str, int]] = {}
-        for name, (chip, offset) in find_lines(self._gpiod, self._pattern, names).items():
-            by_chip.setdefault(chip, {})[name] = offset
-        self._names = [_stored_name(chip, offsets) for chip, offsets in by_chip.items()]
+        wanted = chip_requests(find_lines(self._gpiod, self._pattern, names))
+        self._names = [_stored_name(chip, offsets) for chip, offsets in wanted]
         for name in set(self._stored).difference(self._names):
             os.close(self._stored.pop(name))  # of another description: first given back, or they are busy
         try:
-            for name, (chip, offsets) in zip(self._names, by_chip.items(), strict=True):
+            for name, (chip, offsets) in zip(self._names, wanted, strict=True):
                 self._requests.append((self._claimed(name, chip, offsets), offsets))
         except BaseException:
             self.close()
@@ -67,7 +67,7 @@ class GpiodLines:
         return levels
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Write some of the claimed lines; those of one chip at once."""
+        """Write some of the claimed lines; those of one request at once."""
         for request, offsets in self._requests:
             values = {offsets[name]: self._value(level) for name, level in levels.items() if name in offsets}
             if values:
@@ -167,6 +167,18 @@ def find_lines(gpiod: Any, pattern: str, names: Sequence[str]) -> dict[str, tupl
                 todo="Give the lines unique names in the device tree.",
             )
     return {name: found[name][0] for name in names}
+
+
+def chip_requests(found: Mapping[str, tuple[str, int]]) -> list[tuple[str, dict[str, int]]]:
+    """Chip, and offset by name, of each request: the lines of one chip, as far as the kernel allows."""
+    requests: list[tuple[str, dict[str, int]]] = []
+    open_for: dict[str, dict[str, int]] = {}
+    for name, (chip, offset) in found.items():
+        if len(open_for.get(chip, {})) in (0, MOST_REQUESTED):
+            open_for[chip] = {}
+            requests.append((chip, open_for[chip]))
+        open_for[chip][name] = offset
+    return requests
 
 
 def busy(chip: Any, path: str, offsets: Mapping[str, int]) -> LineBusyError:

@@ -1,0 +1,89 @@
+"""Which values of channels make conditions true, or false: a bounded search over spans."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import inf
+
+from end_effector_hal.description.model import PASCAL, Description
+from end_effector_hal.kinds.stanza import Condition
+
+MOST_STEPS = 20_000
+GAUGE_KPA = -100.0, 2000.0
+
+Span = tuple[float, float]
+"""kPa from the first to the second; of a bit (0, 0), (1, 1), or (0, 1): either."""
+Spans = Mapping[str, Span]
+"""By channel."""
+Wanted = tuple[Condition, bool]
+"""A condition, and whether it is to hold."""
+BIT: Span = (0.0, 1.0)
+
+
+def range_kpa(description: Description, channel: str) -> Span | None:
+    """What the pressure of a channel can mean by its ``range``; None: it has none."""
+    declared = description.channels.get(channel)
+    if declared is None or declared.unit is None or declared.range is None:
+        return None
+    low, high = (each * PASCAL[declared.unit] / 1000 for each in declared.range)
+    return low, high
+
+
+class SpanSearch:
+    """Looks for spans of the free channels, in a bounded number of steps."""
+
+    def __init__(self) -> None:
+        self._left = MOST_STEPS
+
+    @property
+    def gave_up(self) -> bool:
+        """Whether it ended before everything was looked at."""
+        return self._left < 0
+
+    def solved(self, wanted: list[Wanted], spans: Spans) -> Spans | None:
+        """Where each condition is what is wanted of it; None: nowhere, or not found."""
+        return next(self._all_of(wanted, spans), None)
+
+    def _all_of(self, wanted: list[Wanted], spans: Spans) -> Iterator[Spans]:
+        if not wanted:
+            yield spans
+            return
+        (condition, holds), *rest = wanted
+        for narrowed in self._where(condition, holds, spans):
+            yield from self._all_of(rest, narrowed)
+
+    def _where(self, condition: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
+        """Where one condition holds, or does not; a channel that is not free is no hindrance."""
+        self._left -= 1
+        if self._left < 0:
+            return
+        if condition.not_ is not None:
+            yield from self._where(condition.not_, not holds, spans)
+        elif not condition.parts:
+            yield from _narrowed(condition, holds, spans)
+        elif (condition.all is not None) is holds:
+            yield from self._all_of([(part, holds) for part in condition.parts], spans)
+        else:
+            for part in condition.parts:
+                yield from self._where(part, holds, spans)
+
+
+def _narrowed(leaf: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
+    channel = leaf.on or leaf.channel or ""
+    if channel not in spans:
+        yield spans
+        return
+    for first, last in _allowed(leaf, holds):
+        low, high = max(spans[channel][0], first), min(spans[channel][1], last)
+        if low < high or (leaf.on is not None and low == high):
+            yield {**spans, channel: (low, high)}
+
+
+def _allowed(leaf: Condition, holds: bool) -> list[Span]:
+    if leaf.on is not None:
+        return [(1.0, 1.0) if holds else (0.0, 0.0)]
+    if leaf.between_kpa is not None:
+        first, last = leaf.between_kpa
+        return [(first, last)] if holds else [(-inf, first), (last, inf)]
+    limit, below = (leaf.above_kpa or 0.0, not holds) if leaf.below_kpa is None else (leaf.below_kpa, holds)
+    return [(-inf, limit) if below else (limit, inf)]
