@@ -56,6 +56,7 @@ class VirtualTool:
         seed: of the valves, the noise, and the chance in faults.
         levels: lines that are active at the start; what they hold has settled.
         watch: follows the automata, such as a `Monitor` does.
+        on_frame: called with each frame that comes, before the programs get it.
 
     Attributes:
         at: µs since the start.
@@ -76,6 +77,7 @@ class VirtualTool:
         seed: int = 0,
         levels: Mapping[str, bool] | None = None,
         watch: Watch | None = None,
+        on_frame: Callable[[Frame], None] = lambda _: None,
     ) -> None:
         if description.register_outputs:
             raise UsageError(
@@ -88,6 +90,7 @@ class VirtualTool:
         self.changes: list[Status] = []
         self.edges: list[Edge] = []
         self._recorder = Watching(watch) if watch else NULL_RECORDER
+        self._on_frame = on_frame
         self._random = Random(seed)
         self._policy = arbiter_policy(description)
         self.memories = Memories()
@@ -309,6 +312,7 @@ class VirtualTool:
             self._publisher.frame(frame, self._pass_on)
 
     def _pass_on(self, frame: Frame) -> None:
+        self._on_frame(frame)
         for program in list(self._programs.values()):
             program.frame(frame)
 
