@@ -18,7 +18,15 @@ from .arbiter import (
     wired_lines,
 )
 from .outputs import LineWriter
-from .programs import ChangerProgram, GripProgram, Program, open_program
+from .programs import (
+    ChangerProgram,
+    GripProgram,
+    InlineWorker,
+    Program,
+    longest_release_s,
+    open_program,
+    release_is_decided,
+)
 from .tool import (
     EndEffector,
     GoalRunner,
@@ -36,6 +44,7 @@ __all__ = [
     "EndEffector",
     "GoalRunner",
     "GripProgram",
+    "InlineWorker",
     "LineWriter",
     "PlainOutputs",
     "PredicatePublisher",
@@ -49,11 +58,13 @@ __all__ = [
     "connect_arbiter",
     "error_text",
     "load_automata",
+    "longest_release_s",
     "open_program",
     "output_lines",
     "program_lines",
     "read_command",
     "read_script",
+    "release_is_decided",
     "reset",
     "run_arbiter",
     "sendable",

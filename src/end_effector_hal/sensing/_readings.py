@@ -57,19 +57,22 @@ class Readings:
         self._at: dict[str, int] = {}
         self._last_frame: int | None = None
         self._arrived: frozenset[str] = frozenset()
+        self._ends: tuple[dict[str, int] | None, list[int]] = None, []
+        """Of which readings it is known when each turns stale or a source goes down, and these times in order."""
 
     def take(self, frame: Frame) -> None:
         """Remember what a frame carries; an invalid value refreshes nothing."""
         self._last_frame = frame.at
         valid = {channel: value for channel, value in frame.values.items() if value is not None}
         self._values.update(valid)
-        self._at.update(dict.fromkeys(valid, frame.at))
+        self._at = {**self._at, **dict.fromkeys(valid, frame.at)}  # another one: so `_ends` are new
         self._arrived = frozenset(valid)
 
     def forget(self, channel: str) -> None:
         """What was read is nothing any more."""
         if channel in self._values:
-            del self._values[channel], self._at[channel]
+            del self._values[channel]
+            self._at = {name: at for name, at in self._at.items() if name != channel}
 
     def idle(self) -> None:
         """Time has passed and nothing came: what is remembered is no new sample."""
@@ -100,6 +103,9 @@ class Readings:
     def stale(self, at: int) -> tuple[str, ...]:
         """Channels that are carried and that have no valid reading now."""
         read_at, spans = self._at, self._stale_us
+        of, ends = self._ends
+        if of is read_at and ends and ends[0] > at and len(read_at) == len(spans):
+            return ()
         return tuple(
             [
                 channel
@@ -130,13 +136,20 @@ class Readings:
 
     def deadline(self, at: int) -> int | None:
         """µs when the next reading turns stale or a source goes down, if nothing comes."""
-        spans = self._stale_us
-        ends = {then + spans.get(channel, self.stale_us) for channel, then in self._at.items()}
-        if self._last_frame is not None:
-            ends.add(self._last_frame + self.down_us)
-        if len(self._sources) > 1:
-            ends |= {last + us for last, us in zip(self._last_of_sources(), self._down_us, strict=True)}
-        return min([end for end in ends if end > at], default=None)
+        of, ends = self._ends
+        if of is not self._at:
+            spans = self._stale_us
+            found = {then + spans.get(channel, self.stale_us) for channel, then in self._at.items()}
+            if self._last_frame is not None:
+                found.add(self._last_frame + self.down_us)
+            if len(self._sources) > 1:
+                found |= {last + us for last, us in zip(self._last_of_sources(), self._down_us, strict=True)}
+            ends = sorted(found)
+            self._ends = self._at, ends
+        for end in ends:
+            if end > at:
+                return end
+        return None
 
     def _last_of_sources(self) -> list[int]:
         """µs of the last valid value of each source; one that has brought none is long gone."""

@@ -54,6 +54,9 @@ class SensorState:
         self._parts = description.ordered
         self.faults = DeviceFaults(description)
         self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
+        self._conditional = tuple(
+            [i for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
+        )
         self._guarded = tuple(
             (index, display_name(name))
             for index, name in enumerate(description.sequence)
@@ -119,7 +122,11 @@ class SensorState:
     def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
         """Detectors of the actuators that conditions prove, by their place in the sequence."""
         return tuple(
-            [(i, each) for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
+            [
+                (i, each)
+                for i in self._conditional
+                if isinstance(each := self._detectors[i], ConditionDetector)
+            ]
         )
 
     def empty(self, index: int) -> str:
@@ -131,6 +138,8 @@ class SensorState:
     @property
     def emptied(self) -> tuple[int, ...]:
         """Actuators that have gripped nothing, by their place in the sequence; what is confirmed has something."""
+        if not self._conditional:
+            return ()
         return tuple(
             [i for i, each in self.by_conditions if each.empty and self.evidence[i] is not Evidence.CONFIRMED]
         )

@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping
+from enum import Enum
 from functools import cache
-from typing import Any, ClassVar, Protocol, TypeVar
+from types import UnionType
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -45,35 +47,50 @@ def clone(thing: T) -> T:
 
     What is in no memory is shared by both.
     """
-    new = _copied(thing)
-    todo: list[Any] = [new]
-    while todo:
-        each = todo.pop()
-        for name, kind in each.MEMORY.items():
-            value = getattr(each, name)
-            if kind is not PART and kind is not INLINE:
-                if type(value) in _CHANGED_IN_PLACE:
-                    setattr(each, name, value.copy())
-            elif value is not None:
-                if isinstance(value, dict):
-                    fresh: Any = dict(zip(value, map(_copied, value.values()), strict=True))
-                    todo += fresh.values()
-                elif isinstance(value, list | tuple):
-                    fresh = type(value)(map(_copied, value))
-                    todo += fresh
-                else:
-                    fresh = _copied(value)
-                    todo.append(fresh)
-                setattr(each, name, fresh)
-    return new
-
-
-def _copied(thing: T) -> T:
-    """Another object with the very same parts."""
     kind = type(thing)
     new = kind.__new__(kind)
-    vars(new).update(vars(thing))
+    has = vars(new)
+    has.update(vars(thing))
+    plan = _PLANS.get(kind)
+    if plan is None:
+        plan = _PLANS[kind] = _plan(thing)
+    for name in plan.changing:
+        value = has[name]
+        if type(value) in _CHANGED_IN_PLACE:
+            has[name] = value.copy()
+    for name in plan.parts:
+        value = has[name]
+        if isinstance(value, tuple | list):
+            has[name] = type(value)([clone(each) for each in value])
+        elif isinstance(value, dict):
+            has[name] = {key: clone(each) for key, each in value.items()}
+        elif value is not None:
+            has[name] = clone(value)
     return new
+
+
+class _Plan(NamedTuple):
+    """What is to be done for the objects of a class: its parts, and what may be changed in place."""
+
+    parts: tuple[str, ...]
+    changing: tuple[str, ...]
+
+
+_PLANS: dict[type, _Plan] = {}
+
+
+def _plan(thing: Remembers) -> _Plan:
+    parts = tuple(name for name, kind in thing.MEMORY.items() if kind is PART or kind is INLINE)
+    return _Plan(parts, tuple(name for name, kind in thing.MEMORY.items() if not _stays(kind, name in parts)))
+
+
+def _stays(kind: Any, is_part: bool) -> bool:
+    """Whether nothing that is declared so can be changed in place."""
+    if is_part or kind in (int, bool, float, str, type(None)):
+        return True
+    if isinstance(kind, UnionType):
+        return all(_stays(each, False) for each in get_args(kind))
+    return get_origin(kind) in (tuple, frozenset) or (isinstance(kind, type) and issubclass(kind, Enum))
 
 
 def same_memory(one: Remembers, other: Remembers) -> bool:

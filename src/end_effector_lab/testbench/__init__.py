@@ -1,8 +1,9 @@
 """The simulated world on the other end of the wires: the paper's Raspberry Pi."""
 
-from ._bench import Bench, Noise
+from ._bench import Bench
 from ._board_sensors import BoardSensors
 from ._fault_server import FaultServer
+from ._noise import Noise
 from ._places import open_inputs, open_ports, open_sensors
 from ._ports import Port, PtyPort, SerialPort
 from ._possible import offered_faults, possible_faults

@@ -14,6 +14,7 @@ from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind, Value
 
 from ._evidence import shown_by_conditions
+from ._noise import Noise
 from ._scenario import (
     TOOL_CHANGER,
     Effect,
@@ -24,29 +25,6 @@ from ._scenario import (
     parse_scenario,
 )
 from .physics import Device, Plant, Supply, Valve
-
-
-class Noise:
-    """Numbers that depend on the seed and on what they are for, never on how often somebody asked.
-
-    Args:
-        seed: any integer.
-    """
-
-    def __init__(self, seed: int) -> None:
-        self._seed = seed
-
-    def normal(self, what: str, at: int) -> float:
-        """A standard normal number for ``what`` at ``at`` (µs)."""
-        return self.random(f"{what} {at}").gauss(0.0, 1.0)
-
-    def between(self, what: str, low: int, high: int) -> int:
-        """A whole number in ``low..high`` that belongs to ``what``."""
-        return self.random(what).randint(low, high)
-
-    def random(self, what: str) -> Random:
-        """A generator of its own for ``what``."""
-        return Random(f"{self._seed} {what}")
 
 
 class Station:
@@ -162,6 +140,20 @@ class Bench:
             for name, device in devices.items()
         }
         self._conditions = shown_by_conditions(description)
+        self._sensors = [
+            (
+                name,
+                actuator.channel,
+                [
+                    (bit, key.meaning)
+                    for key in kind_of(actuator).channels
+                    if key.carries is Kind.BIT and (bit := named(getattr(actuator, key.key)))
+                ],
+            )
+            for name, actuator in description.ordered
+        ]
+        self._driven = tuple(self._stations.values())
+        self._alarms = [name for name, declared in description.channels.items() if declared.alarm]
         self._by_line = {line: self._stations[name] for name, line in lines.items()}
         opposites = self._description.opposites
         self._second = {each.line: self._by_line[line] for line, each in opposites.items()}
@@ -232,11 +224,16 @@ class Bench:
         """What comes out of a link when ``data`` is sent at ``at`` (µs)."""
         effect = self.scenario.on_link(link)
         babble = self._is_over(effect.babble_after_us, at)
+        if not (babble or effect.disturbs):
+            return data
         return disturbed(data, effect, self._chance(at, link), babble=babble)
 
     def answered(self, data: bytes, at: int, link: str | None = None) -> tuple[bytes, int]:
         """What a polled device does when it is to answer with ``data`` at ``at`` (µs), and how many µs later."""
-        effect, chance = self.scenario.on_link(link), self._chance(at, link)
+        effect = self.scenario.on_link(link)
+        if not effect.misanswers:
+            return data, effect.late_us
+        chance = self._chance(at, link)
         if chance.random() < effect.unanswered:
             return b"", effect.late_us
         if chance.random() < effect.another:
@@ -267,29 +264,31 @@ class Bench:
             "estop_ok": scenario.estop_ok,
         }
         description, devices = self._description, self._plant.devices
-        for name, actuator in description.ordered:
+        for name, channel, bits in self._sensors:
             device = devices[name]
-            if device.pressure_kpa is not None:
-                values[actuator.channel] = self._shown(name, actuator.channel, device.pressure_kpa, at)
-            for key in kind_of(actuator).channels:
-                if key.carries is Kind.BIT and (bit := named(getattr(actuator, key.key))):
-                    values[bit] = device.bits[key.meaning]
+            if (kpa := device.pressure_kpa) is not None:
+                values[channel] = self._shown(name, channel, kpa, at)
+            if bits:
+                shown = device.bits
+                for bit, meaning in bits:
+                    values[bit] = shown[meaning]
         if description.tool_changer is not None:
             values |= self._changer_bits(description.tool_changer, devices[TOOL_CHANGER].bits)
         if description.e_stop is not None:
             values[description.e_stop.channel] = scenario.estop_ok
-        for name, shown in self._conditions.items():
-            for channel, value in shown.at(devices[name]):
+        for name, conditions in self._conditions.items():
+            for channel, value in conditions.at(devices[name]):
                 if isinstance(value, bool):
                     values[channel] = value
                 else:
                     values[channel] = self._shown(name, channel, value, at)
-        for name, declared in description.channels.items():
-            if declared.alarm and (name in scenario.alarms or name not in values):
+        for name in self._alarms:
+            if name in scenario.alarms or name not in values:
                 code = scenario.alarms.get(name, 0)
-                values[name] = code if declared.kind is Kind.CODE else bool(code)
+                values[name] = code if description.channels[name].kind is Kind.CODE else bool(code)
         values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
-        self._swap(values)
+        if scenario.effects:
+            self._swap(values)
         return values
 
     def _changer_bits(self, changer: Changer, places: Mapping[str, bool]) -> dict[str, Value]:
@@ -322,12 +321,10 @@ class Bench:
 
     def _advance(self, at: int) -> None:
         """Let time go on to ``at``, and what falls due on the way happen."""
-        while due := sorted(
-            (s.due, n) for n, s in self._stations.items() if s.due is not None and s.due <= at
-        ):
-            moment, name = due[0]
-            self._plant.advance(moment)
-            self._stations[name].lose()
+        while due := [s for s in self._driven if s.due is not None and s.due <= at]:
+            station = min(due, key=lambda each: each.due or 0)
+            self._plant.advance(station.due or 0)
+            station.lose()
         self._plant.advance(at)
 
     def _pa(self, channel: str, kpa: float, at: int) -> int:

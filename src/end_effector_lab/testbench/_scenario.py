@@ -39,6 +39,9 @@ class Effect:
     stand_shows: bool | None = None
 
 
+_NO_EFFECT = Effect()
+
+
 @dataclass(frozen=True, kw_only=True)
 class LinkEffect:
     """What is wrong with a sensor link, or with the device that sends; as for `Effect`. Shares are of 1."""
@@ -56,6 +59,16 @@ class LinkEffect:
     unanswered: float = 0.0
     twice: float = 0.0
     another: float = 0.0
+
+    @property
+    def disturbs(self) -> bool:
+        """Whether bytes come out otherwise than they went in, by chance."""
+        return bool(self.noise or self.flips or self.bursts or self.dropped or self.doubled)
+
+    @property
+    def misanswers(self) -> bool:
+        """Whether a polled device answers otherwise than it should, by chance."""
+        return bool(self.unanswered or self.twice or self.another)
 
 
 @dataclass(frozen=True)
@@ -75,7 +88,7 @@ class Scenario(LinkEffect):
     """What channels that are alarms show: a code, or 1 of a bit."""
 
     def effect(self, device: str) -> Effect:
-        return self.effects.get(device, Effect())
+        return self.effects.get(device, _NO_EFFECT)
 
     def on_link(self, name: str | None) -> LinkEffect:
         """Of a link by its name, or (None) of the inputs of the board."""

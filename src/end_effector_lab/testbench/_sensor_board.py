@@ -24,14 +24,14 @@ def carried(
         channels: of the codec.
         description: its thresholds are those of the switches.
     """
-    seen = {name: values[name] for name in channels if name in values}
-    return {name: _as(channels[name], name, value, description) for name, value in seen.items()}
-
-
-def _as(kind: Kind, channel: str, value: Value, description: Description) -> Value:
-    if kind is not Kind.BIT or value is None or isinstance(value, bool):
-        return value
-    return abs(value) >= _present_pa(channel, description)
+    seen: dict[str, Value] = {}
+    for name, kind in channels.items():
+        if name in values:
+            value = values[name]
+            if kind is Kind.BIT and type(value) is int:
+                value = abs(value) >= _present_pa(name, description)
+            seen[name] = value
+    return seen
 
 
 def _present_pa(channel: str, description: Description) -> float:

@@ -61,7 +61,7 @@ class Execution:
         self.network = network
         self._observe = observe or _unobserved
         self._boundary = ExecutionBoundary(network, executed, interface)
-        self._successors = SuccessorCache(Semantics(network, self._boundary.executed))
+        self._successors = _shared_successors(network, self._boundary.executed)
         self._clocks = ClockInstants(len(network.clocks), unit_us)
         self._schedule = Schedule(self._successors, self._clocks)
         self.inputs = frozenset(self._boundary.inputs)
@@ -286,3 +286,11 @@ def _with(state: State, offsets: Mapping[int, int]) -> State:
 
 def _unobserved(_: Observation) -> None:
     """Nobody looks."""
+
+
+def _shared_successors(network: Network, executed: frozenset[int]) -> SuccessorCache:
+    """Those of all who execute the same processes of a network: one who begins later finds what others worked out."""
+    found: SuccessorCache | None = network.derived.get((SuccessorCache, executed))
+    if found is None:
+        found = network.derived[SuccessorCache, executed] = SuccessorCache(Semantics(network, executed))
+    return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from timed_automata.compiler import Bound
@@ -70,7 +71,7 @@ class StateSuccessors:
 
 
 class SuccessorCache:
-    """Remembers them; the semantics says what they are."""
+    """Remembers them; the semantics says what they are. Several executions may share one, also in several threads."""
 
     def __init__(self, semantics: Semantics) -> None:
         self._semantics = semantics
@@ -102,7 +103,7 @@ class SuccessorCache:
             RangeError: an assignment is out of range.
         """
         key = (state, channel, tuple(writes.items()))
-        if key in self._received:
+        with suppress(KeyError):
             return self._received[key]
         transition = next(self._semantics.received(state, channel), None)
         found = None

@@ -35,6 +35,14 @@ def monitored_queries(network: Network, executed: Collection[int]) -> tuple[Moni
     Raises:
         ModelError: a query is outside of the supported subset.
     """
+    key = monitored_queries, frozenset(executed)
+    known: tuple[MonitoredQuery, ...] | None = network.derived.get(key)
+    if known is None:
+        known = network.derived[key] = _compiled(network, executed)
+    return known
+
+
+def _compiled(network: Network, executed: Collection[int]) -> tuple[MonitoredQuery, ...]:
     found = []
     for stored in network.document.queries:
         content = stored.formula.content

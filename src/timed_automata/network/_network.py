@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from timed_automata.compiler import Condition, Effects, GeneratedCode, Quantity, Scope, Type
 from timed_automata.document import Document, DrawnEdge, DrawnLocation, Span, did_you_mean
@@ -121,6 +121,7 @@ class Network:
         offsets: of the values by name, in order: ``ee``, ``evidence[0]``, ``Gripper.i``.
         constants: the global ones with their values.
         replaced: initialisers in the file for which constants were given, and what was put in.
+        derived: what was worked out of it once, for all who work with it.
         scope, code: global names and the generated code, for compiling more (queries).
     """
 
@@ -135,6 +136,7 @@ class Network:
     replaced: tuple[tuple[Span, str], ...] = field(repr=False)
     scope: Scope = field(repr=False)
     code: GeneratedCode = field(repr=False)
+    derived: dict[object, Any] = field(default_factory=dict, init=False, repr=False)
 
     def offset(self, name: str) -> int:
         """Where ``evidence[1]`` or ``Gripper.i`` stands among the values.

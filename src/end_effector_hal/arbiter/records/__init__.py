@@ -1,8 +1,17 @@
 """What the next arbiter must know: sessions in memory that outlives the process, latched faults on a disk."""
 
-from ._journal import Journal, JournalThread
+from ._journal import Journal, JournalEntry, JournalThread
 from ._records import Records
 from ._session_store import SessionStore, this_boot
-from ._storage import FileStorage
+from ._storage import FileStorage, Storage
 
-__all__ = ["FileStorage", "Journal", "JournalThread", "Records", "SessionStore", "this_boot"]
+__all__ = [
+    "FileStorage",
+    "Journal",
+    "JournalEntry",
+    "JournalThread",
+    "Records",
+    "SessionStore",
+    "Storage",
+    "this_boot",
+]

@@ -16,7 +16,7 @@ from zlib import crc32
 
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
-from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.arbiter.records._storage import Storage
 from end_effector_hal.arbiter.rules import read_faults, read_levels
 from end_effector_hal.errors import UsageError
 
@@ -55,7 +55,7 @@ class Journal:
         clock: monotonic, µs.
     """
 
-    def __init__(self, storage: FileStorage | None, boot: str, clock: Callable[[], int]) -> None:
+    def __init__(self, storage: Storage | None, boot: str, clock: Callable[[], int]) -> None:
         self._file = RecordFile(storage) if storage else None
         self._storage, self._boot, self._clock = storage, boot, clock
         self._lock = threading.Lock()

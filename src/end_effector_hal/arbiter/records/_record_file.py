@@ -14,7 +14,7 @@ from enum import Enum
 from typing import NamedTuple
 from zlib import crc32
 
-from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.arbiter.records._storage import Storage
 
 MAGIC = b"EEHALREC"
 _HEADER = struct.Struct("<8sQII")
@@ -58,7 +58,7 @@ class RecordFile:
         storage: where.
     """
 
-    def __init__(self, storage: FileStorage) -> None:
+    def __init__(self, storage: Storage) -> None:
         self._storage = storage
         self._generation = 0
         self._made = self._begun = self._foul = False

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Protocol
 
-from end_effector_hal.arbiter.records._journal import JournalEntry, JournalThread
+from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._session_store import SessionStore
 from end_effector_hal.arbiter.rules import ArbiterState, LineArbiter
 
@@ -44,10 +46,35 @@ NO_JOURNAL = (
 )
 
 
+class JournalKeeper(Protocol):
+    """What writes a journal without anybody waiting for the disk: a `JournalThread`."""
+
+    @property
+    def trouble(self) -> str:
+        """Why the faults are not on the disk; empty: they are, or will be in a moment."""
+        ...
+
+    def read(self) -> JournalEntry:
+        """What an earlier arbiter has written."""
+        ...
+
+    def late(self) -> JournalEntry | None:
+        """The same, once, where the disk did not answer in time."""
+        ...
+
+    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+        """Have this written."""
+        ...
+
+    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+        """The arbiter ends in order."""
+        ...
+
+
 class Records:
     """Reads and keeps them. Trouble with either is a latched fault and ends nothing."""
 
-    def __init__(self, sessions: SessionStore, journal: JournalThread) -> None:
+    def __init__(self, sessions: SessionStore, journal: JournalKeeper) -> None:
         self._sessions, self._journal = sessions, journal
         self.before = recall(sessions.read(), journal.read())
         """The state of the arbiter before this one."""

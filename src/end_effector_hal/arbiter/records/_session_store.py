@@ -18,7 +18,7 @@ from pathlib import Path
 
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
-from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.arbiter.records._storage import Storage
 from end_effector_hal.arbiter.rules import ArbiterState, read_arbiter_state
 from end_effector_hal.errors import UsageError
 
@@ -38,7 +38,7 @@ class SessionStore:
         clock: monotonic, µs.
     """
 
-    def __init__(self, storage: FileStorage, mark: FileStorage, boot: str, clock: Callable[[], int]) -> None:
+    def __init__(self, storage: Storage, mark: Storage, boot: str, clock: Callable[[], int]) -> None:
         self._mark, self._boot, self._clock = mark, boot, clock
         self._retry_at = 0
         self._file = RecordFile(storage)

@@ -5,9 +5,38 @@ from __future__ import annotations
 import errno
 import os
 from pathlib import Path
+from typing import Protocol
 
 MOST = 1 << 20
 """Bytes of a file that are read."""
+
+
+class Storage(Protocol):
+    """Bytes that outlive the process; every method may raise OSError. `FileStorage` says what each one does."""
+
+    def read(self) -> bytes:
+        """Everything; empty if there is nothing yet."""
+        ...
+
+    def create(self, content: bytes, size: int) -> None:
+        """Begin again with these bytes, in one step, and with room for ``size``."""
+        ...
+
+    def write(self, at: int, data: bytes) -> None:
+        """Overwrite from the byte ``at`` on."""
+        ...
+
+    def sync(self) -> None:
+        """Return when it would survive a loss of power."""
+        ...
+
+    def remove(self) -> None:
+        """Delete all."""
+        ...
+
+    def close(self) -> None:
+        """Give it back."""
+        ...
 
 
 class FileStorage:

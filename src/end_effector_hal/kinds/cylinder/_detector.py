@@ -73,6 +73,8 @@ class CylinderDetector:
 
     def _threshold_pa(self, readings: ChannelReadings, at: int) -> float:
         supply_pa = self._supply.pressure_pa(readings.get(self._supply.channel, at))
+        # 85 % of no air at all is nothing: with less than a grip needs, the pressure of a rod at rest is no proof
+        supply_pa = max(supply_pa, self._supply.refuse_kpa * 1000)
         # a little lower once extended: noise at the threshold is no loss
         margin_pa = self._supply.hysteresis_kpa * 1000 if self._held else 0.0
         return self._actuator.extended_fraction * supply_pa - margin_pa

@@ -41,7 +41,8 @@ class PredicatePublisher:
         carrier: of its channels; default: what the description says.
         clock: µs.
         judge: shared with those in this process who get the same frames.
-        sender: to the arbiter; None: over its socket, and only what the arbiter does not prove by itself.
+        sender: to the arbiter; None: over its socket.
+        own: whether it sends what the arbiter proves by itself, or what it does not; default: where it has a sender.
     """
 
     def __init__(
@@ -51,14 +52,18 @@ class PredicatePublisher:
         clock: Callable[[], int] = now_us,
         judge: FrameJudge | None = None,
         sender: Sender | None = None,
+        *,
+        own: bool | None = None,
     ) -> None:
         carrier = carrier or carrier_of(description)
         self._sender = sender or PredicateSender(socket_path(description))
         self._predicates = Predicates(description, carrier, judge)
         policy = arbiter_policy(description)
         needed = {need.predicate for needs in policy.needs.values() for need in needs}
-        self._needed = needed & policy.proven if sender else needed - policy.proven
-        self._repeats = bool(self._needed) and carrier.period_us > REPEAT_US // 2
+        own = sender is not None if own is None else own
+        self._needed = needed & policy.proven if own else needed - policy.proven
+        self.repeats = bool(self._needed) and carrier.period_us > REPEAT_US // 2
+        """Whether its link is so slow that what is proven has to be repeated between two frames."""
         self._clock = clock
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -68,7 +73,7 @@ class PredicatePublisher:
 
     def start(self) -> None:
         """Begin."""
-        if self._repeats:
+        if self.repeats:
             self._thread = threading.Thread(target=self._repeat, name="predicates", daemon=True)
             self._thread.start()
 
@@ -91,6 +96,14 @@ class PredicatePublisher:
             with self._lock:
                 self._send(proven, frame.at)
 
+    def repeat(self) -> None:
+        """Say again what is still proven; called every `REPEAT_US` where it ``repeats``."""
+        with self._lock:
+            at = self._clock()
+            proven = self._needed_of(self._predicates.advance(at))
+            if proven and (proven != self._sent or at >= self._due):
+                self._send(proven, at)
+
     def close(self) -> None:
         """Send nothing any more; the sender ends with it."""
         self._ended.set()
@@ -101,11 +114,7 @@ class PredicatePublisher:
 
     def _repeat(self) -> None:
         while not self._ended.wait(REPEAT_US / 1e6):
-            with self._lock:
-                at = self._clock()
-                proven = self._needed_of(self._predicates.advance(at))
-                if proven and (proven != self._sent or at >= self._due):
-                    self._send(proven, at)
+            self.repeat()
 
     def _needed_of(self, proven: Mapping[str, bool]) -> dict[str, bool]:
         return {name: holds for name, holds in proven.items() if name in self._needed}

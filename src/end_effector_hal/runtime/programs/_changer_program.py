@@ -12,10 +12,12 @@ from end_effector_hal.runtime.outputs import ChangerOutputs, LineWriter, OutputM
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 
+from ._inline_worker import InlineWorker
 from ._latest_status import Listener
 from ._program import Program
 from ._release_proof import await_release
 from ._sensor_fault import FaultKeeper, SensorFault
+from ._serial_worker import SerialWorker
 
 
 class ChangerLines(LineWriter, FaultKeeper, Protocol):
@@ -35,13 +37,15 @@ class ChangerProgram(Program):
         recorder: Recorder = NULL_RECORDER,
         clock: Callable[[], int] = now_us,
         judge: FrameJudge | None = None,
+        worker: type[SerialWorker | InlineWorker] = SerialWorker,
     ) -> None:
+        self._waits = worker is SerialWorker
         self._fault = SensorFault(lines)
-        super().__init__(description, lines, on_status, recorder, clock, judge)
+        super().__init__(description, lines, on_status, recorder, clock, judge, worker)
 
     def command(self, name: str, until_us: int | None = None) -> Answer:
-        """Like every program's; an unlock first waits for its proof."""
-        if name == "unlock" and (changer := self._description.tool_changer):
+        """Like every program's; an unlock first waits for its proof, where there is a thread that can wait."""
+        if self._waits and name == "unlock" and (changer := self._description.tool_changer):
             await_release(self._latest, changer)
         return super().command(name, until_us)
 

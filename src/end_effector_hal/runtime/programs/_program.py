@@ -22,6 +22,7 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
+from ._inline_worker import InlineWorker
 from ._latest_status import LatestStatus, Listener
 from ._serial_worker import FollowUp, SerialWorker
 
@@ -48,6 +49,7 @@ class Program(ABC):
         recorder: of the boundary.
         clock: µs.
         judge: shared with all others in this process who get the same frames; default: its own.
+        worker: does its jobs; an `InlineWorker` where `begin` and `work` are called instead of `start`.
     """
 
     NAME: ClassVar[str]
@@ -60,6 +62,7 @@ class Program(ABC):
         recorder: Recorder = NULL_RECORDER,
         clock: Callable[[], int] = now_us,
         judge: FrameJudge | None = None,
+        worker: type[SerialWorker | InlineWorker] = SerialWorker,
     ) -> None:
         self._description, self._clock, self._judge = description, clock, judge
         self._network = network_of(description)
@@ -69,7 +72,7 @@ class Program(ABC):
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
         self._reset()
-        self._worker = SerialWorker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
+        self._worker = worker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
         self._latest = LatestStatus(self._adoption.controller.status(), on_status)
         recorder.attend(self._look_around)
         self._thread = threading.Thread(target=self._run, name=f"program {self.NAME}", daemon=True)
@@ -78,6 +81,25 @@ class Program(ABC):
         """Begin: read the lines, read the sensors, adopt."""
         self._thread.start()
         self._recorder.serve(self._asked, lambda: self.alive, self._look_around)
+
+    def begin(self) -> None:
+        """Begin in this thread, as `start` does in one of the program: for virtual time."""
+        self._worker.begin(self._begin)
+
+    @property
+    def due(self) -> int | None:
+        """µs at which the program does something by itself; in virtual time `work` is to be called then."""
+        return self._due()
+
+    def work(self) -> None:
+        """Do what is due now."""
+        self._worker.work()
+
+    def leave(self, ending: str = "sigterm") -> None:
+        """End in good order, where there is no thread; raises WireError."""
+        self._worker.end()
+        self._latest.end()
+        self._lines.close(self._adoption.outputs.mapping.last_will(self.status, ending))
 
     @property
     def alive(self) -> bool:

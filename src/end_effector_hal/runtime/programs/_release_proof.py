@@ -20,8 +20,14 @@ def await_release(latest: LatestStatus, changer: ToolChanger) -> None:
 
     Feedback that is still there says nothing: the last frame of the release may not have come to this program yet.
     """
-    latest.wait(_is_decided, LAG_S + FALL_S + changer.vented_s)
+    latest.wait(release_is_decided, longest_release_s(changer))
 
 
-def _is_decided(status: Status) -> bool:
+def longest_release_s(changer: ToolChanger) -> float:
+    """Seconds that an unlock waits at the longest."""
+    return LAG_S + FALL_S + changer.vented_s
+
+
+def release_is_decided(status: Status) -> bool:
+    """Whether the release is proven, or cannot be."""
     return status.vented or status.ee not in _MAY_RELEASE

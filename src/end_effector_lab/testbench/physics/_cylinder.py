@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import ClassVar, Self
 
-from ._device import ACTUATOR, PRESSURE, Device
-from ._parts import STEP_S, Sensor, Supply, Valve
+from ._course import Course
+from ._device import ACTUATOR, PRESSURE, SolvedDevice
+from ._parts import CLOSE_KPA, STEP_S, Sensor, Supply, Valve
 
 RETRACT_S = 0.4
 TRAVEL_KPA, RETURN_KPA = 270.0, 90.0
 """Plateaus: while it extends (load and friction decide it), and while the spring pushes it back."""
 FILL_S = 0.025
 """Time constant of the pressure."""
-_SHARE = 1.0 - math.exp(-STEP_S / FILL_S)
-_CLOSE_KPA = 1e-6
+_MOVES_KPA, _RETURNS_KPA = 0.95 * TRAVEL_KPA, 1.1 * RETURN_KPA
+"""Above the first, and under the second, it moves."""
 _SWITCH = 0.02  # a position switch is made over the last 2 % of the stroke
 
 
-class Cylinder(Device):
+class Cylinder(SolvedDevice):
     """Valve delay, filling to a plateau, travel on it, rise to the supply pressure; the reverse on exhaust.
 
     Args:
@@ -42,10 +42,12 @@ class Cylinder(Device):
     ) -> None:
         super().__init__(valve or Valve(30_000), start)
         self._supply = supply or Supply(start=start)
-        self._extend = STEP_S / extend_s
+        self._extend_s = extend_s
         self._kpa = 0.0
         self._sensor = Sensor()
-        self.position = 0.0  # 0 retracted, 1 extended
+        self.position = self._first = 0.0  # 0 retracted, 1 extended
+        self._speed = 0.0  # 1/s, outwards
+        self._course = self._lagged = Course(0.0)
 
     @classmethod
     def on_air(cls, valve: Valve, supply: Supply, start: int) -> Self:
@@ -61,29 +63,60 @@ class Cylinder(Device):
 
     @property
     def draw_kpa(self) -> float:
-        return 10.0 if self.valve.is_open and 0.0 < self.position < 1.0 else 0.0
+        return 10.0 if self.valve.is_open and (self._speed or 0.0 < self.position < 1.0) else 0.0
 
     @property
     def settled(self) -> bool:
         still = self.position == (1.0 if self.valve.is_open else 0.0)
-        at_target = abs(self._target() - self._kpa) < _CLOSE_KPA
+        at_target = abs(self._target() - self._kpa) < CLOSE_KPA
         return still and at_target and self.valve.settled and self._sensor.shows(self._kpa)
 
     def settle(self, active: bool) -> None:
-        self.valve.is_open = active
+        self.valve.is_open, self.stale, self._speed = active, True, 0.0
         self.position = 1.0 if active else 0.0
         self._kpa = self._sensor.kpa = self._target()
 
-    def step(self) -> None:
-        opened = self.valve.advance(self.now)
-        self._kpa += (self._target() - self._kpa) * _SHARE
-        if opened and self._kpa >= 0.95 * TRAVEL_KPA:
-            self.position = min(self.position + self._extend, 1.0)
-        elif not opened and self._kpa <= 1.1 * RETURN_KPA:
-            self.position = max(self.position - STEP_S / RETRACT_S, 0.0)
-        self._sensor.follow(self._kpa)
+    def solve(self) -> float | None:
+        self._course, changes = self._filling() if self.valve.is_open else self._emptying()
+        self._lagged = self._course.lagged(1 / Sensor.LAG_S, self._sensor.kpa)
+        self._first = self.position
+        if self._speed > 0:
+            changes.append((1.0 - self.position) * self._extend_s)
+        elif self._speed < 0:
+            changes.append(self.position * RETRACT_S)
+        return min([each for each in changes if each is not None], default=None)
+
+    def show(self, seconds: float) -> None:
+        self._kpa, self._sensor.kpa = self._course.at(seconds), self._lagged.at(seconds)
+        self.position = min(max(self._first + self._speed * seconds, 0.0), 1.0)
+
+    def _filling(self) -> tuple[Course, list[float | None]]:
+        """Its pressure while the valve is open, and when something else begins."""
+        supply, rate, changes = self._supply.course, 1 / FILL_S, list[float | None]()
+        travels = self.position < 1.0
+        if travels:
+            changes.append(supply.reaches(TRAVEL_KPA))
+        if travels and self._supply.kpa > TRAVEL_KPA:
+            course = Course.towards(TRAVEL_KPA, rate, self._kpa)
+        else:
+            course = supply.lagged(rate, self._kpa)
+        # it moves in the step in which it has the pressure for it
+        self._speed = 1 / self._extend_s if travels and course.at(STEP_S) >= _MOVES_KPA else 0.0
+        return course, [*changes, _a_step_before(course.reaches(_MOVES_KPA)) if travels else None]
+
+    def _emptying(self) -> tuple[Course, list[float | None]]:
+        """The same while it is closed."""
+        returns = self.position > 0.0
+        course = Course.towards(self._target(), 1 / FILL_S, self._kpa)
+        self._speed = -1 / RETRACT_S if returns and course.at(STEP_S) <= _RETURNS_KPA else 0.0
+        return course, [_a_step_before(course.reaches(_RETURNS_KPA)) if returns else None]
 
     def _target(self) -> float:
         if self.valve.is_open:
             return min(TRAVEL_KPA, self._supply.kpa) if self.position < 1.0 else self._supply.kpa
         return RETURN_KPA if self.position > 0.0 else 0.0
+
+
+def _a_step_before(seconds: float | None) -> float | None:
+    """None: it is so already, or never."""
+    return seconds - STEP_S if seconds is not None and seconds > STEP_S else None

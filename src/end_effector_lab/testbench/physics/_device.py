@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar, Self
 
-from ._parts import Model, Supply, Valve
+from ._parts import STEP_US, Model, SolvedModel, Supply, Valve
 
 ACTUATOR, PRESSURE, LEAKS, PARTS, CHANGER = "actuator", "pressure", "leaks", "parts", "changer"
 STICKS = "sticks"
@@ -99,8 +99,29 @@ class Device(Model):
         """Its switches, by what they mean: ``extended`` is shown on the channel that ``extended_bit`` names."""
 
 
+class SolvedDevice(Device, SolvedModel):
+    """A device that is solved until something switches; see `SolvedModel`."""
+
+    def command(self, active: bool, at: int) -> None:
+        super().command(active, at)
+        self.stale = True
+
+    def lose(self, at: int) -> None:
+        super().lose(at)
+        self.stale = True
+
+    def begin(self) -> None:
+        self.valve.advance(self.now)
+        super().begin()
+
+    def switches_at(self) -> int | None:
+        return self.valve.switches_at
+
+
 class Plant(Model):
     """Devices that feel each other by the pressure of their supply only.
+
+    Those that are solved go from one switching to the next at once; while another one moves, all go in steps.
 
     Args:
         supply: feeds them all.
@@ -112,14 +133,47 @@ class Plant(Model):
         super().__init__(start)
         self.supply = supply
         self.devices = dict(devices)
-        self._models: tuple[Model, ...] = (supply, *self.devices.values())
+        self._solved = tuple(each for each in self.devices.values() if isinstance(each, SolvedModel))
+        self._stepping = tuple(each for each in self.devices.values() if not isinstance(each, SolvedModel))
 
     @property
     def settled(self) -> bool:
-        return all(model.settled for model in self._models)
+        return self.supply.settled and all(device.settled for device in self.devices.values())
 
     def step(self) -> None:
-        self.supply.draw_kpa = sum(device.draw_kpa for device in self.devices.values())
-        for model in self._models:
-            model.now = self.now
-            model.step()
+        self._go(self.now + STEP_US)
+
+    def advance(self, at: int) -> None:
+        at = self.now + (at - self.now) // STEP_US * STEP_US
+        while self.now < at:
+            self.now = self._go(at)
+
+    def _go(self, at: int) -> int:
+        """Go to ``at``, or as far as nothing switches; returns how far that was."""
+        self._begin()
+        moving = [device for device in self._stepping if not device.settled]
+        to = self.now + STEP_US if moving else at
+        for model in (self.supply, *self._solved):
+            to = to if model.due is None else min(to, model.due)
+        for device in self._stepping:
+            device.now = self.now
+        for device in moving:
+            device.step()
+        for device in self._stepping:
+            device.now = to
+        for model in (self.supply, *self._solved):
+            model.go(to)
+        return to
+
+    def _begin(self) -> None:
+        """Whoever has something new begins with it; what feels the supply, too, when that begins."""
+        for model in self._solved:
+            if model.stale:
+                model.begin()
+        draw_kpa = sum([device.draw_kpa for device in self.devices.values()])
+        if draw_kpa != self.supply.draw_kpa:
+            self.supply.draw_kpa = draw_kpa
+        if self.supply.stale:
+            self.supply.begin()
+            for model in self._solved:
+                model.begin()

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from ._device import ACTUATOR, LEAKS, PRESSURE, STICKS, Device
+from ._course import Course
+from ._device import ACTUATOR, LEAKS, PRESSURE, STICKS, SolvedDevice
 from ._parts import STEP_S, Sensor, Valve
+from ._suction import LaggedSuction, Suction
 
 ATMOSPHERE_KPA = 101.325
 LEAK_AT_KPA = 60.0  # a leak's flow is stated at this vacuum
@@ -16,15 +19,17 @@ VOLUME_L = 0.25  # hose and cup
 BLOW_KPA = 40.0  # gauge, behind the throttle of a blow-off: what a cup that is closed comes to
 BLOW_L_MIN = 400.0  # fills it, at the same vacuum
 OFF_AT_KPA = 5.0  # a part that sticks comes off at this gauge pressure
-_SUCTION = 67.0 / 60.0 / VOLUME_L  # S0 / V, at atmosphere
 _ULTIMATE_KPA = ATMOSPHERE_KPA - 85.0  # the deepest vacuum, absolute
+_SUCTION = 67.0 / 60.0 / VOLUME_L / (ATMOSPHERE_KPA - _ULTIMATE_KPA)  # S0 / V, at atmosphere
 _PER_L_MIN = ATMOSPHERE_KPA / LEAK_AT_KPA / 60.0 / VOLUME_L
 _STILL_KPA = 1e-7
+_GROWTH_S = 0.02
+"""A leak that grows is taken to be constant for so long."""
 PART_KPA, PART_HYSTERESIS_KPA, GONE_KPA = 55.0, 5.0, 10.0
 """Its switches: on with a part, off again so far below, and on without vacuum."""
 
 
-class VacuumCircuit(Device):
+class VacuumCircuit(SolvedDevice):
     """Volume, ejector and leak: ``dp/dt = (Q p_atm - S(p) p) / V``, p absolute.
 
     ``S(p) = S0 (p - p_ult) / (p_atm - p_ult)``, ``Q = k (p_atm - p)``. It passes 55 kPa
@@ -44,12 +49,14 @@ class VacuumCircuit(Device):
 
     def __init__(self, valve: Valve | None = None, *, start: int = 0) -> None:
         super().__init__(valve or Valve(22_000), start)
-        self._leak_l_min = self._leak_grows = 0.0
+        self._leak_l_min = self._leak_grows = self._first_leak = 0.0
         self._lost = self._sticks = self._stuck = False
         self._blow_off = Valve(self.valve.delay_us)
         self._absolute = ATMOSPHERE_KPA
         self._sensor = Sensor()
         self._switch = False
+        self._course: Course | Suction = Course(ATMOSPHERE_KPA)
+        self._lagged: Course | LaggedSuction = self._course
 
     @property
     def vacuum_kpa(self) -> float:
@@ -70,7 +77,7 @@ class VacuumCircuit(Device):
 
     @property
     def settled(self) -> bool:
-        slow = abs(self._slope(self._absolute)) * STEP_S < _STILL_KPA
+        slow = abs(self._ahead(self._leak_l_min).at(STEP_S) - self._absolute) < _STILL_KPA
         grows = self.valve.is_open and self._leak_grows > 0
         valves = self.valve.settled and self._blow_off.settled
         return slow and not grows and valves and self._sensor.shows(self.vacuum_kpa)
@@ -82,47 +89,65 @@ class VacuumCircuit(Device):
 
     def blow(self, active: bool, at: int) -> None:
         self._blow_off.command(active, at)
+        self.stale = True
 
     def stick(self, sticks: bool) -> None:
-        self._sticks, self._stuck = sticks, sticks and self.valve.is_open
+        self._sticks, self._stuck, self.stale = sticks, sticks and self.valve.is_open, True
 
     def lose(self, at: int) -> None:
         """The part comes off the cup; the ejector goes on."""
-        self._lost = True
+        self._lost = self.stale = True
 
     def leak(self, litres_min: float, grows_l_min_s: float = 0.0) -> None:
-        self._leak_l_min, self._leak_grows = litres_min, grows_l_min_s
+        self._leak_l_min, self._leak_grows, self.stale = litres_min, grows_l_min_s, True
 
     def settle(self, active: bool) -> None:
-        self.valve.is_open, self._stuck = active, active and self._sticks
-        low, high = _ULTIMATE_KPA, ATMOSPHERE_KPA
-        for _ in range(60):  # the slope falls with the pressure: bisect for its zero
-            middle = (low + high) / 2
-            low, high = (middle, high) if self._slope(middle) > 0 else (low, middle)
-        self._absolute = high
+        self.valve.is_open, self._stuck, self.stale = active, active and self._sticks, True
+        self._absolute = self._ahead(self._leak_l_min).level
         self._sensor.kpa = self.vacuum_kpa
         self._switch = self.vacuum_kpa >= PART_KPA
 
-    def step(self) -> None:
-        self.valve.advance(self.now)
+    def begin(self) -> None:
         self._blow_off.advance(self.now)
-        if self.valve.is_open:
-            self._leak_l_min += self._leak_grows * STEP_S
-        blown = self._blow_off.is_open or self._absolute > ATMOSPHERE_KPA
-        highest = ATMOSPHERE_KPA + (BLOW_KPA if blown else 0.0)
-        self._absolute = min(self._absolute + self._slope(self._absolute) * STEP_S, highest)
+        self.valve.advance(self.now)
         self._stuck = self._stuck and self.vacuum_kpa > -OFF_AT_KPA
-        self._sensor.follow(self.vacuum_kpa)
+        super().begin()
+
+    def switches_at(self) -> int | None:
+        return min(
+            [at for at in (self.valve.switches_at, self._blow_off.switches_at) if at is not None],
+            default=None,
+        )
+
+    def solve(self) -> float | None:
+        grows = self._leak_grows if self.valve.is_open else 0.0
+        self._first_leak = self._leak_l_min
+        self._course = self._ahead(self._leak_l_min + grows * _GROWTH_S / 2)
+        self._lagged = self._course.lagged(1 / Sensor.LAG_S, ATMOSPHERE_KPA - self._sensor.kpa)
+        comes_off = self._course.reaches(ATMOSPHERE_KPA + OFF_AT_KPA) if self._stuck else None
+        return min([s for s in (comes_off, _GROWTH_S if grows else None) if s is not None], default=None)
+
+    def show(self, seconds: float) -> None:
+        self._absolute = self._course.at(seconds)
+        self._sensor.kpa = ATMOSPHERE_KPA - self._lagged.at(seconds)
+        if self._leak_grows and self.valve.is_open:
+            self._leak_l_min = self._first_leak + self._leak_grows * seconds
         self._switch = self.vacuum_kpa >= PART_KPA - (PART_HYSTERESIS_KPA if self._switch else 0.0)
 
-    def _slope(self, absolute: float) -> float:
-        """kPa/s."""
-        leak = self._leak_l_min + (LOST_L_MIN if self._lost else 0.0)
+    def _ahead(self, leak_l_min: float) -> Course | Suction:
+        """The absolute pressure from now on, with this leak.
+
+        As quick as in steps of a millisecond, with which its figures were fitted to a real circuit.
+        """
+        leak = leak_l_min + (LOST_L_MIN if self._lost else 0.0)
         if not self.valve.is_open and not self._stuck:
             leak += VENT_L_MIN
-        slope = leak * _PER_L_MIN * (ATMOSPHERE_KPA - absolute)
-        if self._blow_off.is_open:
-            slope += BLOW_L_MIN * _PER_L_MIN * (ATMOSPHERE_KPA + BLOW_KPA - absolute)
+        leaks = leak * _PER_L_MIN
+        blows = BLOW_L_MIN * _PER_L_MIN if self._blow_off.is_open else 0.0
+        comes_in = leaks * ATMOSPHERE_KPA + blows * (ATMOSPHERE_KPA + BLOW_KPA)
         if self.valve.is_open:
-            slope -= _SUCTION * (absolute - _ULTIMATE_KPA) / (ATMOSPHERE_KPA - _ULTIMATE_KPA) * absolute
-        return slope
+            linear = _SUCTION * _ULTIMATE_KPA - leaks - blows
+            return Suction.of(_SUCTION, linear, comes_in, self._absolute).hurried(STEP_S)
+        if not (rate := leaks + blows):
+            return Course(self._absolute)
+        return Course.towards(comes_in / rate, -math.log1p(-rate * STEP_S) / STEP_S, self._absolute)

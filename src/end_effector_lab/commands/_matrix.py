@@ -1,0 +1,169 @@
+"""``eehal matrix``: every fault at every moment, with every command."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli import PathName, Progress, print_document
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from end_effector_hal.description import Description
+    from end_effector_lab.matrix import Cell
+
+
+@click.command("matrix", short_help="every fault at every moment, in virtual time")
+@click.argument("tool", required=False, metavar="TOOL", type=PathName())
+@click.option(
+    "-o",
+    "--output",
+    metavar="FOLDER",
+    default="runs/matrix",
+    show_default=True,
+    type=PathName(),
+    help="Gets what was played, the report and the FMEA; a matrix that was stopped there goes on.",
+)
+@click.option("--jobs", type=click.IntRange(1), help="Processes; default: one for each processor.")
+@click.option(
+    "--every",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Play each Nth cell only; the others are counted as left out.",
+)
+@click.option("--only", default="", metavar="TEXT", help="Play the cells whose id has this text only.")
+@click.option("--cell", metavar="ID", help="Play this cell only, with its recording and its figure.")
+@click.option("--list", "listed", is_flag=True, help="Print the ids of the cells, and play none.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, in one line.")
+def command(
+    tool: Path | None,
+    output: Path,
+    jobs: int | None,
+    every: int,
+    only: str,
+    cell: str | None,
+    listed: bool,
+    as_json: bool,
+) -> None:
+    """Play every fault of the testbench at every moment of a grip and a drop, with every command, in virtual time.
+
+    What may become of each cell is computed from the description, by rules that share nothing with what controls the
+    tool; the monitor judges it besides. FOLDER gets report.html, report.json, cells.jsonl and fmea.csv, the failure
+    modes and effects of the tool, with severity and occurrence left to whoever signs it.
+
+    A cell's id is "FAULT @ MOMENT + COMMAND". TOOL: default is the shipped one. Exit code 4: a part was dropped, or
+    something is not explained.
+    """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import profile_path
+    from end_effector_lab.matrix import cells_of, moments
+
+    description = load_tool(tool or profile_path())
+    with Progress("Playing the run without a fault", shown=not as_json):
+        whole = list(cells_of(description, moments(description)))
+    if cell is not None:
+        raise SystemExit(_one(description, whole, cell, output, as_json=as_json))
+    cells = [each for each in whole if only in each.id][::every]
+    if not cells:
+        raise UsageError(f"No cell has {only!r} in its id.", todo="--list prints them.")
+    if listed:
+        click.echo("\n".join(each.id for each in cells))
+        return
+    raise SystemExit(_all(description, cells, len(whole) - len(cells), output, jobs, as_json=as_json))
+
+
+def _all(
+    description: Description,
+    cells: list[Cell],
+    left_out: int,
+    output: Path,
+    jobs: int | None,
+    *,
+    as_json: bool,
+) -> int:
+    from end_effector_lab.matrix import fmea, page, play_all, summary
+
+    begun = time.monotonic()
+    with Progress(f"{len(cells)} cells", shown=not as_json) as progress:
+
+        def on_progress(done: int, of: int) -> None:
+            if not first:
+                first.append(done)
+            took = time.monotonic() - begun
+            left = (of - done) * took / (done - first[0]) if done > first[0] else 0.0
+            progress(f"{done} of {of} cells, {left / 60:.0f} min left")
+
+        first: list[int] = []
+        played = play_all(
+            description, cells, output, jobs=jobs or len(os.sched_getaffinity(0)), on_progress=on_progress
+        )
+    found = summary(cells, played, left_out)
+    by_id = {each["id"]: each for each in played}
+    files = {
+        "report.html": page(description.name, found, played),
+        "report.json": json.dumps(found, indent=1) + "\n",
+        "fmea.csv": fmea(description, cells, by_id),
+    }
+    for name, text in files.items():
+        (output / name).write_text(text, encoding="utf-8")
+    if as_json:
+        click.echo(json.dumps(found))
+    else:
+        _tell(found, [each for each in played if not each["explained"]], output)
+    return 4 if found["dropped"] or found["unexplained"] else 0
+
+
+def _tell(found: dict[str, object], wrong: list[dict[str, object]], output: Path) -> None:
+    dimensions = found["dimensions"]
+    assert isinstance(dimensions, dict)
+    click.echo(" x ".join(f"{count} {name}" for name, count in dimensions.items()))
+    outcomes = found["outcomes"]
+    assert isinstance(outcomes, dict)
+    for name, count in outcomes.items():
+        click.echo(f"{count:7} {name}")
+    for each in wrong[:20]:
+        objections = each["objections"]
+        assert isinstance(objections, list | tuple)
+        click.echo(f"not explained: {each['id']}: {each['outcome']}; {'; '.join(map(str, objections))}")
+    click.echo(
+        f"{found['cells']} cells, {found['dropped']} dropped, {found['unexplained']} unexplained, "
+        f"{found['left_out']} left out; {output / 'report.html'}"
+    )
+
+
+def _one(description: Description, cells: list[Cell], name: str, output: Path, *, as_json: bool) -> int:
+    from difflib import get_close_matches
+
+    from end_effector_hal.cli import figures
+    from end_effector_lab.figures import RecordedRun, save
+    from end_effector_lab.matrix import record
+
+    cell = next((each for each in cells if each.id == name), None)
+    if cell is None:
+        close = get_close_matches(name, [each.id for each in cells], n=1, cutoff=0.3)
+        raise UsageError(f"There is no cell {name!r}.", todo=f"Did you mean {close[0]!r}?" if close else "")
+    figures()  # without what draws them nothing is played
+    folder = output / "cell"
+    if folder.exists():
+        for file in folder.iterdir():
+            file.unlink()
+    played = record(description, cell, folder)
+    run = RecordedRun.read(folder / "states.csv")
+    figure = save(run.figure("timeline"), folder / "timeline.png")
+    if as_json:
+        print_document(played.as_json() | {"figure": str(figure)})
+    else:
+        click.echo(f"{played.outcome} (expected: {', '.join(played.expected)}, {played.why})")
+        for objection in played.objections:
+            click.echo(f"not explained: {objection}")
+        if played.told:
+            click.echo(f"after {played.told_after:g} s: {played.told}")
+        click.echo(str(figure))
+    return 0 if played.explained else 4

@@ -1,0 +1,110 @@
+"""The cells: every fault, at every place, at every moment, with every command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_lab.testbench import offered_faults
+
+from ._script import Moment
+
+NOTHING, BOTH = "none", "kill both"
+COMMANDS = (
+    NOTHING, "cancel", "drop", "lock", "unlock", "kill grip", "kill tool_change", "kill hal", "kill arbiter", BOTH,
+)  # fmt: skip
+"""`hal` is both programs with who reads the sensors; who is killed is started again a second later."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One fault, from one moment on, and a command at the same instant.
+
+    Attributes:
+        fault: as the testbench takes it.
+        moment: when.
+        command: of `COMMANDS`.
+    """
+
+    fault: str
+    moment: Moment
+    command: str
+
+    @property
+    def id(self) -> str:
+        """Names it within the matrix of its tool."""
+        return f"{self.fault} @ {self.moment.name} + {self.command}"
+
+    @property
+    def name(self) -> str:
+        """Of the fault alone."""
+        return self.fault.partition(":")[0]
+
+    @property
+    def place(self) -> str:
+        """What has the fault; empty: the whole tool."""
+        parts = self.fault.split(":")
+        return parts[1] if len(parts) > 1 and parts[1][:1].isalpha() else ""
+
+    @property
+    def number(self) -> float | None:
+        """The number that belongs to it; None: none does."""
+        last = self.fault.split(":")[-1]
+        try:
+            return float(last)
+        except ValueError:
+            return None
+
+
+def faults_of(description: Description) -> tuple[str, ...]:
+    """Every fault that the tool can have, at each of its places, with the numbers of `_numbers`."""
+    found: list[str] = []
+    for offer in offered_faults(description):
+        places = [*([""] if offer.anywhere else []), *offer.places]
+        for place in places:
+            numbers = _numbers(description, offer.name, place)
+            found += [":".join(filter(None, (offer.name, place, number))) for number in numbers]
+    return tuple(dict.fromkeys(found))
+
+
+def cells_of(description: Description, when: Sequence[Moment]) -> Iterator[Cell]:
+    """All of them, in a fixed order."""
+    for fault in faults_of(description):
+        for moment in when:
+            for command in COMMANDS:
+                yield Cell(fault, moment, command)
+
+
+def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:
+    """Representatives: a value on each side of what the description asks for."""
+    part = description.actuators.get(place)
+    match fault:
+        case "fails":
+            attempts = part.attempts if part else 3
+            return (str(attempts - 1), str(attempts)) if attempts > 1 else (str(attempts),)
+        case "leak":
+            return ("4", "40")
+        case "leak-grows":
+            return ("2",)
+        case "lost-after":
+            return ("0.1", "1")
+        case "shows":
+            limits = kind_of(part).limits(part, description.supply) if part else {}
+            there = limits.get("confirmed_kpa", description.supply.nominal_kpa) * 1.2
+            below = part is not None and kind_of(part).below_ambient
+            return ("0", f"{-min(there, 100.0) if below else there:g}")
+        case "frozen-after" | "silent-after" | "babble-after" | "reboot-after":
+            return ("0",)
+        case "locked-shows" | "unlocked-shows" | "stand-shows":
+            return ("0", "1")
+        case "supply":
+            return ("0", f"{description.supply.refuse_kpa - 50:g}", f"{description.supply.warn_kpa - 20:g}")
+        case "noise" | "flips" | "bursts" | "lost-bytes" | "doubled-bytes":
+            return ("0.001", "0.2")
+        case "late-answers":
+            return ("50",)
+        case "no-answers" | "twice-answers" | "wrong-answers":
+            return ("0.2", "1")
+    return ("",)

@@ -1,0 +1,316 @@
+"""What may become of a cell, by the description and the documented rules alone; nothing here was observed.
+
+Rule 1: A fault changes what the sensor of its place shows: whether a new activation is confirmed, whether what was
+    confirmed stays, whether what is deactivated is gone. `_sensor` says it, fault by fault. A link that says nothing,
+    or nonsense, proves nothing of any actuator.
+Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost. A step that is not confirmed in its
+    attempts, a loss, or an activation that an interlock refuses ends it: what was engaged is unwound.
+Rule 3: After an unwinding or a release the tool is at rest if all that was engaged is proven gone, else RELEASE_ERROR.
+Rule 4: What is held stays held: a loss is a GRIP_ERROR with all outputs as they are, a lack of readings an alarm.
+Rule 5: A cancel counts in a grip only, a drop while something is held or latched; other commands then are refused.
+Rule 6: The death of the gripping program has the declared ending; the program that starts again adopts what it finds.
+    The deaths of the tool changer's program and of the line arbiter move nothing.
+Rule 7: A grip is refused while a sensor shows what should not be there, the link is down, the air is too low, the tool
+    is not proven to be locked, or the emergency stop is open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import named
+from end_effector_hal.signals import Kind
+from end_effector_hal.vocabulary import display_name
+from end_effector_lab.testbench.physics import PRESSURE, VacuumCircuit, physics_of
+
+from ._cells import BOTH, NOTHING, Cell
+from ._outcome import Outcome
+from ._script import GRIP, HELD, RELEASE, REST
+
+YES, NO, LOST, UNKNOWN = "yes", "no", "lost", "unknown"
+Can = frozenset[str]
+_YES = frozenset({YES})
+
+
+class SensorView(NamedTuple):
+    """What the sensor of an actuator can show under a fault; several are possible where the rules leave it open.
+
+    Attributes:
+        confirms: a new activation: ``yes``, ``no`` (in all its attempts).
+        keeps: what was confirmed: ``yes``, ``lost``, ``unknown``.
+        goes: what is deactivated: ``yes``, ``no``, ``unknown``.
+    """
+
+    confirms: Can = _YES
+    keeps: Can = _YES
+    goes: Can = _YES
+
+
+NORMAL = SensorView()
+BLIND = SensorView(frozenset({NO}), frozenset({UNKNOWN}), frozenset({UNKNOWN}))
+ANYTHING = SensorView(frozenset({YES, NO}), frozenset({YES, LOST, UNKNOWN}), frozenset({YES, NO, UNKNOWN}))
+SILENCING = {"silent-after", "babble-after"}
+DAMAGING = {
+    "noise", "flips", "bursts", "lost-bytes", "doubled-bytes", "late-answers", "no-answers", "twice-answers",
+    "wrong-answers",
+}  # fmt: skip
+LYING = {"shows", "frozen-after", "swapped", *DAMAGING}
+"""Of those what a sensor shows is not what is there."""
+
+
+@dataclass(frozen=True)
+class ExpectedOutcome:
+    """What is allowed.
+
+    Attributes:
+        outcomes: one of these, in the end.
+        alarm: an alarm or a reason must have been told.
+        why: the rules.
+    """
+
+    outcomes: frozenset[Outcome]
+    alarm: bool
+    why: str
+
+
+def expected(description: Description, cell: Cell) -> ExpectedOutcome:
+    """The allowed outcomes of a cell."""
+    return _Rules(description, cell).expected()
+
+
+def expected_view(description: Description, cell: Cell) -> str:
+    """What the sensors can show, by rule 1, in words."""
+    words = {
+        NO: "is not confirmed", LOST: "is lost", UNKNOWN: "proves nothing",
+    }  # fmt: skip
+    said = []
+    for name, view in _Rules(description, cell).views.items():
+        found = sorted({words[each] for each in view.confirms | view.keeps if each != YES})
+        found += ["is not proven gone"] if view.goes != _YES else []
+        if found:
+            said.append(f"{display_name(name)} {' or '.join(found)}")
+    return "; ".join(said) or "no sensor of a grip is affected"
+
+
+class _Rules:
+    def __init__(self, description: Description, cell: Cell) -> None:
+        self._description, self._cell = description, cell
+        self._phase, self._engaged = cell.moment.phase, cell.moment.engaged
+        self._sequence = description.sequence
+        self.views = {name: self._sensor(name) for name in self._sequence}
+
+    def expected(self) -> ExpectedOutcome:
+        """By the phase, and what the command changes in it."""
+        outcomes, why = self._outcomes()
+        latched = {Outcome.HELD, Outcome.STILL_THERE, Outcome.FAILED, Outcome.REFUSED}
+        blind = self._phase == HELD and all(view.keeps == {UNKNOWN} for view in self.views.values())
+        return ExpectedOutcome(frozenset(outcomes), outcomes <= latched or (blind and self._goes_on), why)
+
+    @property
+    def _goes_on(self) -> bool:
+        """Whether nothing is done to the gripping program."""
+        return self._cell.command not in ("kill grip", "kill hal", BOTH)
+
+    def _outcomes(self) -> tuple[set[Outcome], str]:
+        command = self._cell.command
+        if self._phase == REST:
+            if command == NOTHING:
+                return self._from_rest()
+            if command in ("kill tool_change", "kill arbiter"):
+                return {Outcome.AT_REST, Outcome.REFUSED}, "nothing moves"
+            return {Outcome.AT_REST, Outcome.REFUSED}, "nothing is begun"
+        if not self._goes_on:
+            return self._dies()
+        if self._phase == GRIP:
+            return self._cancelled() if command == "cancel" else self._grips()
+        if self._phase == HELD:
+            return self._dropped(self._sequence) if command == "drop" else (self._holds(), "rule 4")
+        return self._dropped(self._sequence)
+
+    def _from_rest(self) -> tuple[set[Outcome], str]:
+        refusals = self._refusals()
+        if refusals == {YES}:
+            return {Outcome.REFUSED}, "rule 7"
+        found, why = self._grips()
+        return (found | {Outcome.REFUSED}, why) if refusals else (found, why)
+
+    def _grips(self) -> tuple[set[Outcome], str]:
+        """From the present step on."""
+        done = self._engaged[:-1] if self._phase == GRIP else ()
+        todo = self._sequence[len(done) :]
+        found: set[Outcome] = set()
+        refused = self._activation_refused() if len(todo) > 1 or self._phase == REST else set()
+        if refused == {YES} and self._phase == GRIP and len(todo) == 2:
+            refused = {YES, NO}  # the last activation may come before the next frame
+        keeps: Can = frozenset().union(*(self.views[name].keeps for name in (*done, *todo)))
+        may = all(YES in self.views[name].confirms for name in todo) and refused != {YES}
+        if may and (YES in keeps or not keeps - {YES}):
+            found |= self._holds()
+        if may and keeps - {YES}:  # it may be lost before the last one is confirmed, or after
+            found |= self._holds() | self._unwound(self._sequence, Outcome.FAILED)
+        for number, name in enumerate(todo):
+            if NO in self.views[name].confirms:
+                found |= self._unwound((*done, *todo[: number + 1]), Outcome.FAILED)
+            if self.views[name].confirms == {NO}:
+                break
+        if refused:
+            found |= self._unwound(self._sequence, Outcome.FAILED)
+        return found, "rules 1 to 3"
+
+    def _cancelled(self) -> tuple[set[Outcome], str]:
+        if any(self._description.endings_of(name).gripping.cancel != "release" for name in self._engaged):
+            return {Outcome.HELD, Outcome.CANCELLED}, "rule 5, declared otherwise"
+        return self._unwound(self._engaged, Outcome.CANCELLED), "rule 5"
+
+    def _dropped(self, names: Iterable[str]) -> tuple[set[Outcome], str]:
+        found = self._unwound(names, Outcome.RELEASED)
+        if self._cell.command == "kill arbiter":
+            found |= {Outcome.RELEASED, Outcome.STILL_THERE}
+        if self._phase == RELEASE and not self._engaged:
+            found |= {Outcome.RELEASED}  # what is proven already needs no proof
+        return found, "rule 3"
+
+    def _holds(self) -> set[Outcome]:
+        keeps: Can = frozenset().union(*(view.keeps for view in self.views.values()))
+        every = [view.keeps for view in self.views.values()]
+        found = {Outcome.SUCCESS} if not any(each == {LOST} for each in every) else set()
+        return found | ({Outcome.HELD} if LOST in keeps else set())
+
+    def _unwound(self, names: Iterable[str], proven: Outcome) -> set[Outcome]:
+        names = list(names)
+        every = [self.views[name].goes for name in names]
+        found = {proven} if all(YES in each for each in every) else set()
+        if self._cell.name in (*LYING, "invalid"):  # also what was not engaged may be shown as still there
+            every += [view.goes for name, view in self.views.items() if name not in names]
+        return found | ({Outcome.STILL_THERE} if any(each != {YES} for each in every) else set())
+
+    def _dies(self) -> tuple[set[Outcome], str]:
+        """Rule 6."""
+        if self._phase == RELEASE:
+            return {Outcome.UNWOUND, Outcome.RELEASED}, "rule 6: the release is completed"
+        of = [self._description.endings_of(name) for name in self._engaged]
+        endings = [(each.held if self._phase == HELD else each.gripping).process_death for each in of]
+        if all(each == "release" for each in endings):
+            return {Outcome.UNWOUND}, "rule 6"
+        if any(each == "release" for each in endings) or self._phase == GRIP:
+            return {Outcome.HELD, Outcome.SUCCESS, Outcome.UNWOUND}, "rule 6, declared otherwise"
+        seen = [view.keeps if view.keeps != {YES} else view.confirms for view in self.views.values()]
+        found = {Outcome.SUCCESS} if all(YES in each or UNKNOWN not in each for each in seen) else set()
+        if any(each != {YES} for each in seen):
+            found |= {Outcome.HELD}
+        return found, "rule 6: it is adopted"
+
+    # Rule 1
+
+    def _sensor(self, name: str) -> SensorView:
+        cell, part = self._cell, self._description.actuators[name]
+        if cell.name in SILENCING and self._is_of_link(name):
+            return BLIND
+        if cell.name in DAMAGING:
+            rare = (cell.number or 0.0) <= 0.001 or cell.name == "late-answers"
+            return SensorView(_YES, frozenset({YES, UNKNOWN}), _YES) if rare else ANYTHING
+        if cell.name == "supply":
+            return SensorView(frozenset({YES, NO}), frozenset({YES, LOST}), _YES)
+        if cell.place != name:
+            swapped = cell.name == "swapped" and self._after(cell.place) == name
+            return ANYTHING if swapped or self._unproven_by_alarm(name) else NORMAL
+        engaged = name in self._engaged
+        switches = PRESSURE not in physics_of(part.kind).traits
+        match cell.name:
+            case "never-confirms":
+                return SensorView(_YES if engaged and self._phase == GRIP else frozenset({NO}))
+            case "fails-once" | "fails":
+                fails = (cell.number or 1.0) >= part.attempts and not (engaged and self._phase == GRIP)
+                return SensorView(frozenset({NO}) if fails else _YES)
+            case "stuck-release" if self._phase == RELEASE and not engaged:
+                return NORMAL  # it was deactivated before
+            case "stuck-release" | "sticks":
+                sure = not self._is_blown(name) and (engaged or self._phase != RELEASE)
+                return SensorView(goes=frozenset({NO}) if sure else frozenset({YES, NO}))
+            case "leak" | "leak-grows":
+                view = self._leaking(name)
+                pending = self._phase == GRIP and name == self._engaged[-1]
+                return (
+                    view._replace(confirms=frozenset({YES, NO})) if pending else view
+                )  # it may be there already
+            case "lost-after":
+                return SensorView(frozenset({YES, NO}), frozenset({LOST}), _YES)
+            case "no-part":
+                return SensorView(frozenset({NO}), frozenset({LOST}), _YES)
+            case "invalid" if switches:
+                return NORMAL
+            case "invalid" if self._has_switch(name):
+                return SensorView(frozenset({YES, NO}), frozenset({YES, UNKNOWN}), frozenset({YES, UNKNOWN}))
+            case "invalid":
+                return BLIND
+            case "shows" | "frozen-after" | "swapped":
+                return ANYTHING
+        return NORMAL
+
+    def _leaking(self, name: str) -> SensorView:
+        """By the vacuum that such a leak leaves in the end."""
+        part, circuit = self._description.actuators[name], VacuumCircuit()
+        if self._cell.name == "leak-grows":
+            return SensorView(frozenset({YES, NO}), frozenset({LOST, YES}), _YES)
+        circuit.leak(self._cell.number or 4.0)
+        circuit.settle(True)
+        confirmed, lost = getattr(part, "confirmed_kpa", 0.0), getattr(part, "lost_kpa", 0.0)
+        return SensorView(
+            _YES if circuit.vacuum_kpa > confirmed else frozenset({NO}),
+            _YES if circuit.vacuum_kpa > lost else frozenset({LOST}),
+        )
+
+    def _has_switch(self, name: str) -> bool:
+        """Whether a bit proves it as well."""
+        part = self._description.actuators[name]
+        bits = [key.key for key in kind_of(part).channels if key.carries is Kind.BIT]
+        return any(named(getattr(part, key)) for key in bits)
+
+    def _is_of_link(self, name: str) -> bool:
+        """Whether its sensor comes over the link that is silent."""
+        return not self._cell.place or len(self._description.named_links) < 2
+
+    def _is_blown(self, name: str) -> bool:
+        return name in self._description.blow_off_lines
+
+    def _after(self, name: str) -> str:
+        """The actuator with which a swapped one is exchanged."""
+        if name not in self._sequence:
+            return ""
+        return self._sequence[(self._sequence.index(name) + 1) % len(self._sequence)]
+
+    def _unproven_by_alarm(self, name: str) -> bool:
+        channel = self._description.channels.get(self._cell.place)
+        return bool(channel and channel.alarm and any(name in each.unproven for each in channel.alarm))
+
+    # Rule 7
+
+    def _refusals(self) -> set[str]:
+        """Whether a grip is refused from the beginning: yes, or perhaps; empty: it is not."""
+        cell, description = self._cell, self._description
+        if cell.name in SILENCING or cell.name == "invalid":
+            return {YES}
+        if cell.name == "supply":
+            return {YES} if (cell.number or 0.0) < description.supply.refuse_kpa else set()
+        if cell.name in LYING or cell.name == "alarm" or cell.name == "reboot-after":
+            return {YES, NO}
+        return self._activation_refused()
+
+    def _activation_refused(self) -> set[str]:
+        """Whether the line arbiter refuses what the gripping program activates."""
+        cell, description = self._cell, self._description
+        changer = description.tool_changer
+        if cell.name == "estop-open" and description.e_stop:
+            return {YES}
+        if changer and description.interlocks.il_05:
+            if (cell.name, cell.number) in (("locked-shows", 0.0), ("unlocked-shows", 1.0)):
+                return {YES}
+            if cell.name in ("locked-shows", "unlocked-shows", "swapped", *DAMAGING):
+                return {NO, YES} if cell.name in DAMAGING and (cell.number or 0) > 0.001 else set()
+        if cell.name in SILENCING or cell.name == "alarm":
+            return {NO, YES}
+        return set()

@@ -1,0 +1,86 @@
+"""The failure modes of a tool and their effects, as they were played: what a person signs."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from io import StringIO
+from typing import Any
+
+from end_effector_hal.description import Description
+from end_effector_hal.vocabulary import display_name
+from end_effector_lab.testbench import FAULTS
+
+from ._cells import NOTHING, Cell
+from ._expected import expected_view
+from ._outcome import Outcome
+from ._script import GRIP, HELD, PHASES, RELEASE, REST
+
+COLUMNS = (
+    "item", "function", "failure mode", "cause", "local effect", "effect on the part", "detection", "reaction",
+    "time_s", "severity", "occurrence", "cells", "unexplained",
+)  # fmt: skip
+FUNCTIONS = {REST: "begin a grip", GRIP: "grip", HELD: "hold", RELEASE: "release"}
+ON_PART = {
+    Outcome.AT_REST: "none is held",
+    Outcome.REFUSED: "none is held",
+    Outcome.SUCCESS: "held",
+    Outcome.FAILED: "not picked up",
+    Outcome.CANCELLED: "not picked up",
+    Outcome.RELEASED: "put down",
+    Outcome.UNWOUND: "not picked up",
+    Outcome.HELD: "outputs stay; the part is as well held as the failure leaves it",
+    Outcome.STILL_THERE: "perhaps still on the tool",
+    Outcome.UNFINISHED: "unknown",
+}
+
+
+def fmea(description: Description, cells: Sequence[Cell], played: Mapping[str, Mapping[str, Any]]) -> str:
+    """A row for each fault and function, of the cells without a command, as CSV; severity and occurrence are left out.
+
+    Args:
+        description: the tool.
+        cells: of the matrix.
+        played: what became of them, by id.
+    """
+    groups: dict[tuple[str, str], list[tuple[Cell, Mapping[str, Any]]]] = {}
+    for cell in cells:
+        if cell.command == NOTHING and cell.name != "nominal" and cell.id in played:
+            groups.setdefault((cell.fault, cell.moment.phase), []).append((cell, played[cell.id]))
+    text = StringIO()
+    table = csv.writer(text)
+    table.writerow(COLUMNS)
+    order = sorted(groups.items(), key=lambda each: PHASES.index(each[0][1]))
+    faults = list(dict.fromkeys(cell.fault for cell in cells))
+    for (fault, phase), group in sorted(order, key=lambda each: faults.index(each[0][0])):
+        table.writerow(_row(description, fault, phase, group))
+    return text.getvalue()
+
+
+def _row(
+    description: Description, fault: str, phase: str, group: Sequence[tuple[Cell, Mapping[str, Any]]]
+) -> list[str | int]:
+    cell, rows = group[0][0], [each for _, each in group]
+    meaning = next(each.meaning for each in FAULTS if each.name == cell.name)
+    outcomes = Counter(each["outcome"] for each in rows)
+    told = Counter(each["told"] for each in rows if each["told"])
+    longest = max(each["seconds"] for each in rows)
+    first = [each["told_after"] for each in rows if each["told_after"] is not None]
+    effects = sorted({ON_PART[Outcome(each)] for each in outcomes})
+    times = f"told after {min(first):g} to {max(first):g}; " if first else ""
+    return [
+        display_name(cell.place) or "Whole tool",
+        FUNCTIONS[phase],
+        fault,
+        meaning,
+        expected_view(description, cell),
+        "; ".join(effects),
+        next(iter(told.most_common(1)), ("none is needed: nothing is affected",))[0],
+        "; ".join(f"{name} ({count})" for name, count in outcomes.most_common()),
+        f"{times}last movement of a line after {longest:g}",
+        "",
+        "",
+        len(rows),
+        sum(not each["explained"] for each in rows),
+    ]

@@ -1,0 +1,227 @@
+"""One cell, played in virtual time, and what became of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from end_effector_hal.control import network_of
+from end_effector_hal.description import Description
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from timed_automata.execute import Observation
+from timed_automata.monitor import Monitor
+
+from ._cells import BOTH, NOTHING, Cell
+from ._expected import LYING, expected
+from ._outcome import Outcome
+from ._script import GRIP, REST, STAND_BY, Script, prepared
+
+DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
+MARGIN_US = 30_000_000
+AT_REST = (STAND_BY, EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
+
+
+@dataclass(frozen=True)
+class Played:
+    """A cell with what became of it.
+
+    Attributes:
+        id, fault, moment, phase, command: the cell.
+        outcome: what became of it, and ``expected`` what was allowed.
+        explained: the outcome and the alarm are as expected, and nobody objects.
+        dropped: an output of a held part went inactive without a drop.
+        seconds: from the fault to the last movement of a line or change of state.
+        told: the first alarm or reason after it, and ``told_after`` s.
+        lines: every change of a line after it: seconds, line, level.
+        objections: of the monitor and of the judge, sentences.
+    """
+
+    id: str
+    fault: str
+    moment: str
+    phase: str
+    command: str
+    outcome: str
+    expected: tuple[str, ...]
+    why: str
+    explained: bool
+    dropped: bool
+    seconds: float
+    told: str = ""
+    told_after: float | None = None
+    lines: tuple[tuple[float, str, bool], ...] = ()
+    objections: tuple[str, ...] = field(default=())
+
+    def as_json(self) -> dict[str, Any]:
+        """As it is kept."""
+        return asdict(self)
+
+
+def play(description: Description, cell: Cell) -> Played:
+    """Play a cell and judge it."""
+    return CellRun(description, cell).played()
+
+
+class CellRun:
+    """A cell on a tool of its own; ``tool`` keeps what happened for a figure."""
+
+    def __init__(
+        self, description: Description, cell: Cell, on_frame: Callable[[Frame], None] | None = None
+    ) -> None:
+        self._description, self._cell = description, cell
+        self._monitors: list[Monitor] = []
+        self._network = network_of(description)
+        self._answered: list[tuple[str, bool]] = []
+        self._let_go_at: int | None = None
+        self.tool = prepared(description, self._watch, on_frame or (lambda _: None))
+
+    def played(self) -> Played:
+        """Play it, once."""
+        cell, tool = self._cell, self.tool
+        script = Script(tool)
+        script.run_until(cell.moment.at)
+        self._let_go_at = script.dropped_at
+        marks = len(tool.edges), len(tool.statuses), len(tool.changes)
+        if cell.name != "nominal":
+            tool.choose(cell.fault)
+        self._act(script)
+        self._settle()
+        outcome = self._outcome(script)
+        return self._judged(outcome, marks)
+
+    def _watch(self, program: str) -> Callable[[Observation], None]:
+        automata = self._description.automata
+        monitor = Monitor(self._network, getattr(automata, program), automata.interface, requirements=True)
+        self._monitors.append(monitor)
+        return monitor.observe
+
+    def _act(self, script: Script) -> None:
+        cell, tool = self._cell, self.tool
+        if cell.command.startswith("kill"):
+            names = ("hal", "arbiter") if cell.command == BOTH else (cell.command.removeprefix("kill "),)
+            for name in names:
+                tool.kill(name)
+            tool.run(DEAD_US / 1e6)
+            for name in reversed(names):
+                tool.start(name)
+        elif cell.command != NOTHING:
+            at = tool.at
+            accepted = tool.command(cell.command).accepted
+            self._answered.append((cell.command, accepted))
+            if cell.command == "drop" and accepted:
+                self._let_go_at = at
+        elif cell.moment.phase == REST:
+            tool.run(0.5)
+            script.step()
+            self._answered.append(("grip", script.answer.accepted))
+
+    def _settle(self) -> None:
+        """Until nothing moves; what is held is followed for a while, as some faults take their time."""
+        tool, longest = self.tool, self._description.durations
+        limit = tool.at + (longest.grip_ms + longest.release_ms) * 1000 + MARGIN_US
+        follow_until = tool.at + FOLLOWED_US
+        tool.run_until(tool.at + STILL_US)
+        while tool.at < limit:
+            if not tool.run_until(limit, self._is_still):
+                return
+            before = len(tool.edges), tool.status.ee
+            tool.run(STILL_US / 1e6)
+            holds = tool.status.ee == EndEffectorState.GRIPPED and self._cell.name != "nominal"
+            if before != (len(tool.edges), tool.status.ee) or not self._is_still():
+                continue
+            if not holds or tool.at >= follow_until:
+                return
+
+    def _is_still(self) -> bool:
+        tool, status = self.tool, self.tool.status
+        changer = self._description.tool_changer
+        unlocked = bool(changer and tool.levels.get(changer.line))
+        return (
+            len(tool.living) == 3 and status.ee in AT_REST and status.command == Command.NONE and not unlocked
+        )
+
+    def _outcome(self, script: Script) -> Outcome:
+        tool, cell = self.tool, self._cell
+        if not self._is_still():
+            return Outcome.UNFINISHED
+        match tool.status.ee:
+            case EndEffectorState.GRIPPED:
+                return Outcome.SUCCESS
+            case EndEffectorState.GRIP_ERROR:
+                return Outcome.HELD
+            case EndEffectorState.RELEASE_ERROR:
+                return Outcome.STILL_THERE
+        if cell.command in ("kill grip", "kill hal", BOTH) and cell.moment.phase != REST:
+            return Outcome.UNWOUND
+        if ("cancel", True) in self._answered:
+            return Outcome.CANCELLED
+        if script.dropped_at is not None or ("drop", True) in self._answered:
+            return Outcome.RELEASED
+        if script.phase == GRIP and ("grip", False) not in self._answered:
+            return Outcome.FAILED
+        refused = any(not accepted for _, accepted in self._answered)
+        return Outcome.REFUSED if refused else Outcome.AT_REST
+
+    def _judged(self, outcome: Outcome, marks: tuple[int, int, int]) -> Played:
+        cell, tool = self._cell, self.tool
+        edges = tool.edges[marks[0] :]
+        want = expected(self._description, cell)
+        told, told_after = self._told(marks)
+        objections = [f"monitor: {each.what}" for monitor in self._monitors for each in monitor.objections]
+        if outcome not in want.outcomes:
+            objections.append(f"expected: {', '.join(sorted(want.outcomes))}")
+        if want.alarm and not told:
+            objections.append("no alarm and no reason was told")
+        objections += self._false_success()
+        dropped = self._dropped()
+        if dropped:
+            objections.append("an output of a held part went inactive without a drop")
+        last = max([edge.at for edge in edges], default=cell.moment.at)
+        return Played(
+            cell.id, cell.fault, cell.moment.name, cell.moment.phase, cell.command,
+            outcome.value, tuple(sorted(each.value for each in want.outcomes)), want.why,
+            not objections, dropped, round((last - cell.moment.at) / 1e6, 3), told, told_after,
+            tuple((round((e.at - cell.moment.at) / 1e6, 6), e.line, e.level) for e in edges), tuple(objections),
+        )  # fmt: skip
+
+    def _told(self, marks: tuple[int, int, int]) -> tuple[str, float | None]:
+        """The first alarm or reason that is new after the fault; of a command, its refusal."""
+        tool, cell = self.tool, self._cell
+        said = [*tool.statuses[marks[1] :], *tool.changes[marks[2] :]]
+        before = [*tool.statuses[marks[1] - 1 : marks[1]], *tool.changes[marks[2] - 1 : marks[2]]]
+        known = {text for status in before for text in (*status.alarms, status.reason)}
+        for status in sorted(said, key=lambda each: each.at):
+            for text in (*status.alarms, status.reason):
+                if text and text not in known:
+                    return text, round((status.at - cell.moment.at) / 1e6, 3)
+        refused = any(not accepted for _, accepted in self._answered)
+        return ("The command was refused.", 0.0) if refused else ("", None)
+
+    def _false_success(self) -> list[str]:
+        """A grip that is told, and is not there; where a fault lies about it, nobody can know."""
+        tool = self.tool
+        if (
+            self._cell.name in LYING
+            or tool.status.ee != EndEffectorState.GRIPPED
+            or not tool.status.lift_allowed
+        ):
+            return []
+        missing = [name for name in self._description.sequence if not tool.bench.devices[name].grips]
+        return [f"lifting is allowed, and {', '.join(missing)} does not grip"] if missing else []
+
+    def _dropped(self) -> bool:
+        """Whether anything was let go between GRIPPED and a drop, where no ending is declared that does."""
+        tool = self.tool
+        held = [status.at for status in tool.statuses if status.ee == EndEffectorState.GRIPPED]
+        if not held:
+            return False
+        until = self._let_go_at if self._let_go_at is not None else tool.at + 1
+        gripping = {part.line for _, part in self._description.ordered}
+        declared = self._cell.command.startswith("kill") and any(
+            self._description.endings_of(name).held.process_death == "release"
+            for name in self._description.sequence
+        )
+        lost = [e for e in tool.edges if e.line in gripping and not e.level and held[0] < e.at < until]
+        return bool(lost) and not declared

@@ -1,0 +1,97 @@
+"""The matrix for people: one page that asks no host for anything, and its figures as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from ._cells import COMMANDS, Cell
+from ._script import PHASES
+
+MOST_SHOWN = 500
+"""Cells that are not explained and stand in the page with all that happened."""
+STYLE = """
+:root { color-scheme: light dark; font: 15px/1.45 system-ui, sans-serif; }
+body { margin: 2rem auto; max-width: 80rem; padding: 0 1rem; }
+table { border-collapse: collapse; font-size: 0.9em; }
+th, td { border: 1px solid #8886; padding: 0.2rem 0.5rem; text-align: left; vertical-align: top; }
+thead th { position: sticky; top: 0; background: Canvas; }
+.wrong { background: #c003; }
+"""
+
+
+def summary(cells: Sequence[Cell], played: Sequence[Mapping[str, Any]], left_out: int) -> dict[str, Any]:
+    """The figures of a matrix: dimensions, how many of each outcome, what is not explained."""
+    return {
+        "cells": len(played),
+        "dropped": sum(each["dropped"] for each in played),
+        "unexplained": sum(not each["explained"] for each in played),
+        "left_out": left_out,
+        "not_played": len(cells) - len(played),
+        "outcomes": dict(Counter(each["outcome"] for each in played).most_common()),
+        "dimensions": {
+            "faults": len({cell.fault for cell in cells}),
+            "moments": len({cell.moment.name for cell in cells}),
+            "commands": len({cell.command for cell in cells}),
+        },
+    }
+
+
+def page(name: str, found: Mapping[str, Any], played: Sequence[Mapping[str, Any]]) -> str:
+    """The report as HTML."""
+    wrong = [each for each in played if not each["explained"]]
+    parts = [
+        f"<!doctype html><html lang=en><meta charset=utf-8><title>Matrix of {escape(name)}</title>",
+        f"<style>{STYLE}</style>",
+        f"<h1>Matrix of {escape(name)}</h1>",
+        f"<p>{found['cells']} cells, {found['dropped']} dropped, {found['unexplained']} unexplained; "
+        f"{found['left_out']} left out, {found['not_played']} not played.</p>",
+        f"<p>{escape(json.dumps(found['dimensions']))}, {escape(', '.join(COMMANDS))}.</p>",
+        _table(played),
+        f"<h2>Not explained</h2><p>{len(wrong)} cells; the first {min(len(wrong), MOST_SHOWN)} are here. "
+        "<code>eehal matrix TOOL --cell ID -o FOLDER</code> plays one, with its figure.</p>",
+        *map(_details, wrong[:MOST_SHOWN]),
+        "<h2>One cell of each fault and phase</h2>",
+        *map(_details, {(each["fault"], each["phase"]): each for each in reversed(played)}.values()),
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _table(played: Sequence[Mapping[str, Any]]) -> str:
+    cells: dict[str, dict[str, Counter[str]]] = {}
+    wrong: set[tuple[str, str]] = set()
+    for each in played:
+        row = cells.setdefault(each["fault"], {phase: Counter() for phase in PHASES})
+        row[each["phase"]][each["outcome"]] += 1
+        if not each["explained"]:
+            wrong.add((each["fault"], each["phase"]))
+    head = "".join(f"<th scope=col>{phase}" for phase in ("fault", *PHASES))
+    lines = [f"<table><caption>Outcomes by fault and phase</caption><thead><tr>{head}</thead><tbody>"]
+    for fault, row in cells.items():
+        of = [
+            f"<td{' class=wrong' if (fault, phase) in wrong else ''}>"
+            + "<br>".join(f"{count} {escape(name)}" for name, count in counts.most_common())
+            for phase, counts in row.items()
+        ]
+        lines.append(f"<tr><th scope=row>{escape(fault)}{''.join(of)}")
+    return "\n".join([*lines, "</tbody></table>"])
+
+
+def _details(each: Mapping[str, Any]) -> str:
+    told = (
+        f"{each['told_after']:g} s: {each['told']}"
+        if each["told"] and each["told_after"] is not None
+        else "nothing"
+    )
+    lines = [f"{at:+.3f} s {line} {'on' if level else 'off'}" for at, line, level in each["lines"]]
+    rows = {
+        "outcome": each["outcome"], "expected": f"{', '.join(each['expected'])} ({each['why']})",
+        "told after": told, "lines after the fault": "; ".join(lines) or "none moved",
+        "objections": "; ".join(each["objections"]) or "none",
+    }  # fmt: skip
+    items = "".join(f"<tr><th scope=row>{key}<td>{escape(value)}" for key, value in rows.items())
+    mark = " class=wrong" if not each["explained"] else ""
+    return f"<details><summary{mark}>{escape(each['id'])}</summary><table>{items}</table></details>"

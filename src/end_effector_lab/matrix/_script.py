@@ -1,0 +1,147 @@
+"""The run that every cell disturbs: at rest, a grip, a hold, a drop; and its moments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.virtual import VirtualTool, Watch
+
+REST_US, HOLD_US, LONGEST_US = 1_000_000, 1_000_000, 600_000_000
+NEAR_US = 1_000
+STAND_BY, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
+REST, GRIP, HELD, RELEASE = "rest", "grip", "held", "release"
+PHASES = (REST, GRIP, HELD, RELEASE)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """When something happens to the tool.
+
+    Attributes:
+        name: ``grip cylinder on``, ``held, between``.
+        at: µs.
+        phase: of `PHASES`: what the tool is doing by then.
+        engaged: actuators whose outputs are active by then, in the order of the sequence.
+    """
+
+    name: str
+    at: int
+    phase: str
+    engaged: tuple[str, ...]
+
+
+def prepared(
+    description: Description,
+    watch: Watch | None = None,
+    on_frame: Callable[[Frame], None] = lambda _: None,
+) -> VirtualTool:
+    """A tool at rest, the same each time; raises UsageError where it does not come to rest."""
+    tool = VirtualTool(description, watch=watch, on_frame=on_frame)
+    if not tool.run_until(LONGEST_US, lambda: tool.status.ee == STAND_BY):
+        raise UsageError(f"{description.name} does not come to rest: {tool.status.reason}")
+    tool.run(REST_US / 1e6)
+    return tool
+
+
+class Script:
+    """Gives the commands of the run when their time has come, until it is stopped.
+
+    Attributes:
+        phase: the last that was begun.
+        answer: to the last command.
+        dropped_at: µs of the drop; None: it was not given.
+    """
+
+    def __init__(self, tool: VirtualTool) -> None:
+        self._tool, self._next = tool, tool.at + REST_US
+        self.phase, self.answer = REST, Answer(True)
+        self.dropped_at: int | None = None
+
+    def run_until(self, at: int) -> None:
+        """Let time go on to ``at`` (µs), with all commands that are due by then."""
+        while True:
+            if self.phase in (REST, HELD) and self._next <= self._tool.at:
+                self.step()
+            elif self._tool.at >= at:
+                return
+            elif self.phase == GRIP and self._tool.status.ee == GRIPPED:
+                self.phase, self._next = HELD, self._tool.at + HOLD_US
+            else:
+                self._advance(at)
+
+    def step(self) -> None:
+        """Begin the next phase, if a command does."""
+        if self.phase == REST:
+            self.phase, self.answer = GRIP, self._tool.command("grip")
+        elif self.phase == HELD:
+            self.dropped_at = self._tool.at
+            self.phase, self.answer = RELEASE, self._tool.command("drop")
+
+    def _advance(self, at: int) -> None:
+        if self.phase in (REST, HELD):
+            self._tool.run_until(min(at, self._next))
+        elif self.phase == GRIP:
+            self._tool.run_until(at, lambda: self._tool.status.ee == GRIPPED)
+        else:
+            self._tool.run_until(at)
+
+
+def moments(description: Description) -> tuple[Moment, ...]:
+    """At each event of the run, a millisecond before and after it, and between two of them.
+
+    Raises:
+        UsageError: the run does not succeed without a fault.
+    """
+    tool = prepared(description)
+    script, begun = Script(tool), tool.at
+    events: list[tuple[int, str, str]] = [(begun + REST_US // 2, REST, REST)]
+    edges = len(tool.edges)
+    names = {part.line: name for name, part in description.ordered}
+    while script.phase != RELEASE or tool.status.ee != STAND_BY:
+        before, state = script.phase, tool.status.ee
+        script.run_until(tool.at + NEAR_US)
+        for edge in tool.edges[edges:]:
+            name = names.get(edge.line, edge.line)
+            events.append((edge.at, script.phase, f"{name} {'on' if edge.level else 'off'}"))
+        edges = len(tool.edges)
+        if tool.status.ee != state and tool.status.ee in (GRIPPED, STAND_BY):
+            events.append((tool.status.at, script.phase, tool.status.ee.name))
+        if tool.at > LONGEST_US or (before == GRIP and tool.status.ee == STAND_BY):
+            raise UsageError(f"{description.name} does not grip without a fault: {tool.status.reason}")
+    return tuple(_named(description, events, {part.line for _, part in description.ordered}, tool))
+
+
+def _named(
+    description: Description, events: list[tuple[int, str, str]], gripping: set[str], tool: VirtualTool
+) -> Iterator[Moment]:
+    ends = [at for at, _, what in events if what == STAND_BY.name][-1]
+
+    def moment(at: int, name: str) -> Moment:
+        active = {edge.line: edge.level for edge in tool.edges if edge.at <= at}
+        engaged = tuple(name for name, part in description.ordered if active.get(part.line))
+        phase = [phase for begun, phase, _ in events if begun <= at][-1:] or [REST]
+        held = [begun for begun, _, what in events if what == GRIPPED.name]
+        let_go = [edge.at for edge in tool.edges if not edge.level and edge.line in gripping]
+        if phase[0] == GRIP and held and at >= held[0]:
+            phase = [HELD]
+        if let_go and at < let_go[0] and phase[0] == RELEASE:
+            phase = [HELD]
+        return Moment(name, at, phase[0], engaged)
+
+    yield moment(events[0][0], REST)
+    different = sorted({at: f"{phase} {what}" for at, phase, what in events[1:]}.items())
+    for at, name in different:
+        yield moment(at - NEAR_US, f"{name} -1ms")
+        if at < ends:
+            yield moment(at, name)
+            yield moment(at + NEAR_US, f"{name} +1ms")
+    for (first, name), (second, _) in pairwise(different):
+        if second - first > 4 * NEAR_US:
+            yield moment((first + second) // 2, f"{name}, between")

@@ -1,0 +1,18 @@
+"""A whole tool in virtual time: programs, line arbiter with its records, sensors, testbench; from one seed.
+
+>>> from end_effector_hal.description import load, profile_path
+>>> tool = VirtualTool(load(profile_path()))
+>>> tool.run(1.0)
+>>> tool.command("grip").accepted
+True
+>>> tool.run_until(60_000_000, lambda: tool.status.held)
+True
+"""
+
+from ._arbiter import Memories
+from ._disk import VirtualDisk
+from ._outputs import Edge
+from ._tool import VirtualTool
+from ._watching import Watch
+
+__all__ = ["Edge", "Memories", "VirtualDisk", "VirtualTool", "Watch"]

@@ -1,0 +1,136 @@
+"""The process of the line arbiter in virtual time: its rules, its session record and its journal, without a socket."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from end_effector_hal.arbiter import LineArbiter, Policy
+from end_effector_hal.arbiter.records import Journal, JournalEntry, Records, SessionStore
+from end_effector_hal.wires.lines import LineBackend
+
+from ._disk import VirtualDisk
+
+RETRY_US = 1_000_000
+
+
+@dataclass
+class Memories:
+    """What outlives the process of the arbiter.
+
+    Attributes:
+        sessions, mark: the session record and its number, in memory that a loss of power clears.
+        journal: the latched faults, on a disk.
+        boot: names this start of the machine.
+    """
+
+    sessions: VirtualDisk = field(default_factory=VirtualDisk)
+    mark: VirtualDisk = field(default_factory=VirtualDisk)
+    journal: VirtualDisk = field(default_factory=VirtualDisk)
+    boot: str = "boot 0"
+
+
+class VirtualJournal:
+    """As a `JournalThread`, for which a disk that works takes no time."""
+
+    def __init__(self, disk: VirtualDisk, boot: str, clock: Callable[[], int]) -> None:
+        self._disk, self._clock = disk, clock
+        self._journal = Journal(disk, boot, clock)
+        self.due: int | None = None
+        """µs at which it tries to write again; None: all is written."""
+
+    @property
+    def trouble(self) -> str:
+        """See `JournalThread`."""
+        return self._journal.trouble
+
+    def read(self) -> JournalEntry:
+        """See `JournalThread`."""
+        return self._journal.begin(self._journal.read())
+
+    def late(self) -> None:
+        """It was read in time."""
+
+    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+        """See `JournalThread`."""
+        self._journal.keep(faults, pulsed)
+        if self._journal.changed.is_set():
+            self._journal.changed.clear()
+            self._write()
+
+    def step(self) -> None:
+        """Write what could not be written before."""
+        if self.due is not None and self.due <= self._clock():
+            self._write()
+
+    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+        """See `JournalThread`."""
+        self._journal.keep(faults, pulsed, clean=True)
+        self._write()
+
+    def _write(self) -> None:
+        written = not self._disk.hangs and self._journal.write_next()
+        self.due = None if written else self._clock() + RETRY_US
+
+
+class VirtualArbiter:
+    """One life of the arbiter.
+
+    Args:
+        lines: the outputs.
+        policy: of the tool.
+        memories: of the lives before.
+        clock: µs.
+    """
+
+    def __init__(
+        self, lines: LineBackend, policy: Policy, memories: Memories, clock: Callable[[], int]
+    ) -> None:
+        self._clock = clock
+        self._journal = VirtualJournal(memories.journal, memories.boot, clock)
+        sessions = SessionStore(memories.sessions, memories.mark, memories.boot, clock)
+        self._records = Records(sessions, self._journal)
+        self.rules = LineArbiter(lines, policy, clock(), self._records.before, self._records.before_change)
+        self.keep()
+
+    @property
+    def due(self) -> int | None:
+        """µs at which `step` is to be called."""
+        found = [at for at in (self.rules.deadline, self._journal.due) if at is not None]
+        return min(found, default=None)
+
+    def step(self) -> None:
+        """Do what is due: leases, waiting writes, last wills, the journal."""
+        at = self._clock()
+        self.rules.expire(at)
+        self.rules.advance(at)
+        self._journal.step()
+        self.keep()
+
+    def keep(self) -> None:
+        """Keep the records: before a client learns of what has changed."""
+        self._records.keep(self.rules)
+
+    def reset(self) -> None:
+        """Clear the latched faults; raises LineRefusedError if some stay."""
+        try:
+            self.rules.reset(self._clock(), self._records.troubles())
+        finally:
+            self.keep()
+
+    def told(self, predicates: Mapping[str, bool], at_us: int) -> None:
+        """What the process that reads the sensors has proven; raises UsageError."""
+        latched = len(self.rules.predicates.faults)
+        self.rules.predicates.update(predicates, at_us, self._clock())
+        if len(self.rules.predicates.faults) != latched:
+            self.keep()
+
+    def read(self, predicates: Mapping[str, bool], at_us: int) -> None:
+        """What its own inputs have proven."""
+        self.rules.predicates.read(predicates, at_us)
+        self.keep()
+
+    def close(self) -> None:
+        """End in order; the lines stay as they are."""
+        self.rules.end_pulses()
+        self._records.close(self.rules.state)

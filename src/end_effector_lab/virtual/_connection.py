@@ -1,0 +1,147 @@
+"""A program's connection to the line arbiter in virtual time, as an `ArbiterClient` has it over a socket."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from end_effector_hal.arbiter.rules import Session
+from end_effector_hal.errors import ArbiterError, ReportedError
+from end_effector_hal.vocabulary import LastWillStep, printable, read_last_will
+
+from ._arbiter import VirtualArbiter
+
+T = TypeVar("T")
+RENEW_US = 250_000
+
+
+class VirtualConnection:
+    """A message is answered at once; when the arbiter has died, one call fails, and the next one connects again.
+
+    Args:
+        arbiter: the one that lives now; None: there is none.
+        client: name of the program.
+        token: identifies it when it connects again.
+        lines: that it writes.
+        clock: µs.
+    """
+
+    def __init__(
+        self,
+        arbiter: Callable[[], VirtualArbiter | None],
+        client: str,
+        token: str,
+        lines: Sequence[str],
+        clock: Callable[[], int],
+    ) -> None:
+        self._living, self._client, self._token = arbiter, client, token
+        self._lines, self._clock = tuple(lines), clock
+        self._arbiter: VirtualArbiter | None = None
+        self._session: Session | None = None
+        self._will: tuple[LastWillStep, ...] = ()
+        self._lost: ArbiterError | None = None
+        self._declared_dead = False
+        self._faults: tuple[str, ...] = ()
+        self.renews_at = clock() + RENEW_US
+        """µs at which `renew` is to be called."""
+        self._connect()
+
+    def levels(self) -> Mapping[str, bool]:
+        """Of all lines, read back."""
+        return self._call(lambda arbiter, _: arbiter.rules.read_levels())
+
+    def declared_dead(self) -> bool:
+        """Whether the arbiter has declared this program dead since the last call."""
+        declared, self._declared_dead = self._declared_dead, False
+        return declared
+
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:
+        """Write; what is returned has the result, or raises."""
+        steps = read_last_will(will)
+
+        def written(arbiter: VirtualArbiter, session: Session) -> int:
+            return arbiter.rules.write(session, levels, steps, self._clock())
+
+        try:
+            delay_us = self._call(written)
+            self._will = steps
+        except ReportedError as error:
+            return _raising(error)
+        return lambda: delay_us
+
+    def status(self) -> dict[str, Any]:
+        """The faults that are latched."""
+        return self._call(lambda arbiter, _: {"faults": dict(arbiter.rules.predicates.faults)})
+
+    def latch(self, fault: str, why: str) -> None:
+        """Have one latched."""
+        self._call(lambda arbiter, _: arbiter.rules.predicates.latch_for_client(fault, why))
+
+    def renew(self) -> tuple[ArbiterError | None, tuple[str, ...] | None]:
+        """Renew the lease; returns why the connection was lost just now, and the faults if they are others."""
+        self.renews_at = self._clock() + RENEW_US
+        known = self._session is not None
+        try:
+            faults = self._exchange(self._renewed)
+        except ReportedError as error:
+            if not known:
+                return None, None
+            self._lost = error if isinstance(error, ArbiterError) else ArbiterError(str(error))
+            return self._lost, None
+        changed, self._faults = faults != self._faults, faults
+        return None, faults if changed else None
+
+    def close(self, will: Sequence[LastWillStep]) -> None:
+        """Leave in good order; raises ArbiterError if the will could not be delivered."""
+        steps = read_last_will(will)
+        self._exchange(lambda arbiter, session: arbiter.rules.bye(session, steps, self._clock()))
+        self._session = None
+
+    def die(self) -> None:
+        """The process has died: its socket is closed."""
+        arbiter, session, self._session = self._living(), self._session, None
+        if arbiter is not None and arbiter is self._arbiter and session is not None and not session.ended:
+            arbiter.rules.declare_dead(session, "its socket was closed", self._clock())
+            arbiter.keep()
+
+    def _renewed(self, arbiter: VirtualArbiter, session: Session) -> tuple[str, ...]:
+        arbiter.rules.renew(session, self._clock())
+        return tuple(printable(why) for why in arbiter.rules.predicates.faults.values())
+
+    def _call(self, what: Callable[[VirtualArbiter, Session], T]) -> T:
+        if self._lost is not None:
+            lost, self._lost = self._lost, None
+            raise lost
+        return self._exchange(what)
+
+    def _exchange(self, what: Callable[[VirtualArbiter, Session], T]) -> T:
+        if self._session is not None and (self._arbiter is not self._living() or self._session.ended):
+            self._session = None
+            raise ArbiterError("the line arbiter has closed the connection.")
+        if self._session is None:
+            self._connect()
+        arbiter, session = self._arbiter, self._session
+        assert arbiter is not None
+        assert session is not None
+        try:
+            return what(arbiter, session)
+        finally:
+            arbiter.keep()
+
+    def _connect(self) -> None:
+        arbiter = self._living()
+        if arbiter is None:
+            raise ArbiterError("the line arbiter cannot be reached.", todo="Start it.")
+        try:
+            session = arbiter.rules.hello(self._client, self._token, self._lines, self._will, self._clock())
+        finally:
+            arbiter.keep()
+        self._arbiter, self._session = arbiter, session
+        self._declared_dead = self._declared_dead or session.declared_dead
+
+
+def _raising(error: ReportedError) -> Callable[[], object]:
+    def fail() -> object:
+        raise error
+
+    return fail

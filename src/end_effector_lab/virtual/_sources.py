@@ -1,0 +1,148 @@
+"""What brings the readings of a tool in virtual time: links that stream, links that are asked, inputs of the board."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping
+from typing import Protocol
+
+from end_effector_hal.codecs import PolledCodec, asks, board_inputs, codec_of, is_polled, line_of
+from end_effector_hal.description import Description
+from end_effector_hal.signals import Frame, Value
+from end_effector_hal.wires.inputs import input_lines, pulls_of
+from end_effector_lab.testbench import Bench, SensorBoard, Sent, carried
+
+LOOK_US = 5_000
+"""So often an edge of an input is looked for."""
+
+
+class Source(Protocol):
+    """Something that brings frames."""
+
+    @property
+    def due(self) -> int:
+        """µs at which `frames` is to be called."""
+        ...
+
+    def frames(self, at: int) -> list[Frame]:
+        """The frames that have come by ``at`` µs."""
+        ...
+
+
+class StreamedLink:
+    """A device that sends by itself; a frame arrives at the instant at which it was measured."""
+
+    def __init__(self, description: Description, name: str, bench: Bench, start: int) -> None:
+        self._codec = codec_of(description, name)
+        self._board = SensorBoard(self._codec, bench, description, start, name or None)
+        self.decoder = self._codec.decoder()
+        self.sent: Sent | None = None
+        """What was sent last."""
+        self.due = start
+
+    def frames(self, at: int) -> list[Frame]:
+        """See `Source`."""
+        self.due = at + self._codec.period_us
+        self.sent = self._board.frame(at)
+        return self.decoder.feed(self.sent.data, at) if self.sent.data else []
+
+
+class PolledLink:
+    """A device that answers; requests and answers take their time on the wire."""
+
+    def __init__(self, description: Description, name: str, bench: Bench, start: int) -> None:
+        codec = codec_of(description, name)
+        assert is_polled(codec)
+        self._codec: PolledCodec = codec
+        self._byte_us = 10 * 1_000_000 // line_of(description.links[name], codec)[0]
+        self._board = SensorBoard(codec, bench, description, start, name or None)
+        self.decoder = codec.decoder()
+        assert asks(self.decoder)
+        self._coming: deque[tuple[int, bytes]] = deque()
+        self._start = start
+
+    @property
+    def due(self) -> int:
+        """See `Source`."""
+        due = max(self.decoder.due, self._start)
+        return min(due, self._coming[0][0]) if self._coming else due
+
+    def frames(self, at: int) -> list[Frame]:
+        """See `Source`."""
+        found: list[Frame] = []
+        while self._coming and self._coming[0][0] <= at:
+            found += self.decoder.feed(self._coming.popleft()[1], at)
+        if self.decoder.due <= at:
+            polled = self.decoder.poll(at)
+            found += polled.frames
+            if polled.data:
+                self._ask(polled.data, at)
+        return found
+
+    def _ask(self, request: bytes, at: int) -> None:
+        sent = self._board.answer(request, at)
+        if sent is not None and sent.data:
+            wire_us = (len(request) + len(sent.data)) * self._byte_us
+            self._coming.append((at + wire_us + sent.late_us, sent.data))
+
+
+class BoardInputSource:
+    """Inputs of the board: read with their period, and a level that has changed at once."""
+
+    def __init__(self, description: Description, names: frozenset[str], bench: Bench, start: int) -> None:
+        self._description, self._bench = description, bench
+        self._channels = {name: each for name, each in description.channels.items() if name in names}
+        self._kinds = {name: each.kind for name, each in self._channels.items()}
+        self._pulls = pulls_of(input_lines(description))
+        inputs = board_inputs(description)
+        self._period_us = inputs.period_us if inputs else LOOK_US
+        self._next = self.due = start
+        self._last: Mapping[str, Value] = {}
+
+    def frames(self, at: int) -> list[Frame]:
+        """See `Source`."""
+        self.due = at + LOOK_US
+        values, last = self._read(at), self._last
+        self._last = values
+        if at >= self._next:
+            self._next = at + self._period_us
+        else:
+            values = {
+                name: value
+                for name, value in values.items()
+                if self._channels[name].digital and last.get(name) != value
+            }
+        return [Frame(at, None, None, values)] if values else []
+
+    def _read(self, at: int) -> dict[str, Value]:
+        """A sensor that shows nothing lets its line go to its pull; while all are silent, lines stay as they are."""
+        shown = carried(self._bench.sample(at), self._kinds, self._description)
+        silent, read = self._bench.silent(at), dict[str, Value]()
+        for name, channel in self._channels.items():
+            value = shown.get(name)
+            if channel.digital is None:
+                read[name] = None if silent or value is None else channel.value(channel.raw(value))
+            elif silent and name in self._last:
+                read[name] = self._last[name]
+            elif value is None:
+                read[name] = channel.value(float(self._pulls[channel.digital.line] == "up"))
+            else:
+                read[name] = channel.value(channel.raw(value))
+        return read
+
+
+def sources_of_bench(description: Description, bench: Bench, start: int) -> Iterator[Source]:
+    """The links, and the inputs of the board that the process of the programs reads."""
+    for name in description.links:
+        kind = PolledLink if is_polled(codec_of(description, name)) else StreamedLink
+        yield kind(description, name, bench, start)
+    own = {name for name, each in description.channels.items() if each.on_board}
+    if mine := frozenset(own - description.arbiter_inputs):
+        yield BoardInputSource(description, mine, bench, start)
+
+
+def arbiter_source(description: Description, bench: Bench, start: int) -> BoardInputSource | None:
+    """The inputs that the arbiter reads; None: there are none."""
+    if not description.arbiter_inputs:
+        return None
+    return BoardInputSource(description, description.arbiter_inputs, bench, start)

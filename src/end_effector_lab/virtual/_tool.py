@@ -1,0 +1,360 @@
+"""A whole tool in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from random import Random
+
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import tool_status
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError, UsageError, WireError
+from end_effector_hal.runtime import (
+    ChangerProgram,
+    GripProgram,
+    InlineWorker,
+    PredicatePublisher,
+    Program,
+    arbiter_policy,
+    longest_release_s,
+    program_lines,
+    release_is_decided,
+    wired_lines,
+)
+from end_effector_hal.runtime.boundary import NULL_RECORDER
+from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.signals import Frame
+from end_effector_lab.testbench import Bench
+
+from ._arbiter import Memories, VirtualArbiter
+from ._connection import VirtualConnection
+from ._outputs import Edge, VirtualOutputs
+from ._sources import Source, arbiter_source, sources_of_bench
+from ._watching import Watch, Watching
+
+ARBITER = "arbiter"
+PROGRAMS: Mapping[str, type[Program]] = {"grip": GripProgram, "tool_change": ChangerProgram}
+_OF_CHANGER = ("lock", "unlock", "arm", "reset")
+REPEAT_US = 50_000
+_TRIES_US = 200_000
+
+
+class VirtualTool:
+    """Both programs, the line arbiter with its records, the sensors and the testbench, in one thread, without a clock.
+
+    What runs is the product: its programs, controllers and detectors, the rules and the records of the arbiter, its
+    codecs. Left out are sockets, threads and the time that they take: what is sent arrives at the same instant. The
+    same seed, scenario and commands give the same run, to the microsecond.
+
+    What is due at one instant happens in this order: frames, programs, leases, the arbiter.
+
+    Args:
+        description: the tool.
+        scenario: what goes wrong, in the words of the testbench.
+        seed: of the valves, the noise, and the chance in faults.
+        levels: lines that are active at the start; what they hold has settled.
+        watch: follows the automata, such as a `Monitor` does.
+        on_frame: called with each frame that comes, before the programs get it.
+
+    Attributes:
+        at: µs since the start.
+        bench: the simulated devices, as they really are.
+        memories: what outlives the arbiter; its disk can be made to fail.
+        statuses: of the gripping program, in order, and ``changes`` those of the tool changer's.
+        edges: of the output lines, in order.
+
+    Raises:
+        UsageError: the tool cannot be played in virtual time, or the scenario cannot be used.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        scenario: str = "nominal",
+        *,
+        seed: int = 0,
+        levels: Mapping[str, bool] | None = None,
+        watch: Watch | None = None,
+        on_frame: Callable[[Frame], None] = lambda _: None,
+    ) -> None:
+        if description.register_outputs:
+            raise UsageError(
+                f"{description.name} cannot be played in virtual time: outputs are commanded over a link.",
+                where=description.where("links"),
+                todo="eehal testbench plays it in real time.",
+            )
+        self.description, self.at = description, 0
+        self.statuses: list[Status] = []
+        self.changes: list[Status] = []
+        self.edges: list[Edge] = []
+        self._recorder = Watching(watch) if watch else NULL_RECORDER
+        self._on_frame = on_frame
+        self._random = Random(seed)
+        self._policy = arbiter_policy(description)
+        self.memories = Memories()
+        self.bench = Bench(description, scenario, seed, levels=levels)
+        self._outputs = VirtualOutputs(wired_lines(description), levels or {}, self._now, self._edge)
+        self._sources = list(sources_of_bench(description, self.bench, 0))
+        self._own = arbiter_source(description, self.bench, 0)
+        self._arbiter: VirtualArbiter | None = None
+        self._own_publisher: PredicatePublisher | None = None
+        self._programs: dict[str, Program] = {}
+        self._connections: dict[str, VirtualConnection] = {}
+        self._starting: dict[str, int] = {}
+        self._publisher: PredicatePublisher | None = None
+        self._repeats_at: int | None = None
+        self._judge = FrameJudge()
+        for name in (ARBITER, *PROGRAMS):
+            self.start(name)
+
+    @property
+    def status(self) -> Status:
+        """Of the whole tool, as the programs have told it last; a program that has died says nothing any more."""
+        gone = [name for name in PROGRAMS if name not in self._programs]
+        return tool_status(self.statuses[-1], self.changes[-1], self.at, gone=gone)
+
+    @property
+    def levels(self) -> dict[str, bool]:
+        """Of all output lines."""
+        return self._outputs.levels()
+
+    @property
+    def living(self) -> frozenset[str]:
+        """``arbiter``, ``grip`` and ``tool_change``, as far as they run."""
+        return frozenset((*self._programs, *([ARBITER] if self._arbiter else [])))
+
+    @property
+    def latched(self) -> dict[str, str]:
+        """The faults that the arbiter has latched: sentences by name."""
+        return dict(self._arbiter.rules.predicates.faults) if self._arbiter else {}
+
+    def command(self, name: str) -> Answer:
+        """Give ``grip``, ``drop``, ``cancel``, ``lock``, ``unlock``, ``arm`` or ``reset`` (of the tool changer).
+
+        An unlock waits for the proof that nothing is gripped, as it does in the product; meanwhile time goes on.
+        """
+        program = self._programs.get("tool_change" if name in _OF_CHANGER else "grip")
+        if program is None:
+            return Answer(False, "The program is not running.", decided=False)
+        if name == "unlock" and self.description.tool_changer:
+            limit = self.at + round(longest_release_s(self.description.tool_changer) * 1e6)
+            self.run_until(limit, lambda: release_is_decided(program.status))
+        return program.command(name)
+
+    def reset(self) -> Answer:
+        """Clear the faults that the arbiter has latched."""
+        try:
+            if self._arbiter is None:
+                return Answer(False, "There is no line arbiter.", decided=False)
+            self._arbiter.reset()
+        except ReportedError as error:
+            return Answer(False, str(error))
+        return Answer(True)
+
+    def choose(self, scenario: str) -> None:
+        """Have something else go wrong from now on; raises UsageError if it cannot be used."""
+        self.bench.choose(scenario, self.at)
+
+    def run(self, seconds: float) -> None:
+        """Let time go on."""
+        self.run_until(self.at + round(seconds * 1e6))
+
+    def run_until(self, at: int, over: Callable[[], bool] = lambda: False) -> bool:
+        """Let time go on to ``at`` (µs), or until something is so; returns whether it is."""
+        while not over():
+            if self.at >= at:
+                return False
+            waits = self._waiting()
+            self.at = max(self.at, min(at, *[due for due, _ in waits]))
+            for due, happens in waits:
+                if due <= self.at:
+                    happens()
+        return True
+
+    # Births and deaths
+
+    def kill(self, name: str) -> None:
+        """``arbiter``, ``grip``, ``tool_change`` or ``hal`` (both programs, with who reads the sensors) dies now."""
+        if name == ARBITER:
+            self._arbiter = self._own_publisher = None
+        for program in self._named(name):
+            if program in self._programs:
+                del self._programs[program]
+                self._connections.pop(program).die()
+            self._starting.pop(program, None)
+        if name == "hal":
+            self._publisher = None
+
+    def end(self, name: str) -> None:
+        """The same in good order, as after SIGTERM; a part that is held is treated as the description says."""
+        if name == ARBITER and self._arbiter is not None:
+            self._arbiter.close()
+            self._arbiter = self._own_publisher = None
+        for program in self._named(name):
+            if program in self._programs:
+                with suppress(WireError):  # then the arbiter executes its last will
+                    self._programs.pop(program).leave()
+                self._connections.pop(program).die()
+        if name == "hal":
+            self._publisher = None
+
+    def start(self, name: str) -> None:
+        """Start what does not run; a program that finds no arbiter, or not its lines, tries again every 0.2 s."""
+        if name == ARBITER and self._arbiter is None:
+            self._arbiter = VirtualArbiter(self._outputs, self._policy, self.memories, self._now)
+            if self._own is not None:
+                sender = _ToArbiter(self, own=True)
+                self._own_publisher = PredicatePublisher(self.description, clock=self._now, sender=sender)
+        for program in self._named(name):
+            if program not in self._programs:
+                self._start_program(program)
+
+    def lose_power(self) -> None:
+        """Everything dies, and every line goes inactive; the machine starts again when `start` is called."""
+        for name in PROGRAMS:
+            self._programs.pop(name, None)
+            self._connections.pop(name, None)
+            self._starting.pop(name, None)
+        self._arbiter = self._own_publisher = self._publisher = None
+        self.memories.journal.lose_power()
+        self.memories.sessions.remove()
+        self.memories.mark.remove()
+        self.memories.boot = f"boot {self.at}"
+        self._outputs.set(dict.fromkeys(self._outputs.levels(), False))
+
+    def _named(self, name: str) -> Sequence[str]:
+        if name == "hal":
+            return tuple(PROGRAMS)
+        if name not in (ARBITER, *PROGRAMS):
+            known = f"There are: {ARBITER}, hal, {', '.join(PROGRAMS)}."
+            raise UsageError(f"there is no process {name!r}.", todo=known)
+        return (name,) if name in PROGRAMS else ()
+
+    def _start_program(self, name: str) -> None:
+        if self._publisher is None:
+            self._judge = FrameJudge()
+            self._publisher = PredicatePublisher(
+                self.description,
+                clock=self._now,
+                judge=self._judge,
+                sender=_ToArbiter(self, own=False),
+                own=False,
+            )
+            self._repeats_at = self.at + REPEAT_US if self._publisher.repeats else None
+        token, lines = f"{self._random.getrandbits(128):032x}", program_lines(self.description, name)
+        if name == "grip":
+            lines = (*lines, *self.description.blow_off_lines.values())
+        try:
+            connection = VirtualConnection(lambda: self._arbiter, name, token, lines, self._now)
+        except ReportedError:
+            self._starting[name] = self.at + _TRIES_US
+            return
+        self._starting.pop(name, None)
+        listener = partial(self._told, name)
+        program = PROGRAMS[name](
+            self.description,
+            connection,
+            listener,
+            self._recorder,
+            clock=self._now,
+            judge=self._judge,
+            worker=InlineWorker,
+        )
+        self._connections[name], self._programs[name] = connection, program
+        {"grip": self.statuses, "tool_change": self.changes}[name].append(program.status)
+        self._tell_peers(name, program.status)
+        other = "tool_change" if name == "grip" else "grip"
+        if other in self._programs:
+            self._tell_peers(other, self._programs[other].status)
+        program.begin()
+
+    # What happens
+
+    def _now(self) -> int:
+        return self.at
+
+    def _waiting(self) -> list[tuple[int, Callable[[], object]]]:
+        """Everything that waits for its time (µs), in the order in which it happens at one instant."""
+        waits: list[tuple[int, Callable[[], object]]] = []
+        if self._own is not None:
+            waits.append((self._own.due, self._read_own))
+        waits += [(source.due, partial(self._read, source)) for source in self._sources]
+        if self._repeats_at is not None:
+            waits.append((self._repeats_at, self._repeat))
+        waits += [(due, each.work) for each in self._programs.values() if (due := each.due) is not None]
+        for name, connection in self._connections.items():
+            waits.append((connection.renews_at, partial(self._renew, name, connection)))
+        waits += [(due, partial(self._start_program, name)) for name, due in self._starting.items()]
+        if self._arbiter is not None and (due := self._arbiter.due) is not None:
+            waits.append((due, self._arbiter.step))
+        return waits
+
+    def _repeat(self) -> None:
+        self._repeats_at = self.at + REPEAT_US
+        if self._publisher is not None:
+            self._publisher.repeat()
+
+    def _read(self, source: Source) -> None:
+        for frame in source.frames(self.at):
+            if self._publisher is not None:
+                self._publisher.frame(frame, self._pass_on)
+
+    def _read_own(self) -> None:
+        """The arbiter reads its own inputs, and hands them on; while there is none, nobody does."""
+        for frame in self._own.frames(self.at) if self._own is not None else ():
+            if self._own_publisher is not None:
+                self._own_publisher.frame(frame, self._hand_on)
+
+    def _hand_on(self, frame: Frame) -> None:
+        if self._publisher is not None:
+            self._publisher.frame(frame, self._pass_on)
+
+    def _pass_on(self, frame: Frame) -> None:
+        self._on_frame(frame)
+        for program in list(self._programs.values()):
+            program.frame(frame)
+
+    def _renew(self, name: str, connection: VirtualConnection) -> None:
+        lost, faults = connection.renew()
+        program = self._programs.get(name)
+        if program is None:
+            return
+        if lost is not None:
+            program.arbiter_lost(lost)
+        if faults is not None:
+            program.faults_changed(faults)
+
+    def _told(self, name: str, status: Status) -> None:
+        {"grip": self.statuses, "tool_change": self.changes}[name].append(status)
+        self._tell_peers(name, status)
+
+    def _tell_peers(self, name: str, status: Status) -> None:
+        """What one program must know of the other."""
+        if name == "grip" and (change := self._programs.get("tool_change")):
+            change.update_peer(ee=status.ee)
+        if name == "tool_change" and (grip := self._programs.get("grip")):
+            grip.update_peer(unlock_valve=int(status.unlock_output))
+
+    def _edge(self, edge: Edge) -> None:
+        self.edges.append(edge)
+        self.bench.line(edge.line, edge.level, edge.at)
+
+
+class _ToArbiter:
+    """Takes what is proven to the arbiter that lives."""
+
+    def __init__(self, tool: VirtualTool, *, own: bool) -> None:
+        self._tool, self._own = tool, own
+
+    def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
+        """Whether it got there."""
+        arbiter = self._tool._arbiter
+        if arbiter is None:
+            return False
+        (arbiter.read if self._own else arbiter.told)(predicates, at_us)
+        return True
+
+    def close(self) -> None:
+        """Nothing is open."""

@@ -1,0 +1,187 @@
+"""Every fault at every moment: the cells, what is expected of them, and that a wrong tool is found."""
+
+from __future__ import annotations
+
+import csv
+import json
+from functools import cache
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.kinds.cylinder._detector import CylinderDetector
+from end_effector_hal.runtime.outputs import GripOutputs
+from end_effector_lab.commands._matrix import command
+from end_effector_lab.matrix import COMMANDS, Cell, Outcome, cells_of, expected, fmea, moments, play
+from tests.support.declared import declared
+from tests.support.nightly import NIGHTLY
+
+SHIPPED = load(profile_path())
+
+
+@cache
+def all_cells() -> dict[str, Cell]:
+    return {cell.id: cell for cell in cells_of(SHIPPED, moments(SHIPPED))}
+
+
+def outcomes(name: str, description: Description = SHIPPED) -> set[Outcome]:
+    return set(expected(description, all_cells()[name]).outcomes)
+
+
+def test_every_combination_is_a_cell_once() -> None:
+    cells = list(all_cells().values())
+    faults, when = {cell.fault for cell in cells}, {cell.moment.name for cell in cells}
+    assert len(cells) == len(faults) * len(when) * len(COMMANDS) >= 20_000
+    assert {"nominal", "leak:top_vacuum:4", "silent-after:0", "fails:cylinder:3"} <= faults
+    assert {
+        "grip cylinder on -1ms",
+        "grip cylinder on",
+        "grip cylinder on +1ms",
+        "grip cylinder on, between",
+    } <= when
+
+
+def test_moments_say_what_the_tool_is_doing() -> None:
+    when = {cell.moment.name: cell.moment for cell in all_cells().values()}
+    bottom, cylinder, top = SHIPPED.sequence
+    assert when["rest"].engaged == ()
+    assert (when["grip cylinder on -1ms"].phase, when["grip cylinder on -1ms"].engaged) == ("grip", (bottom,))
+    assert when["grip cylinder on"].engaged == (bottom, cylinder)
+    assert (when["grip GRIPPED"].phase, when["grip GRIPPED"].engaged) == ("held", (bottom, cylinder, top))
+    assert (when["release top_vacuum off"].phase, when["release top_vacuum off"].engaged) == (
+        "release",
+        (bottom, cylinder),
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed"),
+    [
+        ("nominal @ rest + none", {Outcome.SUCCESS}),
+        ("never-confirms:cylinder @ rest + none", {Outcome.FAILED}),
+        ("fails:cylinder:2 @ rest + none", {Outcome.SUCCESS}),
+        ("fails:cylinder:3 @ rest + none", {Outcome.FAILED}),
+        ("leak:top_vacuum:4 @ grip GRIPPED, between + none", {Outcome.SUCCESS}),
+        ("leak:top_vacuum:40 @ grip GRIPPED, between + none", {Outcome.HELD}),
+        ("nominal @ grip cylinder on + cancel", {Outcome.CANCELLED}),
+        ("stuck-release:cylinder @ grip cylinder on + cancel", {Outcome.STILL_THERE}),
+        ("nominal @ grip cylinder on + kill hal", {Outcome.UNWOUND}),
+        ("nominal @ grip GRIPPED, between + kill both", {Outcome.SUCCESS}),
+        ("silent-after:0 @ rest + none", {Outcome.REFUSED}),
+        ("silent-after:0 @ grip GRIPPED, between + none", {Outcome.SUCCESS}),
+        ("supply:350 @ rest + none", {Outcome.REFUSED}),
+        ("locked-shows:tool_changer:0 @ rest + none", {Outcome.REFUSED}),
+    ],
+)
+def test_the_rules(name: str, allowed: set[Outcome]) -> None:
+    assert outcomes(name) == allowed
+
+
+def test_the_rules_follow_the_description() -> None:
+    name = "nominal @ grip cylinder on + kill grip"
+    assert outcomes(name) == {Outcome.UNWOUND}
+    holds = declared({"gripping": {"process_death": "hold"}})
+    assert Outcome.HELD in outcomes(name, holds)
+
+
+EACH = 101 if NIGHTLY else 2_999
+
+
+def test_a_spread_of_cells_is_explained() -> None:
+    found = [play(SHIPPED, cell) for cell in list(all_cells().values())[7::EACH]]
+    assert {each.id: each.objections for each in found if not each.explained} == {}
+    assert not any(each.dropped for each in found)
+    assert len({each.outcome for each in found}) >= 3
+
+
+def test_a_cell_is_the_same_each_time() -> None:
+    cell = all_cells()["fails-once:cylinder @ grip cylinder on + kill arbiter"]
+    assert play(SHIPPED, cell) == play(SHIPPED, cell)
+
+
+def test_no_air_is_no_proof_of_a_cylinder(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Found by the matrix: 85 % of no supply pressure was reached by a rod at rest."""
+    cell = all_cells()["supply:0 @ grip cylinder on + none"]
+    assert play(SHIPPED, cell).outcome == Outcome.FAILED
+
+    def as_it_was(detector: CylinderDetector, readings: object, at: int) -> float:
+        supply = readings.get(detector._supply.channel, at)  # type: ignore[attr-defined]
+        return detector._actuator.extended_fraction * supply - 20_000
+
+    monkeypatch.setattr(CylinderDetector, "_threshold_pa", as_it_was)
+    assert "lifting is allowed, and cylinder does not grip" in play(SHIPPED, cell).objections
+
+
+def test_a_wrong_last_will_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(GripOutputs, "last_will", lambda *_: ())
+    played = play(SHIPPED, all_cells()["nominal @ grip cylinder on + kill grip"])
+    assert not played.explained
+    assert played.outcome == Outcome.HELD
+
+
+def test_a_last_will_that_drops_a_held_part_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = GripOutputs.last_will
+
+    def drops(outputs: GripOutputs, status, ending="process_death"):  # type: ignore[no-untyped-def]
+        return real(outputs, status.__class__(**{**_fields(status), "held": False, "ee": 1}), ending)
+
+    monkeypatch.setattr(GripOutputs, "last_will", drops)
+    played = play(SHIPPED, all_cells()["nominal @ grip GRIPPED, between + kill hal"])
+    assert played.dropped
+    assert not played.explained
+
+
+def _fields(status: object) -> dict[str, object]:
+    return {name: getattr(status, name) for name in status.__dataclass_fields__}  # type: ignore[attr-defined]
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    result = CliRunner().invoke(command, arguments)
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.output
+
+
+def test_the_command_writes_its_report_and_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
+    arguments = ["--only", "fails:cylinder:2 @ release STAND_BY -1ms", "--jobs", "1", "-o", str(tmp_path)]
+    code, printed = run(*arguments, "--json")
+    found = json.loads(printed.splitlines()[-1])
+    assert code == 0
+    assert (found["dropped"], found["unexplained"], found["not_played"]) == (0, 0, 0)
+    assert found["cells"] == len(COMMANDS)
+    assert found["cells"] + found["left_out"] == len(all_cells())
+    kept = tmp_path / "cells.jsonl"
+    lines = kept.read_text().splitlines(keepends=True)
+    kept.write_text("".join(lines[:5]) + lines[5][:40])  # killed in the middle of a line
+    assert json.loads(run(*arguments, "--json")[1].splitlines()[-1]) == found
+    assert sorted(kept.read_text().splitlines(keepends=True)) == sorted(lines)
+    assert "fails:cylinder:2" in (tmp_path / "report.html").read_text()
+    rows = list(csv.DictReader(StringIO((tmp_path / "fmea.csv").read_text())))
+    assert [row["item"] for row in rows] == ["Cylinder"]
+    assert rows[0]["severity"] == rows[0]["occurrence"] == ""
+
+
+def test_a_folder_of_another_tool_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "matrix.json").write_text('{"tool": "another"}')
+    result = CliRunner().invoke(command, ["--only", "nominal @ rest + none", "-o", str(tmp_path)])
+    assert "another tool" in str(result.exception)
+
+
+def test_an_unknown_cell_is_refused_with_the_nearest() -> None:
+    result = CliRunner().invoke(command, ["--cell", "nominal @ resting + none"])
+    assert "Did you mean 'nominal @ rest + none'?" in str(result.exception)
+
+
+def test_an_fmea_has_a_row_for_each_fault_and_function() -> None:
+    cells = [
+        cell for cell in all_cells().values() if cell.fault == "leak:top_vacuum:40" and cell.command == "none"
+    ]
+    chosen = [cell for cell in cells if cell.moment.name in ("rest", "grip GRIPPED, between")]
+    text = fmea(SHIPPED, chosen, {cell.id: play(SHIPPED, cell).as_json() for cell in chosen})
+    rest, held = csv.DictReader(StringIO(text))
+    assert (rest["function"], held["function"]) == ("begin a grip", "hold")
+    assert rest["reaction"] == "declared failure (1)"
+    assert held["reaction"] == "held with alarm (1)"
+    assert "lost" in held["detection"]

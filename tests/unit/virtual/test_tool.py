@@ -1,0 +1,236 @@
+"""A whole tool in virtual time: what it decides, who dies, what outlives it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import network_of
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState
+from end_effector_lab.virtual import VirtualTool
+from tests.support.places import ROOT
+from timed_automata.execute import Observation
+from timed_automata.monitor import Monitor
+
+SHIPPED = load(profile_path())
+BOTTOM, CYLINDER, TOP = (part.line for _, part in SHIPPED.ordered)
+GRIPPING = EndEffectorState.GRIPPING
+GRIPPED = EndEffectorState.GRIPPED
+STAND_BY = EndEffectorState.STAND_BY
+
+
+def until(tool: VirtualTool, state: EndEffectorState, seconds: float = 60.0) -> None:
+    reached = tool.run_until(tool.at + round(seconds * 1e6), lambda: tool.status.ee == state)
+    assert reached, f"{tool.status.ee.name}: {tool.status.reason} {tool.status.alarms}"
+
+
+def ready(description: Description = SHIPPED, scenario: str = "nominal", *, seed: int = 0) -> VirtualTool:
+    tool = VirtualTool(description, scenario, seed=seed)
+    until(tool, STAND_BY)
+    tool.run(1.0)
+    return tool
+
+
+def gripped(scenario: str = "nominal") -> VirtualTool:
+    tool = ready(scenario=scenario)
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    return tool
+
+
+def pending_cylinder() -> VirtualTool:
+    tool = ready()
+    assert tool.command("grip").accepted
+    assert tool.run_until(tool.at + 10_000_000, lambda: tool.levels[CYLINDER])
+    return tool
+
+
+def moved(tool: VirtualTool, since: int) -> list[tuple[str, bool]]:
+    return [(edge.line, edge.level) for edge in tool.edges[since:]]
+
+
+def test_a_grip_and_a_drop() -> None:
+    tool = gripped()
+    assert moved(tool, 0) == [(BOTTOM, True), (CYLINDER, True), (TOP, True)]
+    assert tool.status.lift_allowed
+    assert tool.command("drop").accepted
+    until(tool, STAND_BY)
+    assert moved(tool, 3) == [(TOP, False), (CYLINDER, False), (BOTTOM, False)]
+    assert not tool.status.alarms
+
+
+def test_one_seed_is_one_run() -> None:
+    def story(seed: int) -> object:
+        tool = ready(seed=seed, scenario="fails-once:cylinder,flips:0.001")
+        tool.command("grip")
+        until(tool, GRIPPED)
+        return tool.edges, tool.statuses
+
+    assert story(3) == story(3)
+    assert story(3) != story(4)
+
+
+def test_how_often_it_is_asked_changes_nothing() -> None:
+    often, once = ready(), ready()
+    for tool in (often, once):
+        tool.command("grip")
+    for _ in range(400):
+        often.run(0.01)
+    once.run(4.0)
+    assert often.edges == once.edges
+    assert often.statuses == once.statuses
+
+
+def test_an_unlock_waits_for_its_proof_and_a_lock_follows() -> None:
+    tool = gripped()
+    tool.command("drop")
+    until(tool, STAND_BY)
+    assert tool.command("unlock").accepted
+    tool.run(0.5)
+    assert tool.status.changer == ChangerState.UNLOCKED
+    assert tool.command("lock").accepted
+    tool.run(3.0)
+    assert tool.status.changer == ChangerState.LOCKED
+
+
+@pytest.mark.parametrize("who", ["grip", "hal"])
+def test_a_program_that_dies_in_a_grip_is_unwound_by_its_last_will(who: str) -> None:
+    tool = pending_cylinder()
+    before = len(tool.edges)
+    tool.kill(who)
+    tool.run(5.0)
+    assert moved(tool, before) == [(CYLINDER, False), (BOTTOM, False)]
+    tool.start(who)
+    until(tool, STAND_BY)
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+
+
+def test_a_program_that_dies_while_it_holds_lets_nothing_go() -> None:
+    tool = gripped()
+    before = len(tool.edges)
+    tool.kill("hal")
+    tool.run(5.0)
+    assert tool.status.ee == EndEffectorState.OFF
+    tool.start("hal")
+    until(tool, GRIPPED)
+    assert moved(tool, before) == []
+
+
+def test_an_arbiter_that_dies_moves_nothing_and_the_grip_goes_on() -> None:
+    tool = pending_cylinder()
+    before = len(tool.edges)
+    tool.kill("arbiter")
+    tool.run(0.2)
+    tool.start("arbiter")
+    until(tool, GRIPPED)
+    assert moved(tool, before) == [(TOP, True)]
+
+
+def test_both_die_in_a_grip_and_the_next_arbiter_executes_the_last_will() -> None:
+    tool = pending_cylinder()
+    before = len(tool.edges)
+    tool.kill("arbiter")
+    tool.kill("hal")
+    tool.run(1.0)
+    assert moved(tool, before) == []
+    tool.start("arbiter")
+    tool.start("hal")
+    until(tool, STAND_BY)
+    assert moved(tool, before) == [(CYLINDER, False), (BOTTOM, False)]
+
+
+def test_an_orderly_end_while_it_holds_lets_nothing_go() -> None:
+    tool = gripped()
+    before = len(tool.edges)
+    tool.end("hal")
+    tool.end("arbiter")
+    tool.run(2.0)
+    tool.start("arbiter")
+    tool.start("hal")
+    until(tool, GRIPPED)
+    assert moved(tool, before) == []
+
+
+def test_a_latched_fault_survives_a_loss_of_power_but_not_on_a_disk_that_failed() -> None:
+    for fails in (False, True):
+        tool = ready()
+        tool.memories.journal.fails = fails
+        tool.choose("locked-shows:tool_changer:1,unlocked-shows:tool_changer:1")
+        tool.run(2.0)
+        latched = set(tool.latched)
+        assert latched
+        assert ("journal" in latched) is fails
+        tool.memories.journal.fails = False
+        tool.lose_power()
+        tool.choose("nominal")
+        tool.start("arbiter")
+        assert set(tool.latched) == (set() if fails else latched)
+
+
+def test_a_link_that_falls_silent_holds_what_is_held() -> None:
+    tool = gripped()
+    before = len(tool.edges)
+    tool.choose("silent-after:0")
+    tool.run(3.0)
+    assert tool.status.held
+    assert tool.status.alarms
+    assert moved(tool, before) == []
+
+
+def test_what_never_confirms_is_unwound() -> None:
+    tool = ready(scenario="never-confirms:cylinder")
+    tool.command("grip")
+    tool.run(1.0)
+    until(tool, STAND_BY)
+    assert [edge.level for edge in tool.edges if edge.line == CYLINDER] == [True, False] * 3
+    assert not any(tool.levels.values())
+    assert "Cylinder" in tool.status.reason
+
+
+@pytest.mark.parametrize("name", ["six_cups", "diy_vacuum", "two_links", "two_epick", "double_acting_jaw"])
+def test_other_tools(name: str) -> None:
+    """Switches of the board, a device that is asked, several links, two coils."""
+    tool = ready(load_tool(ROOT / "examples/tools" / name / "end_effector.yaml"))
+    answer = tool.command("grip")
+    assert answer.accepted, answer.reason
+    until(tool, GRIPPED)
+    assert tool.command("drop").accepted
+    until(tool, STAND_BY)
+
+
+def test_outputs_that_are_commanded_over_a_link_are_refused() -> None:
+    with pytest.raises(UsageError, match="cannot be played in virtual time"):
+        VirtualTool(load_tool(ROOT / "examples/tools/epick_commanded/end_effector.yaml"))
+
+
+def test_an_unknown_process_is_refused() -> None:
+    with pytest.raises(UsageError, match="no process 'nobody'"):
+        ready().kill("nobody")
+
+
+def test_a_monitor_follows_every_program_of_a_run() -> None:
+    monitors: list[Monitor] = []
+
+    def watch(program: str) -> Callable[[Observation], None]:
+        processes = getattr(SHIPPED.automata, program)
+        monitor = Monitor(network_of(SHIPPED), processes, SHIPPED.automata.interface, requirements=True)
+        monitors.append(monitor)
+        return monitor.observe
+
+    tool = VirtualTool(SHIPPED, "fails-once:top_vacuum", watch=watch)
+    until(tool, STAND_BY)
+    tool.run(1.0)
+    tool.command("grip")
+    tool.run(1.0)
+    tool.kill("grip")
+    tool.run(3.0)
+    tool.start("grip")
+    until(tool, STAND_BY)
+    assert len(monitors) == 3
+    assert [each.objections for each in monitors] == [[], [], []]
+    assert all(each.steps for each in monitors)
