@@ -260,8 +260,8 @@ class _Rules:
         circuit.settle(True)
         confirmed, lost = getattr(part, "confirmed_kpa", 0.0), getattr(part, "lost_kpa", 0.0)
         return SensorView(
-            _YES if circuit.vacuum_kpa > confirmed else frozenset({NO}),
-            _YES if circuit.vacuum_kpa > lost else frozenset({LOST}),
+            _YES if circuit.depth_kpa > confirmed else frozenset({NO}),
+            _YES if circuit.depth_kpa > lost else frozenset({LOST}),
         )
 
     def _has_switch(self, name: str) -> bool:

@@ -60,8 +60,12 @@ def play_all(
 def _played(description: Description, todo: Sequence[Cell], jobs: int) -> Iterator[list[dict[str, Any]]]:
     chunks = iter([todo[at : at + CHUNK] for at in range(0, len(todo), CHUNK)])
     if jobs == 1:
+        said = logging.root.manager.disable
         _begin(description)
-        yield from map(_chunk, chunks)
+        try:
+            yield from map(_chunk, chunks)
+        finally:
+            logging.disable(said)
         return
     with ProcessPoolExecutor(jobs, initializer=_begin, initargs=(description,)) as pool:
         waiting: set[Future[list[dict[str, Any]]]] = {

@@ -59,7 +59,7 @@ class VacuumCircuit(SolvedDevice):
         self._lagged: Course | LaggedSuction = self._course
 
     @property
-    def vacuum_kpa(self) -> float:
+    def depth_kpa(self) -> float:
         """The vacuum itself, below ambient, without the sensor."""
         return ATMOSPHERE_KPA - self._absolute
 
@@ -69,7 +69,7 @@ class VacuumCircuit(SolvedDevice):
 
     @property
     def bits(self) -> Mapping[str, bool]:
-        return {"part": self._switch, "gone": self.vacuum_kpa < GONE_KPA}
+        return {"part": self._switch, "gone": self.depth_kpa < GONE_KPA}
 
     @property
     def draw_kpa(self) -> float:
@@ -80,7 +80,7 @@ class VacuumCircuit(SolvedDevice):
         slow = abs(self._ahead(self._leak_l_min).at(STEP_S) - self._absolute) < _STILL_KPA
         grows = self.valve.is_open and self._leak_grows > 0
         valves = self.valve.settled and self._blow_off.settled
-        return slow and not grows and valves and self._sensor.shows(self.vacuum_kpa)
+        return slow and not grows and valves and self._sensor.shows(self.depth_kpa)
 
     def command(self, active: bool, at: int) -> None:
         self._lost = False
@@ -104,13 +104,13 @@ class VacuumCircuit(SolvedDevice):
     def settle(self, active: bool) -> None:
         self.valve.is_open, self._stuck, self.stale = active, active and self._sticks, True
         self._absolute = self._ahead(self._leak_l_min).level
-        self._sensor.kpa = self.vacuum_kpa
-        self._switch = self.vacuum_kpa >= PART_KPA
+        self._sensor.kpa = self.depth_kpa
+        self._switch = self.depth_kpa >= PART_KPA
 
     def begin(self) -> None:
         self._blow_off.advance(self.now)
         self.valve.advance(self.now)
-        self._stuck = self._stuck and self.vacuum_kpa > -OFF_AT_KPA
+        self._stuck = self._stuck and self.depth_kpa > -OFF_AT_KPA
         super().begin()
 
     def switches_at(self) -> int | None:
@@ -132,7 +132,7 @@ class VacuumCircuit(SolvedDevice):
         self._sensor.kpa = ATMOSPHERE_KPA - self._lagged.at(seconds)
         if self._leak_grows and self.valve.is_open:
             self._leak_l_min = self._first_leak + self._leak_grows * seconds
-        self._switch = self.vacuum_kpa >= PART_KPA - (PART_HYSTERESIS_KPA if self._switch else 0.0)
+        self._switch = self.depth_kpa >= PART_KPA - (PART_HYSTERESIS_KPA if self._switch else 0.0)
 
     def _ahead(self, leak_l_min: float) -> Course | Suction:
         """The absolute pressure from now on, with this leak.

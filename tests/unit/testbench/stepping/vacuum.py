@@ -52,7 +52,7 @@ class VacuumCircuit(Device):
         self._switch = False
 
     @property
-    def vacuum_kpa(self) -> float:
+    def depth_kpa(self) -> float:
         """The vacuum itself, below ambient, without the sensor."""
         return ATMOSPHERE_KPA - self._absolute
 
@@ -62,7 +62,7 @@ class VacuumCircuit(Device):
 
     @property
     def bits(self) -> Mapping[str, bool]:
-        return {"part": self._switch, "gone": self.vacuum_kpa < GONE_KPA}
+        return {"part": self._switch, "gone": self.depth_kpa < GONE_KPA}
 
     @property
     def draw_kpa(self) -> float:
@@ -73,7 +73,7 @@ class VacuumCircuit(Device):
         slow = abs(self._slope(self._absolute)) * STEP_S < _STILL_KPA
         grows = self.valve.is_open and self._leak_grows > 0
         valves = self.valve.settled and self._blow_off.settled
-        return slow and not grows and valves and self._sensor.shows(self.vacuum_kpa)
+        return slow and not grows and valves and self._sensor.shows(self.depth_kpa)
 
     def command(self, active: bool, at: int) -> None:
         self._lost = False
@@ -100,8 +100,8 @@ class VacuumCircuit(Device):
             middle = (low + high) / 2
             low, high = (middle, high) if self._slope(middle) > 0 else (low, middle)
         self._absolute = high
-        self._sensor.kpa = self.vacuum_kpa
-        self._switch = self.vacuum_kpa >= PART_KPA
+        self._sensor.kpa = self.depth_kpa
+        self._switch = self.depth_kpa >= PART_KPA
 
     def step(self) -> None:
         self.valve.advance(self.now)
@@ -111,9 +111,9 @@ class VacuumCircuit(Device):
         blown = self._blow_off.is_open or self._absolute > ATMOSPHERE_KPA
         highest = ATMOSPHERE_KPA + (BLOW_KPA if blown else 0.0)
         self._absolute = min(self._absolute + self._slope(self._absolute) * STEP_S, highest)
-        self._stuck = self._stuck and self.vacuum_kpa > -OFF_AT_KPA
-        self._sensor.follow(self.vacuum_kpa)
-        self._switch = self.vacuum_kpa >= PART_KPA - (PART_HYSTERESIS_KPA if self._switch else 0.0)
+        self._stuck = self._stuck and self.depth_kpa > -OFF_AT_KPA
+        self._sensor.follow(self.depth_kpa)
+        self._switch = self.depth_kpa >= PART_KPA - (PART_HYSTERESIS_KPA if self._switch else 0.0)
 
     def _slope(self, absolute: float) -> float:
         """kPa/s."""
