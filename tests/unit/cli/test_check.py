@@ -510,3 +510,30 @@ def test_how_an_earlier_description_is_said_the_new_way(tmp_path: Path) -> None:
     assert f"hint  {path}:1:9: write schema: 2; all that stands here keeps its meaning" in result.output
     path.write_text(text.replace("schema: 1", "schema: 2"), encoding="utf-8")
     assert "hint" not in CliRunner().invoke(_check.command, [str(path)], catch_exceptions=False).output
+
+
+def test_each_wire_of_an_output_is_in_the_table() -> None:
+    tools = Path("examples/tools")
+    for folder, rows in (
+        ("bistable_and_magnet", ("second coil",)),
+        ("diy_vacuum", ("blow-off",)),
+    ):
+        path = tools / folder / "end_effector.yaml"
+        shown = CliRunner().invoke(_check.command, [str(path)], catch_exceptions=False).stdout
+        tool = load(path)
+        lines = [*(each.line for each in tool.opposites.values()), *tool.blow_off_lines.values()]
+        found = [row.split() for row in shown.splitlines() if row.strip().startswith(rows)]
+        assert lines
+        assert sorted(word for row in found for word in row if word in lines) == sorted(lines)
+
+
+def test_the_number_of_a_register_in_a_manual_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(
+        "schema: 2\nname: tool\nlink: {port: x, frame: {modbus: {}}}\n"
+        "channels: {p: {modbus: {address: 40003}, unit: kPa}}\n"
+        "sequence: [a]\nactuators: {a: {kind: vacuum, line: A, channel: p}}\nsupply: {channel: none}\n"
+    )
+    assert _check.check(path).hints == (
+        f"{path}:4:34: is 40003 the number in a manual? On the wire that is address: 2, register_type: holding",
+    )

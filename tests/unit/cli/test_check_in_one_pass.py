@@ -52,7 +52,25 @@ actuators:
 tool_changer: {line: G, opposite: {line: H}, locked_bit: shut, unlocked_bit: apart, stand_bit: none, present_bit: none}
 supply: {channel: none}
 """
-TABLES = {"one_pass": ONE_PASS, "devices": DEVICES}
+BUS = """\
+schema: 2
+name: tool
+link: {port: /dev/ttyUSB0, frame: {modbus: {}}}
+channels:
+  cup: {modbus: {unit: 9, address: 2002}, unit: kPa}
+  told: {modbus: {unit: 9, address: 2001}}
+  open: {digital: {line: C}}
+  shut: {digital: {line: D}}
+sequence: [cup, jaw]
+actuators:
+  cup: {kind: vacuum, line: A, channel: cup}
+  jaw:
+    kind: gripper
+    modbus: {unit: 9, address: 1000, command_on: [1], command_off: [0], verify: told}
+    evidence: {confirmed: {on: shut}, gone: {on: open}}
+supply: {channel: none}
+"""
+TABLES = {"one_pass": ONE_PASS, "devices": DEVICES, "bus": BUS}
 
 
 Changes = dict[int, list[str]]
@@ -107,6 +125,6 @@ def test_write_the_table(table: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     (FOLDER / f"{table}.txt").write_text("\n".join(blocks), encoding="utf-8")
 
 
-@pytest.mark.parametrize(("table", "least"), [("one_pass", 25), ("devices", 60)])
+@pytest.mark.parametrize(("table", "least"), [("one_pass", 25), ("devices", 60), ("bus", 10)])
 def test_the_tables_have_cases_for_each_key(table: str, least: int) -> None:
     assert len(cases(table)) >= least

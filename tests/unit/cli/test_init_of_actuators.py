@@ -190,3 +190,10 @@ def test_a_key_that_nobody_can_guess_is_asked_for(monkeypatch: pytest.MonkeyPatc
     lines = list(_new_tool._actuator(wanted[0], 1, {"channel": "bottom"}, ask))
     assert asked == ["a: confirmed_kpa (at least this far below ambient: confirmed)"]
     assert any(line.startswith("    confirmed_kpa: 61 ") for line in lines)
+
+
+@pytest.mark.parametrize(("link", "said"), [("modbus", True), ("text", False)])
+def test_the_extra_that_a_modbus_link_needs_is_named(link: str, said: bool) -> None:
+    options = ["init", "tool", "--actuators", "a:vacuum", "--link", link, "--no-tool-changer"]
+    result = CliRunner().invoke(eehal, options, catch_exceptions=False)
+    assert ("pip install '.[modbus]'" in result.stderr) is said

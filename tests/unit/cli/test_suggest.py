@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from end_effector_hal.cli.listen._suggest import SHARES, Suggestion, suggestions
+from end_effector_hal.cli.listen._suggest import SHARES, SeenLevel, Suggestion, print_suggestions, suggestions
 from end_effector_hal.description import Description, examine_text, load, profile_path
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import PressuresLog, StatesLog, StatesRow
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
@@ -93,3 +95,13 @@ def test_a_recording_of_another_tool_and_an_empty_one(tool: Description) -> None
         suggestions(tool, states, other)
     )
     assert list(suggestions(tool, states, replace(pressures, samples=()))) == ["The recording is empty."]
+
+
+def test_a_tool_of_switches_has_no_thresholds(tmp_path: Path) -> None:
+    tool = load(Path("examples/tools/six_cups/end_effector.yaml"))
+    with pytest.raises(UsageError, match=r"^Switches have no thresholds: this tool has no pressure"):
+        print_suggestions(tool, tmp_path, as_json=False)
+
+
+def test_nothing_is_minus_zero() -> None:
+    assert str(SeenLevel(-0.04, 0.2, 1, 1.0)) == "0.0 to 0.2 kPa for 1.0 s"

@@ -14,6 +14,7 @@ from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.description import Description, Fault, examine, load, profile_path, socket_path
 from end_effector_hal.errors import ArbiterError, Diagnostic, LineBusyError, ReportedError
+from end_effector_hal.kinds import kind_of
 
 from ._excerpt import MarkedFault, marked
 
@@ -159,6 +160,10 @@ def _carries(likely: Description, name: str) -> bool:
     )
 
 
+MODICON = {1: "discrete_input", 3: "input", 4: "holding"}
+"""Table of a number with five digits, by the first of them."""
+
+
 def _hints(description: Description) -> Iterator[str]:
     """How to say it the new way."""
     if description.schema_version == 1:
@@ -166,6 +171,13 @@ def _hints(description: Description) -> Iterator[str]:
             f"{description.where('schema')}: write schema: 2; all that stands here keeps its meaning, and "
             "channels of names of your own may come from the link and the board's inputs (docs/reference/channels.md)"
         )
+    for name, channel in description.channels.items():
+        place = channel.modbus
+        if place and (table := MODICON.get(place.address // 10_000)) and place.address % 10_000 > 0:
+            yield (
+                f"{description.where('channels', name, 'modbus', 'address')}: is {place.address} the number in a "
+                f"manual? On the wire that is address: {place.address % 10_000 - 1}, register_type: {table}"
+            )
 
 
 def _automata_faults(description: Description) -> tuple[Diagnostic, ...]:
@@ -211,6 +223,12 @@ def _actuators(description: Description) -> Table:
     for name, each in description.ordered:
         times = (f"{each.attempts} x {each.timeout_s:g} s", f"{each.reset_s:g} s", f"{each.release_s:g} s")
         table.add_row(name, each.kind, each.line, each.pin, each.channel, *times)
+        if coil := each.opposite:
+            table.add_row("", "second coil", coil.line, coil.pin)
+        if blow_off := kind_of(each).opposing_output(each):
+            table.add_row(
+                "", kind_of(each).opposing.replace("_", "-"), blow_off.line, getattr(blow_off, "pin", "")
+            )
     return table
 
 
@@ -223,7 +241,8 @@ def _rest(description: Description) -> Iterator[str]:
         pin = f", {changer.pin}" if changer.pin else ""
         proof = f"{changer.locked_bit} or {changer.unlocked_bit} within {changer.prove_s:g} s"
         at_most = "latching" if changer.latching else f"unlock at most {changer.unlock_max_s:g} s"
-        yield f"changer   {changer.line}{pin}; {proof}; {at_most}"
+        locks = f"; {changer.opposite.line} locks" if changer.opposite else ""
+        yield f"changer   {changer.line}{pin}{locks}; {proof}; {at_most}"
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
     for name, link in description.links.items():
         codec = codec_of(description, name)

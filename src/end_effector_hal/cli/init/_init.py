@@ -77,6 +77,8 @@ def command(
         click.echo(str(path))
     file = shlex.quote(str(files[0]))
     click.echo(f"Next: edit {file}, then `eehal check {file}`.", err=True)
+    if "frame: {modbus:" in description.decode():
+        click.echo("A Modbus link needs the extra modbus: pip install '.[modbus]' in a checkout.", err=True)
     if actuators is not None:
         click.echo(f"To try it without hardware: `eehal run --simulate {file}`.", err=True)
 

@@ -10,10 +10,12 @@ from pathlib import Path
 import click
 
 from end_effector_hal.cli._json_output import print_line
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.recording import PressuresLog, StatesLog, read_pressures, read_states
+from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import EndEffectorState
 
 SHARES = {
@@ -43,7 +45,8 @@ class SeenLevel:
 
     def __str__(self) -> str:
         times = "" if self.spans == 1 else f" in {self.spans} spans"
-        return f"{self.low:.1f} to {self.high:.1f} kPa for {self.seconds:.1f} s{times}"
+        low, high = (round(each, 1) + 0.0 for each in (self.low, self.high))  # no -0.0
+        return f"{low:.1f} to {high:.1f} kPa for {self.seconds:.1f} s{times}"
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class Suggestion:
         share = f"{SHARES[key]:.0%} of the way"
         if "hysteresis" in key:
             return f"{share} from rest to held: no longer secure above lost_kpa"
-        return f"{share} from at most {self.rest.high:.1f} at rest to at least {self.held.low:.1f} held"
+        return f"{share} from at most {round(self.rest.high, 1) + 0.0:.1f} at rest to at least {self.held.low:.1f} held"
 
 
 def suggestions(tool: Description, states: StatesLog, pressures: PressuresLog) -> Iterator[Suggestion | str]:
@@ -76,10 +79,11 @@ def suggestions(tool: Description, states: StatesLog, pressures: PressuresLog) -
     if not states.rows or not pressures.samples:
         yield "The recording is empty."
         return
-    end_s = pressures.times_s[-1]
+    end_s, switched = pressures.times_s[-1], _by_switches(tool)
     for name, part in tool.ordered:
         if not kind_of(part).below_ambient or any(not hasattr(part, key) for key in SHARES):
-            yield f"{name}: for a {part.kind} no thresholds are proposed."
+            none = f"for a {part.kind} no thresholds are proposed"
+            yield f"{name}: {'switches have no thresholds' if name in switched else none}."
             continue
         if name not in states.actuators or part.channel not in pressures.channels:
             yield f"{name}: the recording has no pressure {part.channel!r} of it."
@@ -101,6 +105,12 @@ def suggestions(tool: Description, states: StatesLog, pressures: PressuresLog) -
             yield f"{name}: at rest {rest}, held {held}: closer than {LEAST_KPA:g} kPa, no threshold fits between."
         else:
             yield Suggestion(name, rest, held)
+
+
+def _by_switches(tool: Description) -> frozenset[str]:
+    """Actuators that no pressure proves."""
+    carried = carrier_of(tool).channels
+    return frozenset(name for name, part in tool.ordered if carried.get(part.channel) is not Kind.PRESSURE)
 
 
 def _spans(
@@ -140,6 +150,10 @@ def print_suggestions(tool: Description, folder: Path, *, as_json: bool) -> None
     Raises:
         UsageError: there is no recording, or it shows of no actuator what it takes.
     """
+    if len(_by_switches(tool)) == len(tool.actuators):
+        raise UsageError(
+            "Switches have no thresholds: this tool has no pressure that proves an actuator.", todo=""
+        )
     for name in ("states.csv", "pressures.csv"):
         if not (folder / name).is_file():
             todo = "Record a grip and a drop: `eehal run TOOL --record FOLDER`."

@@ -91,11 +91,12 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
         what = Fault.at(places.value(), "EE-203", "this is not a description", expected="keys with values")
         return None, [*faults, what], set()
     broken = set(reader.refused)
+    plain = _plain_outputs(tree)
     kinds, guessed = _kinds(tree, places, broken)
     description, found = _validate(tree, places, broken)
     faults += [
         *kinds,
-        *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed)),
+        *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed, plain)),
     ]
     facts = Facts(tree, places, broken)
     rules = (
@@ -151,9 +152,18 @@ def _validate(
     ]
 
 
-def _follows(path: Keys, fault: Fault, refused: set[Keys], guessed: set[str]) -> bool:
+def _plain_outputs(tree: dict[str, Any]) -> set[str]:
+    """Names under actuators that were meant for outputs: they lack what an actuator needs."""
+    actuators = tree.get("actuators")
+    stanzas = actuators.items() if isinstance(actuators, dict) else ()
+    return {name for name, each in stanzas if isinstance(each, dict) and each.get("kind") == "output"}
+
+
+def _follows(path: Keys, fault: Fault, refused: set[Keys], guessed: set[str], plain: set[str]) -> bool:
     """Whether a fault only follows from another that is reported: a value refused before, a kind guessed."""
     if any(path[: len(each)] == each for each in refused):
+        return True
+    if fault.code == "EE-206" and path[0] == "actuators" and len(path) > 1 and path[1] in plain:
         return True
     stanzas = actuator_stanzas().values() if fault.code == "EE-205" else ()
     own_key = any(str(path[-1]) in fields_of(stanza) for stanza in stanzas)

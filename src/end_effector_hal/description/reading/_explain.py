@@ -12,6 +12,7 @@ from end_effector_hal.description._shape import actuator_stanzas, fields_of, hom
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_names
 
+from ._other_words import key_hint
 from ._values import no_choice, out_of_range, wrong_form, wrong_type
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
 
 def meant(path: Keys, fault: Fault) -> Iterator[Keys]:
     """The key that an unknown one was meant to be: nothing is to be said of its default."""
-    pattern = {"EE-205": r"did you mean '(\w+)'\?", "EE-210": r"write (\w+)"}.get(fault.code)
+    pattern = {"EE-205": r"(?:did you mean '|write )(\w+)", "EE-210": r"write (\w+)"}.get(fault.code)
     if pattern and (found := re.match(pattern, fault.hint)):
         yield (*path[:-1], found[1])
 
@@ -69,7 +70,7 @@ def _unknown_key(path: Keys, kind: str, value: Any, places: Places) -> Fault:
             expected=WORDS.get(split(other[0])[1], ""),
             hint=f"write {other[1]}",
         )
-    hint = did_you_mean(key, known)
+    hint = key_hint(key, path, known) or did_you_mean(key, known)
     if not hint and (homes := homes_of(key)):
         hint = f"it belongs to {' or '.join(each or 'the top' for each in homes)}"
     inside = ".".join(map(str, path[:-1])) or "the description"
@@ -100,6 +101,8 @@ def no_kind(name: str, stanza: dict[str, object], places: Places) -> Fault:
         return Fault.at(place, "EE-207", "'kind' has no value", found="", expected=kinds)
     if stanza["kind"] in names:
         return Fault.at(place, "EE-209", why_not(str(stanza["kind"])), expected="a kind that can be loaded")
+    if stanza["kind"] == "output":
+        hint = f"a plain output stands under outputs, in no sequence: outputs: {{{name}: {{line: …}}}}"
     return Fault.at(place, "EE-209", "unknown kind of actuator", expected=kinds, hint=hint)
 
 

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from end_effector_hal.description._fault import Keys, Places
 from end_effector_hal.description._shape import fields_of, stanza_at
-from end_effector_hal.description.model import Description
+from end_effector_hal.description.model import Channel, Description
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Part
 
 _UNREAD = "unread"
@@ -29,6 +29,10 @@ def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Descripti
     for name, link in tree["links"].items() if isinstance(tree.get("links"), dict) else ():
         if isinstance(link, dict):
             _fill(link, ("links", name), "")
+    for name, channel in tree["channels"].items() if isinstance(tree.get("channels"), dict) else ():
+        for source in Channel.SOURCES if isinstance(channel, dict) else ():
+            if isinstance(channel.get(source), dict):
+                _fill(channel[source], ("channels", name, source), "")
     if isinstance(tree.get("tool_changer"), dict):
         _fill(tree["tool_changer"], ("tool_changer",), "")
     # the whole stanza is gone where one of its names is broken
@@ -61,4 +65,4 @@ def _fill(stanza: dict[str, Any], path: Keys, kind: str) -> None:
     model: type[Part] | None = stanza_at(path, kind)
     for key, field in fields_of(model).items() if model else ():
         if field.is_required() and key not in stanza and key != "kind":
-            stanza[key] = NO_CHANNEL if key == "channel" else _UNREAD
+            stanza[key] = 0 if field.annotation is int else NO_CHANNEL if key == "channel" else _UNREAD

@@ -18,6 +18,8 @@ from end_effector_hal.description._numbers import (
 from end_effector_hal.description.model import HEXADECIMAL
 from end_effector_hal.kinds.stanza import PRINTABLE, Condition
 
+from ._other_words import text_hint, word_hint
+
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
@@ -48,7 +50,8 @@ def out_of_range(path: Keys, kind: str, error: ErrorDetails, places: Places) -> 
 def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
     """A word that is not one of a few."""
     choices = [word.strip("'") for word in re.findall(r"'[^']*'|\d+", error["ctx"]["expected"])]
-    what, hint = f"{_label(path)} is not one of its choices", did_you_mean(error["input"], choices)
+    what, hint = f"{_label(path)} is not one of its choices", word_hint(error["input"], choices)
+    hint = hint or did_you_mean(error["input"], choices)
     if error["input"] == "leave" and "endings" in path:
         says_the_same = "write hold: here it says the same"
         hint = (
@@ -69,9 +72,16 @@ def wrong_form(path: Keys, error: ErrorDetails, place: Place) -> Fault:
         return Fault.at(place, "EE-211", what, expected="text in one line", hint=hint)
     if context.get("pattern") == HEXADECIMAL:
         what = f"{_label(path)} is not hexadecimal"
-        return Fault.at(place, "EE-211", what, expected="1 to 8 bytes of two digits each, such as AA55")
+        return Fault.at(
+            place,
+            "EE-211",
+            what,
+            expected="1 to 8 bytes of two digits each, such as AA55",
+            hint=text_hint(path, str(error["input"])),
+        )
     if "pattern" in context:
         expected, hint = _name(str(error["input"]), context["pattern"])
+        hint = text_hint(path, str(error["input"])) or hint
         return Fault.at(place, "EE-211", f"{_label(path)} is not a name", expected=expected, hint=hint)
     if error["type"] == "too_long":
         what, expected = f"{_label(path)} has too many elements", f"at most {context['max_length']}"
@@ -96,7 +106,7 @@ def wrong_type(path: Keys, error: ErrorDetails, places: Places) -> Fault:
     elif error.get("ctx", {}).get("class_name") == Condition.__name__ and isinstance(value, str):
         expected, hint = "a condition", f"write {{on: {value}}}"
     elif expected == "text":
-        hint = f'write "{place.text}"'
+        hint = text_hint(path, place.text) or f'write "{place.text}"'
     elif expected == "true or false" and str(value).lower() in BOOLEANS:
         hint = f"did you mean {BOOLEANS[str(value).lower()]}?"
     elif "number" in expected:

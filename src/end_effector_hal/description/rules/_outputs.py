@@ -170,20 +170,29 @@ def _shared(facts: Facts, name: str, taken: dict[tuple[str | None, int, str, int
 
 
 def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[str]:
-    """A sentence for each held part that falls when its device hears nothing, and for a bus that is too slow."""
+    """A sentence for each held part that falls, or may fall, without power or when its device hears nothing.
+
+    And for a bus that is too slow to keep a device alive.
+    """
     period_ms = codec.period_us / 1000
     for name, part in description.ordered:
         output = part.modbus
-        if output is None:
-            continue
-        if output.keep_alive_ms is not None and output.keep_alive_ms < 2 * period_ms:
+        if output is not None and output.keep_alive_ms is not None and output.keep_alive_ms < 2 * period_ms:
             yield (
                 f"{name}: keep_alive_ms = {output.keep_alive_ms}, and the bus is read each "
                 f"{number(period_ms)} ms: one lost answer, and the device takes the link for lost"
             )
-        if output.on_link_loss == "release":
+        if output is not None:
             when = f" for {output.keep_alive_ms} ms" if output.keep_alive_ms else ""
-            yield (
-                f"{name}: on_link_loss: release: a held part falls when the bus or the line arbiter is "
-                f"silent{when}"
-            )
+            silent = f"when the bus or the line arbiter is silent{when}"
+            yield from _falls(name, "on_link_loss", output.on_link_loss, silent)
+        # of a valve on a line it is asked for only where it is written: what it does is known from its wiring
+        if output is not None or "on_power_loss" in part.model_fields_set:
+            yield from _falls(name, "on_power_loss", part.on_power_loss, "without power")
+
+
+def _falls(name: str, key: str, what: str, when: str) -> Iterator[str]:
+    if what == "release":
+        yield f"{name}: {key}: release: a held part falls {when}"
+    elif what == "undefined":
+        yield f"{name}: {key}: undefined: nobody has said whether a held part falls {when}"

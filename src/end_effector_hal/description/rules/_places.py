@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,6 +11,8 @@ from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model import Channel, raw_limits, type_bits
 
 from ._frames import ENDS, key_fault, link_of, value_fault
+
+_IIO_FILE = re.compile(r"in_([a-z]+[0-9]*)_(?:raw|scale|offset)")
 
 
 def place_faults(facts: Facts, name: str, source: str) -> Iterator[Fault]:
@@ -22,6 +25,9 @@ def place_faults(facts: Facts, name: str, source: str) -> Iterator[Fault]:
         yield from _record_place(facts, path, (*frame, source))
     elif source == "modbus":
         yield from _register_place(facts, path)
+    elif source == "analog" and (found := _IIO_FILE.fullmatch(facts.get(*path, "channel") or "")):
+        what, expected = "this is a file of the channel", f"its name: {found[1]}"
+        yield value_fault(facts, (*path, "channel"), what, expected)
 
 
 def _text_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:

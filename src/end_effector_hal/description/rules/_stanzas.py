@@ -105,7 +105,11 @@ def _names(facts: Facts, key: str) -> Iterator[Fault]:
             yield Fault.at(place, "EE-220", f"actuator {name!r} stands twice in {key}", expected="it once")
         elif name not in known:
             expected = f"one of {', '.join(known)}" if known else "a name under actuators"
-            hint = did_you_mean(name, known)
+            plain = (
+                name in facts.names("outputs")
+                and "a plain output stands under outputs only: no step drives it"
+            )
+            hint = plain or did_you_mean(name, known)
             yield Fault.at(place, "EE-220", f"{key} names no actuator", expected=expected, hint=hint)
         seen.add(name)
 

@@ -1,0 +1,52 @@
+"""What other tools call the same: keys and words of ESPHome, Home Assistant, Telegraf, device trees and manuals."""
+
+from __future__ import annotations
+
+import re
+
+from end_effector_hal.description._fault import Keys
+
+_KEYS = {
+    "active_low": "invert",
+    "inverted": "invert",
+    "values": "on",
+    "slave": "unit",
+    "slave_id": "unit",
+    "swap": "word_order",
+}
+_OF_THE_CHANNEL = ("invert", "on")
+_WORDS = {
+    "even": "E",
+    "odd": "O",
+    "none": "N",
+    "u_word": "uint16",
+    "s_word": "int16",
+    "u_dword": "uint32",
+    "s_dword": "int32",
+    "fp32": "float32",
+}
+
+
+def key_hint(key: str, path: Keys, known: list[str]) -> str:
+    """What an unknown key is called here; empty: nobody knows."""
+    other = _KEYS.get(key, "")
+    if other in known:
+        return f"write {other}"
+    in_a_source = len(path) == 4 and path[0] == "channels"
+    return f"write {other}, beside {path[2]}" if other in _OF_THE_CHANNEL and in_a_source else ""
+
+
+def word_hint(word: object, choices: list[str]) -> str:
+    """What a word is called here; empty: nobody knows."""
+    other = _WORDS.get(str(word).lower(), "")
+    return f"write {other}" if other in choices else ""
+
+
+def text_hint(path: Keys, text: str) -> str:
+    """What was meant by a text of the wrong form; empty: nobody knows."""
+    if path[-2:] == ("analog", "channel") and text.isdecimal():
+        return f"write voltage{int(text)}"
+    if path[-2:] == ("record", "start") and re.fullmatch(r"0[xX](?:[0-9A-Fa-f]{2}){1,8}", text):
+        digits = text[2:].upper()
+        return f"write start: {digits}" if re.search("[A-DF]", digits) else f'write start: "{digits}"'
+    return ""
