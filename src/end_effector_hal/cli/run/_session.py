@@ -132,7 +132,7 @@ class RunSession:
         result = self._tool.begin(command).wait()
         self._succeeded = self._succeeded and result.succeeded
         if result.outcome is not Outcome.UNREACHABLE:
-            self._changes.catch_up(self._tool.status.at)
+            self._changes.catch_up(self._tool.status)
         self._voice.result(command, result)
 
 
