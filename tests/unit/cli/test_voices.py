@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.cli.run._voices import Changes, JsonLines, Words, status_lines
-from end_effector_hal.control import StepReport
+from end_effector_hal.cli.run._voices import SCENARIO, Changes, JsonLines, Words, status_lines
+from end_effector_hal.control import Answer, StepReport
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.process import BURST
@@ -226,3 +226,8 @@ def test_json_has_each_sentence_as_the_status_has_it(
     assert [(each["text"], each["over"]) for each in told if each["event"] == "alarm"] == [
         (WEAK, False), (SECURE_AGAIN, False), (WEAK, True), (SECURE_AGAIN, True)
     ]  # fmt: skip
+
+
+def test_a_scenario_is_said_by_its_name(description: Description, screen: Screen) -> None:
+    Words(screen).answer(SCENARIO, Answer(True, "leak:cups"))
+    assert screen.out == ["scenario: leak:cups"]

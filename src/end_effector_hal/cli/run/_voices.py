@@ -27,6 +27,8 @@ _ENDED = {
     Outcome.UNREACHABLE: "outcome unknown",
 }
 CAUGHT_UP_S = 1.0
+SCENARIO = "SCENARIO"
+"""The name of the command that has something else go wrong; its answer is the scenario."""
 
 
 def outlives(write: Callable[..., None]) -> Callable[..., None]:
@@ -107,7 +109,9 @@ class Words:
 
     def answer(self, name: str, answer: Answer) -> None:
         """Whether something without an end of its own was accepted."""
-        if answer.accepted:
+        if answer.accepted and name == SCENARIO:
+            self._say(f"scenario: {answer.reason}", fg="green")
+        elif answer.accepted:
             self._say(f"{name}: succeeded{f'. {answer.reason}' if answer.reason else ''}", fg="green")
         else:
             said = refused if answer.decided else unanswered
