@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
-from difflib import SequenceMatcher
 
 from end_effector_hal.vocabulary import OVER
 
@@ -12,7 +12,8 @@ def alarm_changes(before: Sequence[str], now: Sequence[str]) -> Iterator[tuple[s
     """Each sentence that is new, and whether it says that something is over.
 
     An alarm that stays until it is acknowledged ends twice: it is replaced by one that begins with `OVER`, which
-    a reset or a Drop removes. Only the first of these ends is told, in the words of the replacement.
+    a reset or a Drop removes. Only the first of these ends is told, in the words of the replacement. Which alarm it
+    replaces nobody says: it is the one that has ended now and has most words in common with it.
     """
     gone = [text for text in before if text not in now and not text.startswith(OVER)]
     for text in now:
@@ -23,7 +24,11 @@ def alarm_changes(before: Sequence[str], now: Sequence[str]) -> Iterator[tuple[s
             continue
         ended = text.removeprefix(OVER)
         if gone:
-            gone.remove(max(gone, key=lambda each: SequenceMatcher(None, each, ended).ratio()))
+            gone.remove(max(gone, key=lambda each: len(_words(each) & _words(ended))))
         yield ended, True
     for text in gone:
         yield text, True
+
+
+def _words(text: str) -> set[str]:
+    return set(re.findall(r"\w+", text))

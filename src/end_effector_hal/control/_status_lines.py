@@ -13,6 +13,8 @@ from ._status import Status
 
 _QUIET = (EndEffectorState.GRIPPING, EndEffectorState.GRIPPED)
 """In these states the reason of an earlier end says nothing."""
+_OF_THE_CHANGER = (Command.LOCK, Command.UNLOCK)
+"""Executed by the tool changer's program; a transition of the other one does not come from it."""
 
 
 def transition(old: str, new: str, command: int, reason: str) -> str:
@@ -56,10 +58,17 @@ class StatusLines:
     def _changing(self, last: Status | None, now: Status) -> Iterator[str]:
         old, new = ChangerState(last.changer if last else 0), ChangerState(now.changer)
         if old is not new:
-            reason = (
-                explain_changer(self._description, now.changer_fault) if new is ChangerState.FAULT else ""
-            )
-            yield f"tool changer: {transition(old.name, new.name, now.command, reason)}"
+            command = now.command if now.command in _OF_THE_CHANGER else Command.NONE
+            yield f"tool changer: {transition(old.name, new.name, command, self._why(new, now))}"
+
+    def _why(self, changer: ChangerState, now: Status) -> str:
+        if changer is ChangerState.FAULT:
+            return explain_changer(self._description, now.changer_fault)
+        stanza = self._description.tool_changer
+        if changer is not ChangerState.UNKNOWN or stanza is None:
+            return ""
+        stale = [bit for bit in (stanza.locked_bit, stanza.unlocked_bit) if bit in now.stale]
+        return f"no valid reading of {', '.join(stale)}" if stale else ""
 
     def _gripping(self, last: Status | None, now: Status) -> Iterator[str]:
         old, new = EndEffectorState(last.ee if last else 0), EndEffectorState(now.ee)
@@ -69,7 +78,8 @@ class StatusLines:
             for index in sorted(set(now.blowing) - set(last.blowing)):
                 yield f"{display_name(self._parts[index][0])} is blown off."
         if old is not new:
-            yield transition(old.name, new.name, now.command, "" if new in _QUIET else now.reason)
+            command = Command.NONE if now.command in _OF_THE_CHANGER else now.command
+            yield transition(old.name, new.name, command, "" if new in _QUIET else now.reason)
 
     def _time_outs(self, last: Status, now: Status) -> Iterator[str]:
         """Attempts that have failed, by their time-out or with nothing gripped; also the last one."""

@@ -13,6 +13,8 @@ from typing import Any
 from end_effector_hal.recording._watched import Watched, read_watched
 
 FILE_NAME = "run.json"
+SCHEMA_VERSION = 1
+"""Raised when a key goes, or means something else. New keys come without."""
 KINDS = {
     **dict.fromkeys(("scenario", "description", "hash", "version", "started", "violated", "because"), str),
     **dict.fromkeys(("ros", "simulated"), bool),
@@ -74,7 +76,8 @@ class RunInfo:
         """Write ``run.json`` into a folder, whole or not at all; raises OSError."""
         path = Path(folder) / FILE_NAME
         left_out = ("note",) if self.violated else ("note", *_OF_COUNTEREXAMPLES)
-        content = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out}
+        content: dict[str, Any] = {"schema_version": SCHEMA_VERSION}
+        content |= {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out}
         content["actuators"] = dict(self.actuators)
         content["limits"] = {name: dict(limit) for name, limit in self.limits.items()}
         if self.violated:

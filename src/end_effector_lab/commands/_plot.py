@@ -30,6 +30,12 @@ def command(recording: Path, style: str, output: Path | None, csv: bool, as_json
     figures()  # without what draws them nothing is read or written
     states = recording / "states.csv" if recording.is_dir() else recording
     if recording.is_dir() and not states.exists():
+        if any(recording.glob("*.mcap")):
+            raise UsageError(
+                "There is no states.csv here, only traces.",
+                where=str(recording),
+                todo="`eehal page`, `eehal report` and `eehal replay` show and judge traces.",
+            )
         todo = (
             "Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote."
         )

@@ -7,18 +7,18 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.cli import PathName, completed, typed_tool
+from end_effector_hal.cli import PathName, completed, print_document, typed_tool
 
 
-def _list_faults(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
-    if not value or context.resilient_parsing:
-        return
+def _list_faults(*, as_json: bool) -> None:
     from end_effector_lab.testbench import FAULTS
 
+    if as_json:
+        print_document({"scenarios": [{"usage": each.usage, "meaning": each.meaning} for each in FAULTS]})
+        return
     width = max(len(fault.usage) for fault in FAULTS)
     for fault in FAULTS:
         click.echo(f"{fault.usage:{width}}  {fault.meaning}")
-    context.exit()
 
 
 def _faults(context: click.Context) -> Iterable[str]:
@@ -36,14 +36,7 @@ def _faults(context: click.Context) -> Iterable[str]:
     shell_complete=completed(_faults, separator=","),
     help="What goes wrong; several with commas.",
 )
-@click.option(
-    "--list",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=_list_faults,
-    help="List the scenarios.",
-)
+@click.option("--list", "listed", is_flag=True, help="List the scenarios.")
 @click.option("--seed", default=0, metavar="N", help="Seed of the random noise and dead times.")
 @click.option(
     "--lines",
@@ -72,6 +65,7 @@ def _faults(context: click.Context) -> Iterable[str]:
 def command(
     description: Path | None,
     scenario: str,
+    listed: bool,
     seed: int,
     lines: str | None,
     port: str | None,
@@ -88,6 +82,9 @@ def command(
     Ctrl-C. While it runs, a line "scenario S" on standard input chooses another scenario, "quit" ends it; so does the
     page of the tool (`eehal page`), if --lines and --port are those of DESCRIPTION.
     """
+    if listed:
+        _list_faults(as_json=as_json)
+        return
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
     from end_effector_lab.testbench import (

@@ -97,7 +97,7 @@ def test_what_goes_wrong_is_chosen_at_the_start_and_while_it_runs(started: list[
     grip, leek, *rest = [line for line in out.splitlines() if re.match("refused|[A-Z]+: succeeded", line)][1:]
     assert grip.startswith("refused: grip. IL-06")
     assert leek == "refused: scenario. no fault is named 'leek'. Did you mean 'leak'?"
-    assert rest == ["SCENARIO: succeeded. From now on: nominal", "GRIP: succeeded", "RELEASE: succeeded"]
+    assert rest == ["scenario: nominal", "GRIP: succeeded", "RELEASE: succeeded"]
     assert tool.process.returncode == 1
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.cli.run._voices import Changes, JsonLines, Words, status_lines
-from end_effector_hal.control import StepReport
+from end_effector_hal.cli.run._voices import SCENARIO, Changes, JsonLines, Words, status_lines
+from end_effector_hal.control import Answer, StepReport
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.process import BURST
@@ -128,7 +128,7 @@ def test_what_is_waited_for_is_told_before(description: Description, screen: Scr
     tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
     status = replace(tool.status, at=5_000, ee=EndEffectorState.STAND_BY)
     threading.Timer(0.1, changes.status, [status]).start()
-    changes.catch_up(5_000)
+    changes.catch_up(status)
     assert "OFF -> STAND_BY" in screen.out
 
 
@@ -140,10 +140,35 @@ def test_nothing_is_waited_for_that_was_told_before_an_older_state(
     tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
     for at in (5_000, 4_000):
         changes.status(replace(tool.status, at=at))
-    waiting = threading.Thread(target=changes.catch_up, args=(5_000,), daemon=True)
+    waiting = threading.Thread(target=changes.catch_up, args=(replace(tool.status, at=5_000),), daemon=True)
     waiting.start()
     waiting.join(10.0)
     assert not waiting.is_alive()
+
+
+def test_a_result_waits_for_the_last_of_several_states_of_one_time(
+    description: Description, screen: Screen
+) -> None:
+    """A reaction has several statuses at the same microsecond: its first one is not its last one."""
+    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    gripping = replace(tool.status, at=5_000, ee=EndEffectorState.GRIPPING)
+    gripped = replace(gripping, ee=EndEffectorState.GRIPPED)
+    changes.status(gripping)
+    threading.Timer(0.1, changes.status, [gripped]).start()
+    changes.catch_up(gripped)
+    assert screen.out[-1] == "GRIPPING -> GRIPPED"
+
+
+def test_no_line_has_a_time_before_that_of_the_line_above(
+    description: Description, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tool = VirtualTool(description)
+    changes = Changes(description, JsonLines(0))
+    for at, ee in ((5_000, EndEffectorState.GRIPPING), (4_000, EndEffectorState.GRIPPED)):
+        changes.status(replace(tool.status, at=at, ee=ee))
+    times = [json.loads(line)["at_s"] for line in capsys.readouterr().out.splitlines()]
+    assert len(times) >= 4
+    assert times == sorted(times)
 
 
 @pytest.mark.parametrize("as_json", [False, True])
@@ -201,3 +226,8 @@ def test_json_has_each_sentence_as_the_status_has_it(
     assert [(each["text"], each["over"]) for each in told if each["event"] == "alarm"] == [
         (WEAK, False), (SECURE_AGAIN, False), (WEAK, True), (SECURE_AGAIN, True)
     ]  # fmt: skip
+
+
+def test_a_scenario_is_said_by_its_name(description: Description, screen: Screen) -> None:
+    Words(screen).answer(SCENARIO, Answer(True, "leak:cups"))
+    assert screen.out == ["scenario: leak:cups"]

@@ -166,3 +166,11 @@ def test_csv_writes_everything_in_one_table_and_what_draws_it(plot, run):
     pressures = [name for name in header if name.endswith("_gauge_kpa")]
     assert pressures == [f"{each}_gauge_kpa" for each in PRESSURES.channels]
     assert "function plot_run(table, picture)" in (run / "plot_run.m").read_text()
+
+
+def test_a_folder_with_traces_only_says_what_takes_them(tmp_path, plot):
+    (tmp_path / "grip-0001.mcap").touch()
+    code, _, err = plot(tmp_path)
+    assert code
+    assert "only traces" in err
+    assert "`eehal page`, `eehal report` and `eehal replay`" in err

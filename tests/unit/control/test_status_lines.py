@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from end_effector_hal.control import StatusLines
+from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from tests.support.virtual_tool import VirtualTool
@@ -83,3 +86,19 @@ def test_the_tool_changer_has_its_own(description: Description) -> None:
     assert lines.of(status) == ["tool changer: UNKNOWN -> LOCKED"]
     assert tool.command("unlock").accepted
     assert lines.of(tool.change.status()) == ["tool changer: LOCKED -> UNLOCKING (UNLOCK)"]
+
+
+def test_a_lock_that_is_unknown_says_why_and_names_no_command_of_the_gripping(
+    description: Description,
+) -> None:
+    tool, lines = VirtualTool(description), StatusLines(description)
+    tool.run(1.0)
+    lines.of(tool_status(tool.status, tool.change.status(), tool.at))
+    assert tool.command("grip").accepted
+    tool.run(0.1)
+    grip = tool.status  # of a moment at which everything was still read
+    change = replace(tool.change.status(), changer=ChangerState.UNKNOWN, stale=("bottom", "locked"))
+    assert lines.of(tool_status(grip, change, tool.at)) == [
+        "STAND_BY -> GRIPPING (GRIP)",
+        "tool changer: LOCKED -> UNKNOWN: no valid reading of locked",
+    ]

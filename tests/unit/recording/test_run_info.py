@@ -19,7 +19,9 @@ def test_it_comes_back(tmp_path):
 
 def test_the_keys_are_those_of_the_contract(tmp_path):
     content = json.loads(INFO.write(tmp_path).read_text())
+    assert content["schema_version"] == 1
     keys = [
+        "schema_version",
         "scenario",
         "description",
         "hash",

@@ -34,6 +34,24 @@ _SECRETS = (
 )
 
 
+_ABSOLUTE = re.compile(r"(?<![\w.~…/-])/([\w.-]+)((?:/[\w.@+-]+)+)")
+_OF_THE_SYSTEM = (
+    "bin",
+    "boot",
+    "dev",
+    "etc",
+    "lib",
+    "lib64",
+    "opt",
+    "proc",
+    "run",
+    "sbin",
+    "sys",
+    "usr",
+    "var",
+)
+
+
 def write_report(
     file: Path, description: Path, answer: Mapping[str, object], findings: Sequence[CheckResult]
 ) -> None:
@@ -78,17 +96,26 @@ def write_report(
 
 
 def without_secrets(text: str) -> str:
-    """A text without the names of this user and this machine, home folders, and what looks like a secret."""
+    """A text without the names of this user and this machine, folders of theirs, and what looks like a secret."""
     home = str(Path.home())
     if len(home) > 1:
         text = re.sub(rf"{re.escape(home)}(?![\w.-])", "~", text)
     text = re.sub(r"/home/[^/\s\"']+", "~", text)
+    text = _ABSOLUTE.sub(_shortened, text)
     for name, shown in ((_user(), "<user>"), (platform.node(), "<host>")):
         if len(name) > 2 and name not in ("root", "localhost"):
             text = re.sub(rf"(?<![\w-]){re.escape(name)}(?![\w-])", shown, text)
     for pattern, instead in _SECRETS:
         text = pattern.sub(instead, text)
     return text
+
+
+def _shortened(found: re.Match[str]) -> str:
+    """The last name of a path: the folders say how somebody works. Names of ROS, and the system's paths, stay."""
+    first, rest = found[1], found[2]
+    if first in _OF_THE_SYSTEM or not Path("/", first).is_dir():
+        return found[0]
+    return f"…/{rest.rpartition('/')[2]}"
 
 
 def _lines(part: str | Mapping[str, str]) -> list[str]:

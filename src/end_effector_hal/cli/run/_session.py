@@ -17,7 +17,7 @@ from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.runtime import WORDS, EndEffector, ScriptCommand, read_command
 from end_effector_hal.vocabulary import Command
 
-from ._voices import Changes, Voice
+from ._voices import SCENARIO, Changes, Voice
 
 PROMPT = "> "
 MOST_REMEMBERED = 1_000
@@ -88,7 +88,7 @@ class RunSession:
         elif order.output:
             self._answered("SET", self._switched(order))
         elif order.scenario:
-            self._answered("SCENARIO", self._chosen(order.scenario))
+            self._answered(SCENARIO, self._chosen(order.scenario))
         elif order.arm:
             self._answered("ARM", self._tool.arm())
         elif order.reset:
@@ -114,7 +114,7 @@ class RunSession:
             self._choose(scenario)
         except UsageError as error:
             return Answer(False, str(error))
-        return Answer(True, f"From now on: {scenario}")
+        return Answer(True, scenario)
 
     def _finish(self) -> None:
         for thread in self._running:
@@ -132,7 +132,7 @@ class RunSession:
         result = self._tool.begin(command).wait()
         self._succeeded = self._succeeded and result.succeeded
         if result.outcome is not Outcome.UNREACHABLE:
-            self._changes.catch_up(self._tool.status.at)
+            self._changes.catch_up(self._tool.status)
         self._voice.result(command, result)
 
 

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import asdict
-from typing import Any
+from typing import Any, Self
 
 import click
 
@@ -27,6 +27,8 @@ _ENDED = {
     Outcome.UNREACHABLE: "outcome unknown",
 }
 CAUGHT_UP_S = 1.0
+SCENARIO = "SCENARIO"
+"""The name of the command that has something else go wrong; its answer is the scenario."""
 
 
 def outlives(write: Callable[..., None]) -> Callable[..., None]:
@@ -37,6 +39,30 @@ def outlives(write: Callable[..., None]) -> Callable[..., None]:
             write(*args, **options)
 
     return written
+
+
+class _Clock:
+    """Seconds since the start, for lines that several threads print: no line has a time before that of the last one.
+
+    A context: whoever is in it prints, and nobody else.
+    """
+
+    def __init__(self, begun: int | None) -> None:
+        self._begun = now_us() if begun is None else begun
+        self._last = self._begun
+        self._lock = threading.RLock()
+
+    def __enter__(self) -> Self:
+        self._lock.acquire()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+    def seconds(self, at: int | None) -> float:
+        """Of a moment in µs; None: now."""
+        self._last = max(self._last, now_us() if at is None else at)
+        return (self._last - self._begun) / 1e6
 
 
 class Words:
@@ -51,7 +77,7 @@ class Words:
         self, write: Callable[..., None] = click.echo, *, timed: bool = False, begun: int | None = None
     ) -> None:
         self._write, self._timed = outlives(write), timed
-        self._begun = now_us() if begun is None else begun
+        self._clock = _Clock(begun)
         self._common, self._worse = Allowance(), Allowance()
 
     def state(self, at: int, ee: str, actuators: dict[str, str]) -> None:
@@ -83,7 +109,9 @@ class Words:
 
     def answer(self, name: str, answer: Answer) -> None:
         """Whether something without an end of its own was accepted."""
-        if answer.accepted:
+        if answer.accepted and name == SCENARIO:
+            self._say(f"scenario: {answer.reason}", fg="green")
+        elif answer.accepted:
             self._say(f"{name}: succeeded{f'. {answer.reason}' if answer.reason else ''}", fg="green")
         else:
             said = refused if answer.decided else unanswered
@@ -127,9 +155,9 @@ class Words:
         fg: str | None = None,
         timed: bool = True,
     ) -> None:
-        seconds = ((now_us() if at is None else at) - self._begun) / 1e6
-        stamp = f"{seconds:9.3f} s  " if timed and self._timed else ""
-        self._write(f"{stamp}{click.style(text, fg=fg) if self._timed and fg else text}", err=err)
+        with self._clock as clock:
+            stamp = f"{clock.seconds(at):9.3f} s  " if timed and self._timed else ""
+            self._write(f"{stamp}{click.style(text, fg=fg) if self._timed and fg else text}", err=err)
 
     def _steps(self, result: Result) -> Iterator[str]:
         for step in result.steps:
@@ -142,7 +170,7 @@ class JsonLines:
     """An object a line on stdout; ``event`` says what it is, ``at_s`` when: seconds since the start."""
 
     def __init__(self, begun: int | None = None) -> None:
-        self._begun = now_us() if begun is None else begun
+        self._clock = _Clock(begun)
 
     def state(self, at: int, ee: str, actuators: dict[str, str]) -> None:
         """The same labels."""
@@ -203,8 +231,8 @@ class JsonLines:
         self._print("error", None, faults=[fault.as_json() for fault in error.diagnostics])
 
     def _print(self, event: str, at: int | None, **content: Any) -> None:
-        seconds = round(((now_us() if at is None else at) - self._begun) / 1e6, 6)
-        outlives(print_line)(event=event, at_s=seconds, **content)
+        with self._clock as clock:
+            outlives(print_line)(event=event, at_s=round(clock.seconds(at), 6), **content)
 
 
 Voice = Words | JsonLines
@@ -252,6 +280,7 @@ class Changes:
         self._last: tuple[str, dict[str, str]] = ("", {})
         self._alarms: tuple[str, ...] = ()
         self._at = 0
+        self._shown: tuple[object, ...] = ()
         self._told = threading.Condition()
 
     def status(self, status: Status) -> None:
@@ -269,6 +298,7 @@ class Changes:
             self._voice.alarm(status.at, text, over=over)
         self._alarms = status.alarms
         with self._told:
+            self._shown = _shown(status)
             self._at = max(self._at, status.at)  # the two programs may tell in another order than it happened
             self._told.notify_all()
 
@@ -280,7 +310,16 @@ class Changes:
         yield from ((text, False) for text in alarms if text not in self._alarms)
         yield from ((text, True) for text in self._alarms if text not in alarms)
 
-    def catch_up(self, at: int) -> None:
-        """Wait until what happened up to ``at`` µs is told, for a second at most: a result comes after its states."""
+    def catch_up(self, status: Status) -> None:
+        """Wait until a status is told, for a second at most: a result comes after its states.
+
+        Several statuses of one reaction have the same time, and the two programs tell in turn: the time alone does
+        not say which of them was told.
+        """
         with self._told:
-            self._told.wait_for(lambda: self._at >= at, CAUGHT_UP_S)
+            self._told.wait_for(lambda: self._at >= status.at and self._shown == _shown(status), CAUGHT_UP_S)
+
+
+def _shown(status: Status) -> tuple[object, ...]:
+    """What `Changes` tells of a status, without its alarms."""
+    return status.ee, status.actuators, status.changer

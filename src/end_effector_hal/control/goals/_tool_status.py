@@ -41,6 +41,10 @@ def tool_status(
         changer=change.changer,
         changer_fault=change.changer_fault,
         armed=change.armed,
+        # its newest status says why it is UNKNOWN; that of the gripping may be a little older
+        stale=tuple(dict.fromkeys((*grip.stale, *change.stale)))
+        if change.changer is ChangerState.UNKNOWN
+        else grip.stale,
         unlock_output=change.unlock_output,
         missed=grip.missed + change.missed,
         worst_late_us=max(grip.worst_late_us, change.worst_late_us),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
 from end_effector_hal.control import Status
@@ -228,7 +229,7 @@ class _Fold:
         drawn = self._view.drawn()
         del drawn["buttons"]
         return {
-            "drawn": {**drawn, "source": header.source},
+            "drawn": {**drawn, "source": PurePath(header.source).name},  # it may be mailed
             "recording": {
                 "name": files.name,
                 "started": header.started,

@@ -16,6 +16,7 @@ export class Faults {
     this.kind.onchange = () => this.choose();
     this.place.onchange = () => this.write();
     this.number.oninput = () => this.write();
+    this.text.oninput = () => this.follow();
     for (const word of Object.keys(WORDS)) byId(`fault-${word}`).onclick = () => this.press(word);
   }
 
@@ -60,6 +61,11 @@ export class Faults {
 
   // What this kind of fault takes: where, and a number.
   choose() {
+    this.describe();
+    this.write();
+  }
+
+  describe() {
     const fault = this.offered.find((each) => each.name === this.kind.value);
     if (!fault) return;
     const places = fault.anywhere && fault.places.length ? ["", ...fault.places] : fault.places;
@@ -75,7 +81,22 @@ export class Faults {
       limits = ` ${number.name}: ${number.whole ? "a whole number " : ""}from ${number.low} to ${number.high}${without}.`;
     }
     put("fault-meaning", `${fault.usage}: ${fault.meaning}.${limits}`);
-    this.write();
+  }
+
+  // What was typed: where it is one fault of the list, the list and its meaning follow; else the testbench judges it.
+  follow() {
+    const [name, ...rest] = this.scenario().split(":");
+    if (!this.offered.some((each) => each.name === name)) {
+      put("fault-meaning", "Typed: the testbench checks it when it is armed.");
+      return;
+    }
+    this.kind.value = name;
+    this.describe();
+    const places = [...this.place.options].map((option) => option.value);
+    const placed = rest.length > 0 && places.includes(rest[0]);
+    if (placed) this.place.value = rest.shift();
+    else if (places.includes("")) this.place.value = "";
+    if (rest.length) this.number.value = rest.join(":");
   }
 
   write() {

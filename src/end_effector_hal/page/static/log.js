@@ -18,8 +18,14 @@ export class Log {
 
   add(entries) {
     if (!entries.length) return;
+    const late = this.entries.length > 0 && entries[0].at < this.entries[this.entries.length - 1].at;
     this.entries.push(...entries);
+    if (late) this.entries.sort((one, other) => one.at - other.at || one.n - other.n);
     this.entries.splice(0, Math.max(0, this.entries.length - 2000));
+    if (late) {
+      this.redraw();
+      return;
+    }
     const shown = entries.filter((entry) => this.wanted(entry)).reverse();
     this.list.prepend(...shown.map((entry) => this.line(entry)));
     while (this.list.children.length > MOST) this.list.lastChild.remove();

@@ -231,6 +231,8 @@ function drawMarks(plot, marks, ink) {
     if (last - y > 11 * ratio) {
       labels.push([mark.word, y]);
       last = y;
+    } else {
+      labels[labels.length - 1][0] += `, ${mark.word}`;
     }
   }
   pen.textBaseline = "middle";

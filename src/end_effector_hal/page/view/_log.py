@@ -43,9 +43,9 @@ class EventLog:
         self._alarms: dict[str, tuple[str, ...]] = {}
 
     def since(self, number: int) -> list[dict[str, Any]]:
-        """What came after the entry of that number."""
+        """What came after the entry of that number, by time: each program is heard on a socket of its own."""
         new = min(len(self.entries), self._count - number)
-        return [self.entries[index] for index in range(-new, 0)]
+        return sorted([self.entries[index] for index in range(-new, 0)], key=lambda entry: entry["at"])
 
     @property
     def newest(self) -> int:

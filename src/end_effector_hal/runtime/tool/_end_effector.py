@@ -63,6 +63,7 @@ class EndEffector(Closing):
         self.description = description
         self._audience = Audience(self._audience_changed)
         self._told: tuple[str, ...] = ()
+        self._gripping: Status | None = None
         self._lock = threading.Lock()
         judge = FrameJudge()
         with ExitStack() as undo:
@@ -251,14 +252,15 @@ class EndEffector(Closing):
     def _gripper_moved(self, status: Status) -> None:
         self._change.update_peer(ee=status.ee)
         with self._lock:
+            self._gripping = status
             self._publish(self._merged(status, status.at))
 
     def _changer_moved(self, status: Status) -> None:
         self._grip.update_peer(unlock_valve=int(status.unlock_output))
         with self._lock:
-            # read under the lock: a status of the gripping must not be told after the one that follows it
-            grip = self._grip.status
-            # nor as of a time before its own: this one may have waited while the gripping went on
+            # the one that was told last: the program may be further, and tells what lies between in its order
+            grip = self._gripping or self._grip.status
+            # not as of a time before its own: this one may have waited while the gripping went on
             self._publish(self._merged(grip, max(grip.at, status.at)))
 
     def _publish(self, status: Status) -> None:
@@ -267,7 +269,7 @@ class EndEffector(Closing):
 
     def _audience_changed(self) -> None:
         with self._lock:
-            self._publish(self._merged(self._grip.status, now_us()))
+            self._publish(self._merged(self._gripping or self._grip.status, now_us()))
 
     def _frame_came(self, frame: Frame) -> None:
         self._predicates.frame(frame, self._pass_on)

@@ -68,3 +68,18 @@ def test_a_file_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
 
 def test_words_that_only_contain_a_name_stay(home: Path) -> None:
     assert without_secrets("alices robot77 /home/bob/x") == "alices robot77 ~/x"
+
+
+def test_paths_of_the_people_are_shortened_and_those_of_the_system_stay(
+    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = tmp_path / "customer-x" / "src"
+    elsewhere.mkdir(parents=True)
+    monkeypatch.setenv("PYTHONPATH", f"{elsewhere}:/opt/ros/jazzy/lib")
+    _, text = report(home, "report.txt")
+    assert "PYTHONPATH: …/src:/opt/ros/jazzy/lib" in text
+    assert "customer-x" not in text
+    assert "/dev/verdin-uart1" in text
+    assert without_secrets("/arm/SetToolChanger, https://example.org/tmp/x") == (
+        "/arm/SetToolChanger, https://example.org/tmp/x"
+    )
