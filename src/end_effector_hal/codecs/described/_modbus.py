@@ -48,6 +48,7 @@ class RegisterField:
             size_of(place),
             place.word_order == "little",
         )
+        self._swaps = place.byte_order == "little"
         self._type = None if is_bit(place) else RawType(place.value_type, place.bitmask)
         self._field = Field(channels, (0, 1) if self._type is None else self._type.limits)
 
@@ -65,7 +66,7 @@ class RegisterField:
             return mine[0]
         word = 0
         for each in reversed(mine) if self._little else mine:
-            word = word << 16 | each
+            word = word << 16 | (_swapped(each) if self._swaps else each)
         return self._type.raw(word)
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
@@ -78,8 +79,14 @@ class RegisterField:
         word = int(raw) if self._type is None else self._type.word(raw)
         for index in range(self._size):
             place = index if self._little else self._size - 1 - index
-            words[self._at + place] |= word >> 16 * index & 0xFFFF
+            register = word >> 16 * index & 0xFFFF
+            words[self._at + place] |= _swapped(register) if self._swaps else register
         return True
+
+
+def _swapped(register: int) -> int:
+    """Its two bytes the other way round."""
+    return (register & 0xFF) << 8 | register >> 8
 
 
 class DescribedModbus(DescribedCodec):

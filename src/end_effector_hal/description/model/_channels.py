@@ -104,6 +104,9 @@ class RegisterValue(Part):
     value_type: Literal["uint16", "int16", "uint32", "int32", "float32"] = Field(
         default="uint16", description="how its registers are read; 32 bits take two"
     )
+    byte_order: ByteOrder = Field(
+        default="big", description="which byte of a register comes first; little: against the standard"
+    )
     word_order: ByteOrder = Field(default="big", description="of 32 bits: which register comes first")
     bitmask: Bitmask = Field(default=None, description="these bits of it, moved down to bit 0; default: all")
 

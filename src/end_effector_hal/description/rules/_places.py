@@ -80,7 +80,7 @@ def _record_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
 def _register_place(facts: Facts, path: Keys) -> Iterator[Fault]:
     table, value_type = facts.get(*path, "register_type"), facts.get(*path, "value_type")
     if table in ("coil", "discrete_input"):
-        for key in ("value_type", "word_order", "bitmask"):
+        for key in ("value_type", "byte_order", "word_order", "bitmask"):
             if facts.says(*path, key):
                 yield key_fault(facts, (*path, key), f"a {table} is a single bit", f"no {key}")
         return
@@ -166,7 +166,12 @@ def _bits_of(facts: Facts, path: Keys) -> Iterator[tuple[Any, ...]]:
         return
     width, unit = type_bits(value_type), 8 if source == "record" else 16
     order = facts.get(*path, "byte_order" if source == "record" else "word_order")
+    swapped = 8 if source == "modbus" and facts.get(*path, "byte_order") == "little" else 0
     for bit in range(width):
         if mask is None or mask >> bit & 1:
             part = bit // unit
-            yield *where, first + (part if order == "little" else width // unit - 1 - part), bit % unit
+            yield (
+                *where,
+                first + (part if order == "little" else width // unit - 1 - part),
+                bit % unit ^ swapped,
+            )

@@ -324,3 +324,21 @@ def test_each_shipped_codec_of_modbus_can_be_declared(name: str, data: st.DataOb
     )
     assert mine[0].values == theirs[0].values
     assert set(own.channels.values()) == {Kind.PRESSURE}
+
+
+def test_the_bytes_of_a_register_may_come_the_other_way_round() -> None:
+    codec = declared(
+        "{modbus: {}}",
+        "cup: {modbus: {address: 0, value_type: int16, byte_order: little}, unit: Pa}",
+        "top: {modbus: {address: 1, value_type: int32, byte_order: little}, unit: Pa}",
+        "far: {modbus: {address: 3, value_type: int32, byte_order: little, word_order: little}, unit: Pa}",
+        "bit: {modbus: {address: 5, byte_order: little, bitmask: 0x0001}}",
+    )
+    values = {"cup": 0x1234, "top": 0x01020304, "far": 0x01020304, "bit": True}
+    data = "34 12 02 01 04 03 04 03 02 01 01 00"
+    answer = codec.encode(Frame(0, None, None, values))
+    assert answer[3:-2] == bytes.fromhex(data)
+    decoder = codec.decoder()
+    decoder.poll(0)
+    (frame,) = decoder.feed(answer, 5)
+    assert frame.values == values
