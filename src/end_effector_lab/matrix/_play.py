@@ -17,6 +17,7 @@ from ._cells import BOTH, NOTHING, Cell
 from ._expected import LYING, expected
 from ._outcome import Outcome
 from ._script import GRIP, REST, STAND_BY, Script, prepared
+from ._switching import switchings
 
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
 MARGIN_US = 30_000_000
@@ -218,10 +219,10 @@ class CellRun:
         if not held:
             return False
         until = self._let_go_at if self._let_go_at is not None else tool.at + 1
-        gripping = {part.line for _, part in self._description.ordered}
         declared = self._cell.command.startswith("kill") and any(
             self._description.endings_of(name).held.process_death == "release"
             for name in self._description.sequence
         )
-        lost = [e for e in tool.edges if e.line in gripping and not e.level and held[0] < e.at < until]
+        switched = switchings(self._description, tool.edges)
+        lost = [each for each in switched if not each.active and held[0] < each.at < until]
         return bool(lost) and not declared
