@@ -21,6 +21,8 @@ from ._switching import switchings
 
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
 MARGIN_US = 30_000_000
+GRIP_AFTER_S = 0.7
+"""After a fault at rest: two sensors that contradict each other are a fault after 0.5 s (IL-04)."""
 AT_REST = (STAND_BY, EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
@@ -114,7 +116,7 @@ class CellRun:
             if cell.command == "drop" and accepted:
                 self._let_go_at = at
         elif cell.moment.phase == REST:
-            tool.run(0.5)
+            tool.run(GRIP_AFTER_S)
             script.step()
             self._answered.append(("grip", script.answer.accepted))
 
