@@ -25,7 +25,7 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import display_name
-from end_effector_lab.testbench.physics import PRESSURE, VacuumCircuit, physics_of
+from end_effector_lab.testbench.physics import PRESSURE, Supply, Valve, physics_of
 
 from ._cells import BOTH, NOTHING, Cell
 from ._outcome import Outcome
@@ -209,9 +209,9 @@ class _Rules:
     def _sensor(self, name: str) -> SensorView:
         cell, part = self._cell, self._description.actuators[name]
         if cell.name in SILENCING and self._is_of_link(name):
-            return BLIND
+            return ANYTHING if self._keeps_its_level(name) else BLIND
         if cell.name in DAMAGING:
-            rare = (cell.number or 0.0) <= 0.001 or cell.name == "late-answers"
+            rare = (cell.number or 0.0) <= 0.001
             return SensorView(_YES, frozenset({YES, UNKNOWN}), _YES) if rare else ANYTHING
         if cell.name == "supply":
             return SensorView(frozenset({YES, NO}), frozenset({YES, LOST}), _YES)
@@ -252,17 +252,24 @@ class _Rules:
         return NORMAL
 
     def _leaking(self, name: str) -> SensorView:
-        """By the vacuum that such a leak leaves in the end."""
-        part, circuit = self._description.actuators[name], VacuumCircuit()
+        """By what such a leak leaves of the pressure in the end."""
+        part, supply = self._description.actuators[name], self._description.supply
         if self._cell.name == "leak-grows":
             return SensorView(frozenset({YES, NO}), frozenset({LOST, YES}), _YES)
-        circuit.leak(self._cell.number or 4.0)
-        circuit.settle(True)
-        confirmed, lost = getattr(part, "confirmed_kpa", 0.0), getattr(part, "lost_kpa", 0.0)
+        device = physics_of(part.kind).on_air(Valve(0), Supply(supply.nominal_kpa), 0)
+        device.leak(self._cell.number or 4.0)
+        device.settle(True)
+        left, limits = abs(device.pressure_kpa or 0.0), kind_of(part).limits(part, supply)
         return SensorView(
-            _YES if circuit.depth_kpa > confirmed else frozenset({NO}),
-            _YES if circuit.depth_kpa > lost else frozenset({LOST}),
+            _YES if left > limits.get("confirmed_kpa", 0.0) else frozenset({NO}),
+            _YES if left > limits.get("lost_kpa", 0.0) else frozenset({LOST}),
         )
+
+    def _keeps_its_level(self, name: str) -> bool:
+        """Whether it is proven by input lines of the board: a line that falls silent stays as it is."""
+        part, channels = self._description.actuators[name], self._description.channels
+        proofs = [each for each in kind_of(part).channel_names(part) if each in channels]
+        return any(channels[each].digital for each in proofs)
 
     def _has_switch(self, name: str) -> bool:
         """Whether a bit proves it as well."""
@@ -292,8 +299,10 @@ class _Rules:
     def _refusals(self) -> set[str]:
         """Whether a grip is refused from the beginning: yes, or perhaps; empty: it is not."""
         cell, description = self._cell, self._description
-        if cell.name in SILENCING or cell.name == "invalid":
+        if cell.name == "invalid":
             return {YES}
+        if cell.name in SILENCING:
+            return {YES, NO} if any(map(self._keeps_its_level, self._sequence)) else {YES}
         if cell.name == "supply":
             return {YES} if (cell.number or 0.0) < description.supply.refuse_kpa else set()
         if cell.name in LYING or cell.name == "alarm" or cell.name == "reboot-after":

@@ -17,9 +17,12 @@ from ._cells import BOTH, NOTHING, Cell
 from ._expected import LYING, expected
 from ._outcome import Outcome
 from ._script import GRIP, REST, STAND_BY, Script, prepared
+from ._switching import switchings
 
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
 MARGIN_US = 30_000_000
+GRIP_AFTER_S = 0.7
+"""After a fault at rest: two sensors that contradict each other are a fault after 0.5 s (IL-04)."""
 AT_REST = (STAND_BY, EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
@@ -113,7 +116,7 @@ class CellRun:
             if cell.command == "drop" and accepted:
                 self._let_go_at = at
         elif cell.moment.phase == REST:
-            tool.run(0.5)
+            tool.run(GRIP_AFTER_S)
             script.step()
             self._answered.append(("grip", script.answer.accepted))
 
@@ -218,10 +221,10 @@ class CellRun:
         if not held:
             return False
         until = self._let_go_at if self._let_go_at is not None else tool.at + 1
-        gripping = {part.line for _, part in self._description.ordered}
         declared = self._cell.command.startswith("kill") and any(
             self._description.endings_of(name).held.process_death == "release"
             for name in self._description.sequence
         )
-        lost = [e for e in tool.edges if e.line in gripping and not e.level and held[0] < e.at < until]
+        switched = switchings(self._description, tool.edges)
+        lost = [each for each in switched if not each.active and held[0] < each.at < until]
         return bool(lost) and not declared

@@ -6,6 +6,7 @@ import json
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -60,12 +61,8 @@ def play_all(
 def _played(description: Description, todo: Sequence[Cell], jobs: int) -> Iterator[list[dict[str, Any]]]:
     chunks = iter([todo[at : at + CHUNK] for at in range(0, len(todo), CHUNK)])
     if jobs == 1:
-        said = logging.root.manager.disable
-        _begin(description)
-        try:
-            yield from map(_chunk, chunks)
-        finally:
-            logging.disable(said)
+        with no_log():
+            yield from ([play(description, cell).as_json() for cell in each] for each in chunks)
         return
     with ProcessPoolExecutor(jobs, initializer=_begin, initargs=(description,)) as pool:
         waiting: set[Future[list[dict[str, Any]]]] = {
@@ -78,8 +75,18 @@ def _played(description: Description, todo: Sequence[Cell], jobs: int) -> Iterat
                 yield each.result()
 
 
+@contextmanager
+def no_log() -> Iterator[None]:
+    """Nothing is logged: who dies is what the cells are about."""
+    logging.disable()
+    try:
+        yield
+    finally:
+        logging.disable(logging.NOTSET)
+
+
 def _begin(description: Description) -> None:
-    logging.disable()  # who dies is what the cells are about
+    logging.disable()
     _worker["tool"] = description
 
 

@@ -13,6 +13,8 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.virtual import VirtualTool, Watch
 
+from ._switching import switchings
+
 REST_US, HOLD_US, LONGEST_US = 1_000_000, 1_000_000, 600_000_000
 NEAR_US = 1_000
 STAND_BY, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
@@ -103,32 +105,31 @@ def moments(description: Description) -> tuple[Moment, ...]:
     script, begun = Script(tool), tool.at
     events: list[tuple[int, str, str]] = [(begun + REST_US // 2, REST, REST)]
     edges = len(tool.edges)
-    names = {part.line: name for name, part in description.ordered}
     while script.phase != RELEASE or tool.status.ee != STAND_BY:
         before, state = script.phase, tool.status.ee
         script.run_until(tool.at + NEAR_US)
-        for edge in tool.edges[edges:]:
-            name = names.get(edge.line, edge.line)
-            events.append((edge.at, script.phase, f"{name} {'on' if edge.level else 'off'}"))
+        for at, name, active in switchings(description, tool.edges[edges:]):
+            events.append((at, script.phase, f"{name} {'on' if active else 'off'}"))
         edges = len(tool.edges)
         if tool.status.ee != state and tool.status.ee in (GRIPPED, STAND_BY):
             events.append((tool.status.at, script.phase, tool.status.ee.name))
         if tool.at > LONGEST_US or (before == GRIP and tool.status.ee == STAND_BY):
             raise UsageError(f"{description.name} does not grip without a fault: {tool.status.reason}")
-    return tuple(_named(description, events, {part.line for _, part in description.ordered}, tool))
+    return tuple(_named(description, events, tool))
 
 
 def _named(
-    description: Description, events: list[tuple[int, str, str]], gripping: set[str], tool: VirtualTool
+    description: Description, events: list[tuple[int, str, str]], tool: VirtualTool
 ) -> Iterator[Moment]:
+    switched = list(switchings(description, tool.edges))
     ends = [at for at, _, what in events if what == STAND_BY.name][-1]
 
     def moment(at: int, name: str) -> Moment:
-        active = {edge.line: edge.level for edge in tool.edges if edge.at <= at}
-        engaged = tuple(name for name, part in description.ordered if active.get(part.line))
+        active = {name: active for when, name, active in switched if when <= at}
+        engaged = tuple(name for name in description.sequence if active.get(name))
         phase = [phase for begun, phase, _ in events if begun <= at][-1:] or [REST]
         held = [begun for begun, _, what in events if what == GRIPPED.name]
-        let_go = [edge.at for edge in tool.edges if not edge.level and edge.line in gripping]
+        let_go = [when for when, _, active in switched if not active]
         if phase[0] == GRIP and held and at >= held[0]:
             phase = [HELD]
         if let_go and at < let_go[0] and phase[0] == RELEASE:

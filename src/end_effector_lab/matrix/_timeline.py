@@ -10,13 +10,15 @@ from end_effector_hal.signals import Frame
 
 from ._cells import Cell
 from ._play import CellRun, Played
+from ._run import no_log
 
 
 def record(description: Description, cell: Cell, folder: Path) -> Played:
     """Play a cell and write its recording into a folder; raises UsageError if that cannot be written."""
     frames: list[Frame] = []
-    run = CellRun(description, cell, frames.append)
-    played, tool = run.played(), run.tool
+    with no_log():
+        run = CellRun(description, cell, frames.append)
+        played, tool = run.played(), run.tool
     with Recording(folder, description, scenario=cell.id, now=lambda: 0) as recording:
         told = [(status.at, 0, status) for status in tool.statuses]
         told += [(status.at, 1, status) for status in tool.changes]
