@@ -22,7 +22,7 @@ FILLING_KPA = 4.0
 
 def stepping(valves: list[int]) -> Any:
     supply = parts.Supply(600.0)
-    bottom, middle, top = map(parts.Valve, valves)
+    bottom, middle, top = map(physics.Valve, valves)
     devices = {
         "bottom": vacuum.VacuumCircuit(bottom),
         "cylinder": cylinder.Cylinder(middle, supply),

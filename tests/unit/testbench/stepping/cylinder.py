@@ -6,16 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar, Self
 
-from tests.unit.testbench.stepping.device import ACTUATOR, PRESSURE, Device
-from tests.unit.testbench.stepping.parts import STEP_S, Sensor, Supply, Valve
+from end_effector_lab.testbench.physics._cylinder import FILL_S, RETRACT_S, RETURN_KPA, TRAVEL_KPA
+from end_effector_lab.testbench.physics._device import ACTUATOR, PRESSURE, Device
+from end_effector_lab.testbench.physics._parts import CLOSE_KPA, STEP_S, Valve
+from tests.unit.testbench.stepping.parts import Sensor, Supply
 
-RETRACT_S = 0.4
-TRAVEL_KPA, RETURN_KPA = 270.0, 90.0
-"""Plateaus: while it extends (load and friction decide it), and while the spring pushes it back."""
-FILL_S = 0.025
-"""Time constant of the pressure."""
 _SHARE = 1.0 - math.exp(-STEP_S / FILL_S)
-_CLOSE_KPA = 1e-6
 _SWITCH = 0.02  # a position switch is made over the last 2 % of the stroke
 
 
@@ -66,7 +62,7 @@ class Cylinder(Device):
     @property
     def settled(self) -> bool:
         still = self.position == (1.0 if self.valve.is_open else 0.0)
-        at_target = abs(self._target() - self._kpa) < _CLOSE_KPA
+        at_target = abs(self._target() - self._kpa) < CLOSE_KPA
         return still and at_target and self.valve.settled and self._sensor.shows(self._kpa)
 
     def settle(self, active: bool) -> None:

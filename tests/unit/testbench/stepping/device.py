@@ -1,102 +1,12 @@
-"""What every driven device of the bench has, and all devices of one tool in step."""
+"""All devices of one tool in step."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Mapping
-from typing import ClassVar, Self
 
-from tests.unit.testbench.stepping.parts import Model, Supply, Valve
-
-ACTUATOR, PRESSURE, LEAKS, PARTS, CHANGER = "actuator", "pressure", "leaks", "parts", "changer"
-STICKS = "sticks"
-"""What the faults of a scenario ask for: it holds something, has a pressure sensor, can leak, may have no part to
-grip, is a tool changer, has parts that may stick to it."""
-
-
-class Device(Model):
-    """A model behind a valve that a line switches.
-
-    Attributes:
-        traits: which faults it can have: `ACTUATOR`, `PRESSURE`, `LEAKS`, `PARTS`, `CHANGER`, `STICKS`.
-        grips_bit, released_bit, empty_bit: which of its `bits` shows that it has done what an activation is for, what a
-            deactivation is for, or that it gripped nothing; empty: none does.
-        valve_us: the least and the longest dead time of its valve.
-    """
-
-    traits: ClassVar[frozenset[str]] = frozenset({ACTUATOR})
-    grips_bit: ClassVar[str] = ""
-    released_bit: ClassVar[str] = ""
-    empty_bit: ClassVar[str] = ""
-    valve_us: ClassVar[tuple[int, int]] = (15_000, 60_000)
-
-    def __init__(self, valve: Valve, start: int = 0) -> None:
-        super().__init__(start)
-        self.valve = valve
-
-    @classmethod
-    def on_air(cls, valve: Valve, supply: Supply, start: int) -> Self:
-        """A new one behind this valve, on this air, from ``start`` (µs) on."""
-        return cls(valve, start=start)
-
-    def command(self, active: bool, at: int) -> None:
-        self.valve.command(active, at)
-
-    def lose(self, at: int) -> None:
-        """Lose what is held, with the valve still energised: here, the air supply of this device fails."""
-        self.valve.command(False, at)
-
-    def leak(self, litres_min: float, grows_l_min_s: float = 0.0) -> None:
-        """Leak this much from now on, and more with each second of suction; only what `LEAKS` does."""
-        if litres_min or grows_l_min_s:
-            raise ValueError(f"{type(self).__name__} has no leak")
-
-    def meet(self, part: bool) -> None:
-        """Whether there is a part to grip from now on; only what has `PARTS` can do without."""
-        if not part:
-            raise ValueError(f"{type(self).__name__} does not know of parts")
-
-    def stick(self, sticks: bool) -> None:
-        """Whether the part stays on it when it is released, until it is blown off; only what `STICKS` does."""
-        if sticks:
-            raise ValueError(f"nothing sticks to {type(self).__name__}")
-
-    def blow(self, active: bool, at: int) -> None:
-        """Its blow-off valve is energised, or not any more; of most devices nothing hangs on it."""
-
-    @property
-    def draw_kpa(self) -> float:
-        """How far it pulls down the supply at this moment."""
-        return 0.0
-
-    @abstractmethod
-    def settle(self, active: bool) -> None:
-        """Take the state that it has after being active, or inactive, for a long time."""
-
-    @property
-    @abstractmethod
-    def pressure_kpa(self) -> float | None:
-        """Gauge pressure at its sensor (vacuum negative); ``None``: it has no pressure sensor."""
-
-    @property
-    def grips(self) -> bool:
-        """Whether it has done what an activation is for; it decides what sensors show that only conditions know."""
-        return self.bits[self.grips_bit] if self.grips_bit else self.settled and self.valve.is_open
-
-    @property
-    def is_released(self) -> bool:
-        """Whether it has done what a deactivation is for."""
-        return self.bits[self.released_bit] if self.released_bit else self.settled and not self.valve.is_open
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether it has gripped nothing."""
-        return bool(self.empty_bit) and self.bits[self.empty_bit]
-
-    @property
-    @abstractmethod
-    def bits(self) -> Mapping[str, bool]:
-        """Its switches, by what they mean: ``extended`` is shown on the channel that ``extended_bit`` names."""
+from end_effector_lab.testbench.physics._device import Device
+from end_effector_lab.testbench.physics._parts import Model
+from tests.unit.testbench.stepping.parts import Supply
 
 
 class Plant(Model):

@@ -5,23 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
-from tests.unit.testbench.stepping.device import ACTUATOR, LEAKS, PRESSURE, STICKS, Device
-from tests.unit.testbench.stepping.parts import STEP_S, Sensor, Valve
+from end_effector_lab.testbench.physics._device import ACTUATOR, LEAKS, PRESSURE, STICKS, Device
+from end_effector_lab.testbench.physics._parts import STEP_S, Valve
+from end_effector_lab.testbench.physics._vacuum import (
+    ATMOSPHERE_KPA,
+    BLOW_KPA,
+    BLOW_L_MIN,
+    GONE_KPA,
+    LEAK_AT_KPA,
+    LOST_L_MIN,
+    OFF_AT_KPA,
+    PART_HYSTERESIS_KPA,
+    PART_KPA,
+    VENT_L_MIN,
+    VOLUME_L,
+)
+from tests.unit.testbench.stepping.parts import Sensor
 
-ATMOSPHERE_KPA = 101.325
-LEAK_AT_KPA = 60.0  # a leak's flow is stated at this vacuum
-LOST_L_MIN = 200.0
-VENT_L_MIN = 120.0  # fills it when off, at the same vacuum
-VOLUME_L = 0.25  # hose and cup
-BLOW_KPA = 40.0  # gauge, behind the throttle of a blow-off: what a cup that is closed comes to
-BLOW_L_MIN = 400.0  # fills it, at the same vacuum
-OFF_AT_KPA = 5.0  # a part that sticks comes off at this gauge pressure
 _SUCTION = 67.0 / 60.0 / VOLUME_L  # S0 / V, at atmosphere
 _ULTIMATE_KPA = ATMOSPHERE_KPA - 85.0  # the deepest vacuum, absolute
 _PER_L_MIN = ATMOSPHERE_KPA / LEAK_AT_KPA / 60.0 / VOLUME_L
 _STILL_KPA = 1e-7
-PART_KPA, PART_HYSTERESIS_KPA, GONE_KPA = 55.0, 5.0, 10.0
-"""Its switches: on with a part, off again so far below, and on without vacuum."""
 
 
 class VacuumCircuit(Device):
