@@ -4,14 +4,18 @@ from ._cells import COMMANDS, Cell, cells_of, faults_of
 from ._expected import ExpectedOutcome, expected
 from ._fmea import fmea
 from ._outcome import Outcome
-from ._play import Played, play
+from ._play import Played, outcome_of, play
 from ._report import page, summary
 from ._run import play_all
-from ._script import Moment, moments
+from ._script import GRIP, HELD, RELEASE, REST, Moment, moments
 from ._timeline import record
 
 __all__ = [
     "COMMANDS",
+    "GRIP",
+    "HELD",
+    "RELEASE",
+    "REST",
     "Cell",
     "ExpectedOutcome",
     "Moment",
@@ -22,6 +26,7 @@ __all__ = [
     "faults_of",
     "fmea",
     "moments",
+    "outcome_of",
     "page",
     "play",
     "play_all",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -16,7 +16,7 @@ from timed_automata.monitor import Monitor
 from ._cells import BOTH, NOTHING, Cell
 from ._expected import LYING, expected
 from ._outcome import Outcome
-from ._script import GRIP, REST, STAND_BY, Script, prepared
+from ._script import GRIP, RELEASE, REST, STAND_BY, Script, prepared
 from ._switching import switchings
 
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
@@ -65,6 +65,36 @@ class Played:
 def play(description: Description, cell: Cell) -> Played:
     """Play a cell and judge it."""
     return CellRun(description, cell).played()
+
+
+def outcome_of(
+    cell: Cell, state: EndEffectorState, phase: str, answered: Collection[tuple[str, bool]]
+) -> Outcome:
+    """What became of a cell that has come to rest.
+
+    Args:
+        cell: what was played.
+        state: of the tool, in the end.
+        phase: of `PHASES`: the last that was begun.
+        answered: commands that were given since the fault, and whether they were accepted.
+    """
+    match state:
+        case EndEffectorState.GRIPPED:
+            return Outcome.SUCCESS
+        case EndEffectorState.GRIP_ERROR:
+            return Outcome.HELD
+        case EndEffectorState.RELEASE_ERROR:
+            return Outcome.STILL_THERE
+    if cell.command in ("kill grip", "kill hal", BOTH) and cell.moment.phase != REST:
+        return Outcome.UNWOUND
+    if ("cancel", True) in answered:
+        return Outcome.CANCELLED
+    if phase == RELEASE or ("drop", True) in answered:
+        return Outcome.RELEASED
+    if phase == GRIP and ("grip", False) not in answered:
+        return Outcome.FAILED
+    refused = any(not accepted for _, accepted in answered)
+    return Outcome.REFUSED if refused else Outcome.AT_REST
 
 
 class CellRun:
@@ -146,26 +176,9 @@ class CellRun:
         )
 
     def _outcome(self, script: Script) -> Outcome:
-        tool, cell = self.tool, self._cell
         if not self._is_still():
             return Outcome.UNFINISHED
-        match tool.status.ee:
-            case EndEffectorState.GRIPPED:
-                return Outcome.SUCCESS
-            case EndEffectorState.GRIP_ERROR:
-                return Outcome.HELD
-            case EndEffectorState.RELEASE_ERROR:
-                return Outcome.STILL_THERE
-        if cell.command in ("kill grip", "kill hal", BOTH) and cell.moment.phase != REST:
-            return Outcome.UNWOUND
-        if ("cancel", True) in self._answered:
-            return Outcome.CANCELLED
-        if script.dropped_at is not None or ("drop", True) in self._answered:
-            return Outcome.RELEASED
-        if script.phase == GRIP and ("grip", False) not in self._answered:
-            return Outcome.FAILED
-        refused = any(not accepted for _, accepted in self._answered)
-        return Outcome.REFUSED if refused else Outcome.AT_REST
+        return outcome_of(self._cell, self.tool.status.ee, script.phase, self._answered)
 
     def _judged(self, outcome: Outcome, marks: tuple[int, int, int]) -> Played:
         cell, tool = self._cell, self.tool

@@ -43,6 +43,10 @@ class Client(ABC):
             number, name = line.split()
             threading.Thread(target=self.send, args=(int(number), name), daemon=True).start()
 
+    def decided(self, number: int, *, accepted: bool) -> None:
+        """A goal was accepted, or refused."""
+        self._say(decided=number, accepted=accepted)
+
     def ended(self, number: int, name: str, result: Any, *, succeeded: bool) -> None:
         """A goal has ended; ``result`` may be None."""
         told = {"outcome": -1, "reason": ""} if result is None else {

@@ -26,9 +26,13 @@ class PlainClient(Client):
         threading.Thread(target=self._look, daemon=True).start()
 
     def send(self, number: int, name: str) -> None:
+        if name == "cancel":
+            return self.decided(number, accepted=self._tool.cancel().accepted)
         begun = self._tool.begin(COMMANDS[name])
+        self.decided(number, accepted=not isinstance(begun, Refused))
         result = begun if isinstance(begun, Refused) else begun.wait()
         self.ended(number, name, result, succeeded=result.succeeded)
+        return None
 
     def _look(self) -> None:
         while True:

@@ -31,6 +31,7 @@ class Hands:
         self.state: dict[str, Any] = {}
         self.changes: list[dict[str, Any]] = []
         self.ended: dict[int, dict[str, Any]] = {}
+        self.accepted: dict[int, bool] = {}
 
     def look(self) -> dict[str, Any]:
         """The newest EndEffectorState; empty: none yet."""
@@ -44,6 +45,8 @@ class Hands:
             self.state = said.get("change") or said.get("state") or self.state
             if "change" in said:
                 self.changes.append(said["change"])
+            if "decided" in said:
+                self.accepted[said["decided"]] = said["accepted"]
             if "goal" in said:
                 self.ended[said["goal"]] = said
         return self.state
@@ -58,6 +61,11 @@ class Hands:
         """How it ended, None: it has not."""
         self.look()
         return self.ended.get(number)
+
+    def decision(self, number: int) -> bool:
+        """Whether a goal was accepted; waits for it, and only the client without ROS tells it."""
+        until("a decision", lambda: self.look() is not None and number in self.accepted)
+        return self.accepted[number]
 
     def run(self, name: str, timeout_s: float = 20.0) -> dict[str, Any]:
         """Send a goal, and wait for its end."""

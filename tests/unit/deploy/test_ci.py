@@ -21,6 +21,7 @@ CALLED = [
     "test-thinned",
     "test-page",
     "kill-matrix",
+    "matrix-processes",
     "demo",
     "demo-ros2",
     "test-ros2",

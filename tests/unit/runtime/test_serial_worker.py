@@ -262,3 +262,14 @@ def test_a_job_that_fails_ends_the_program_and_not_the_one_who_submitted_it(prog
     program.thread.join(PATIENCE_S)
     assert str(program.error) == "a defect"
     assert program.done == []
+
+
+def test_what_is_due_is_done_though_nothing_is_ever_submitted() -> None:
+    program = Program()
+    program.due = now_us() + 20_000
+    program.thread.start()
+    try:
+        assert program.passed.wait(PATIENCE_S)
+    finally:
+        program.worker.end()
+        program.thread.join(PATIENCE_S)
