@@ -121,7 +121,8 @@ class SerialWorker:
             first()
             self._begun = True
             self._do_all()
-            self._sleeps_until = self._due()  # it may be that nobody ever submits anything: a link without a byte
+            # it may be that nobody ever submits anything: a link without a byte
+            self._sleeps_until = self._due()
 
     def work(self) -> None:
         """Do all that is left to this thread now: follow-ups, jobs, and what is due."""
