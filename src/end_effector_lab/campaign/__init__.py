@@ -1,0 +1,29 @@
+"""Random sequences of commands, faults and deaths: what they reach, and the smallest case of what fails."""
+
+from ._case import Case, Happening, case_from_json, read_case
+from ._coverage import CoverageMap, Reached
+from ._draw import CaseSource
+from ._play import PlayedCase, play_case
+from ._report import never_reached, summary
+from ._run import Campaign, kind_of_failure, read_failures, run_campaign
+from ._shrink import shrunk, shrunk_by
+
+__all__ = [
+    "Campaign",
+    "Case",
+    "CaseSource",
+    "CoverageMap",
+    "Happening",
+    "PlayedCase",
+    "Reached",
+    "case_from_json",
+    "kind_of_failure",
+    "never_reached",
+    "play_case",
+    "read_case",
+    "read_failures",
+    "run_campaign",
+    "shrunk",
+    "shrunk_by",
+    "summary",
+]
