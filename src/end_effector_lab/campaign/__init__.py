@@ -3,7 +3,8 @@
 from ._case import Case, Happening, case_from_json, read_case
 from ._coverage import CoverageMap, Reached
 from ._draw import CaseSource
-from ._play import PlayedCase, play_case
+from ._play import CaseEnd, PlayedCase, play_case
+from ._processes import play_on_processes
 from ._report import never_reached, summary
 from ._run import Campaign, kind_of_failure, read_failures, run_campaign
 from ._shrink import shrunk, shrunk_by
@@ -11,6 +12,7 @@ from ._shrink import shrunk, shrunk_by
 __all__ = [
     "Campaign",
     "Case",
+    "CaseEnd",
     "CaseSource",
     "CoverageMap",
     "Happening",
@@ -20,6 +22,7 @@ __all__ = [
     "kind_of_failure",
     "never_reached",
     "play_case",
+    "play_on_processes",
     "read_case",
     "read_failures",
     "run_campaign",

@@ -126,7 +126,12 @@ def check(what: str, description: Description, where: str = "") -> None:
     known = (
         (what in COMMANDS or what == POWER)
         or (verb in (KILL, END, START) and rest in PROCESSES)
-        or (verb == DISK and len(words := rest.split(" ")) == 2 and words[0] in STORES and words[1] in TROUBLES)
+        or (
+            verb == DISK
+            and len(words := rest.split(" ")) == 2
+            and words[0] in STORES
+            and words[1] in TROUBLES
+        )
     )
     if not known:
         every = (*COMMANDS, SCENARIO, KILL, END, START, DISK, POWER)

@@ -79,7 +79,9 @@ def _name(process: Process, edge: Edge) -> str:
         if kind in edge.drawn.labels
     ]
     said = f" ({', '.join(labels)})" if labels else ""
-    return f"{process.name} {names}{said}, line {line[-2]}" if len(line) > 2 else f"{process.name} {names}{said}"
+    return (
+        f"{process.name} {names}{said}, line {line[-2]}" if len(line) > 2 else f"{process.name} {names}{said}"
+    )
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""Cases by chance: swarms, in which each case has a few kinds of happenings only, and mutants of cases that are kept."""
+"""Cases by chance: each from a swarm of its own (a few kinds of happenings only), or a mutant of one that is kept."""
 
 from __future__ import annotations
 
@@ -6,13 +6,25 @@ from collections.abc import Callable, Sequence
 from random import Random
 
 from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
 from end_effector_lab.matrix import faults_of
 from end_effector_lab.testbench import parse_scenario
-from end_effector_hal.errors import UsageError
 
 from ._case import (
-    ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, STORES, TROUBLES, Case, Happening,
-)  # fmt: skip
+    ARBITER,
+    COMMANDS,
+    DISK,
+    END,
+    HAL,
+    KILL,
+    POWER,
+    SCENARIO,
+    START,
+    STORES,
+    TROUBLES,
+    Case,
+    Happening,
+)
 
 MOST_HAPPENINGS, LONGEST_US = 14, 60_000_000
 NEAR_US = 1_000
@@ -31,7 +43,10 @@ class CaseSource:
 
     def __init__(self, description: Description) -> None:
         self._description = description
-        self._faults = [fault for fault in faults_of(description) if fault != "nominal"]
+        self._faults: dict[str, list[str]] = {}
+        for fault in faults_of(description):
+            if fault != "nominal":
+                self._faults.setdefault(fault.partition(":")[0], []).append(fault)
         parts = [part for _, part in description.ordered]
         seconds = {0.02, 0.05, 0.1, 0.15, 1.0, *(part.timeout_s for part in parts)}
         seconds |= {part.reset_s for part in parts} | {part.release_s for part in parts}
@@ -110,7 +125,8 @@ class CaseSource:
     def _swarm(self, random: Random) -> list[Draw]:
         """A few kinds of happenings."""
         commands = [name for name in COMMANDS if name == "grip" or random.random() < 0.5]
-        faults = random.sample(self._faults, min(len(self._faults), random.randint(1, 5)))
+        names = random.sample([*self._faults], min(len(self._faults), random.randint(1, 5)))
+        faults = [random.choice(self._faults[name]) for name in names]
         killed = random.sample(KILLED, random.randint(1, 2))
         kinds: list[Draw] = []
 

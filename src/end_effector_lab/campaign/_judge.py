@@ -3,10 +3,12 @@
 Nothing here is shared with the controller or the line arbiter, and nothing was observed: each rule is one of the
 contract (`docs/reference/interlocks.md`, `docs/explanation/`).
 
-Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip goes inactive (IL-09).
+Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip goes inactive
+    (IL-09).
 Rule 2 (order): what is released goes inactive in the release order; a step that is tried again, as the last one.
 Rule 3 (activation): an output of the grip becomes active only in an accepted grip that is not over, behind all steps
-    before it, in its attempts, with the tool really locked (IL-05, IL-11), and not while the emergency stop is open.
+    before it, in its attempts, with the tool really locked and a link that can say so (IL-05, IL-11), and not while
+    the emergency stop is open.
 Rule 4 (unlock): the unlock output is active only after an accepted unlock, never together with an output of the grip
     (IL-01, IL-05), and not for longer than its longest time while the line arbiter lives (IL-03).
 Rule 5 (switching): a line stays as it is for its least time (IL-10).
@@ -15,6 +17,7 @@ Rule 7 (refusals): a grip is not accepted while a device is still gripping, the 
     the tool is not locked (IL-05 to IL-07); a refusal has a reason.
 Rule 8 (unwound): what a gripping program that died had engaged is deactivated as declared, while the arbiter lives.
 Rule 9 (told): where it comes to rest, lines and state agree; a latched error, a loss and blindness have been told.
+Rule 10 (latched): what the line arbiter has latched stays until a reset, also when it dies in between.
 
 Where a sensor lies, nobody can know: rules 3, 6 and 7 do not ask then about what is really there.
 """
@@ -53,10 +56,15 @@ class Judge:
         self._description, self._tool = description, tool
         self._sequence = description.sequence
         self._line = {name: part.line for name, part in description.ordered}
-        self._changer = description.tool_changer.line if description.tool_changer else ""
+        changer = description.tool_changer
+        self._changer = changer.line if changer else ""
+        limited = changer is not None and not changer.latching
+        self._longest_unlock_us = (
+            round(changer.unlock_max_s * 1e6) + SETTLE_US if changer and limited else 1 << 62
+        )
         self.objections: dict[str, str] = {}
-        self._active = {name: False for name in self._sequence}
-        self._changed_at = {line: edge.at for edge in tool.edges for line in (edge.line,)}
+        self._active = dict.fromkeys(self._sequence, False)
+        self._changed_at = {edge.line: edge.at for edge in tool.edges}
         self._seen = len(tool.edges), len(tool.statuses)
         self._held = False
         self._grip_runs = False
@@ -68,6 +76,7 @@ class Judge:
         self._lied_at = -BELIEVED_US
         self._lying = False
         self._since: dict[str, int] = {}
+        self._latched: set[str] = set()
 
     # What happens to the tool
 
@@ -80,6 +89,8 @@ class Judge:
 
     def commanded(self, name: str, answer: Answer, at: int) -> None:
         """A command was given at ``at`` µs, and answered."""
+        if name == "reset":  # one that is refused clears all but the faults that persist
+            self._latched = set(self._tool.latched)
         if not answer.accepted:
             if not answer.reason:
                 self._object("refusals", f"{name} was refused without a reason")
@@ -119,6 +130,7 @@ class Judge:
     def disturbed(self) -> None:
         """What the arbiter keeps may be gone: in doubt it holds, and no last will is demanded of it."""
         self._disturbed, self._unwound_by = True, None
+        self._latched = set()
 
     def power_lost(self) -> None:
         """Everything has died, and every line is inactive."""
@@ -142,10 +154,14 @@ class Judge:
             for status in tool.statuses[statuses:]:
                 self._told(status)
         self._seen = len(tool.edges), len(tool.statuses)
-        since, longest = self._unlocked_since, self._description.tool_changer
-        if since is not None and longest is not None and not longest.latching:
-            if tool.at - since > round(longest.unlock_max_s * 1e6) + SETTLE_US:
-                self._object("unlock", "the unlock output is active for longer than its longest time (IL-03)")
+        since = self._unlocked_since
+        if "arbiter" in tool.living and not self._disturbed:
+            latched = set(tool.latched)
+            if gone := self._latched - latched:
+                self._object("latched", f"{', '.join(sorted(gone))} is latched no more, without a reset")
+            self._latched = latched
+        if since is not None and tool.at - since > self._longest_unlock_us:
+            self._object("unlock", "the unlock output is active for longer than its longest time (IL-03)")
         if self._unwound_by is not None and tool.at > self._unwound_by:
             self._unwound_by = None
             if left := [name for name in self._sequence if self._active[name] and self._is_unwound(name)]:
@@ -223,6 +239,10 @@ class Judge:
             self._object("activation", f"{name} became active with the unlock output (IL-05)")
         if self._description.interlocks.il_05 and self._is_known() and self._lasts("unlocked"):
             self._object("activation", f"{name} became active, and the tool is not locked (IL-05)")
+        if self._description.interlocks.il_05 and self._changer and self._lasts("silent"):
+            self._object(
+                "activation", f"{name} became active, and nobody can prove that the tool is locked (IL-05)"
+            )
         if self._lasts("estop"):
             self._object("activation", f"{name} became active with an open emergency stop (IL-13)")
 
@@ -289,7 +309,9 @@ class Judge:
         if not self._is_known():
             return
         if rules.il_07:
-            yield from (f"{name} still grips (IL-07)" for name in self._sequence if self._lasts(f"grips {name}"))
+            yield from (
+                f"{name} still grips (IL-07)" for name in self._sequence if self._lasts(f"grips {name}")
+            )
         if rules.il_06 and self._lasts("low"):
             yield f"the air has less than {supply.refuse_kpa:g} kPa (IL-06)"
         if rules.il_05 and self._lasts("unlocked"):
@@ -299,8 +321,10 @@ class Judge:
         """Note since when something is so."""
         tool, supply = self._tool, self._description.supply
         scenario, devices = tool.bench.scenario, tool.bench.devices
-        found = {f"gone {name}": not self._grips(name) for name in self._sequence}
-        found |= {f"grips {name}": self._grips(name) for name in self._sequence}
+        found = dict[str, bool]()
+        for name in self._sequence:
+            found[f"grips {name}"] = grips = self._grips(name)
+            found[f"gone {name}"] = not grips
         kpa = scenario.supply_kpa
         found["low"] = kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
         found["estop"] = self._description.e_stop is not None and not scenario.estop_ok

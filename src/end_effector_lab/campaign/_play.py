@@ -2,25 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
-from end_effector_lab.matrix import Monitors, is_still
+from end_effector_lab.matrix import Monitors, Switching, is_still, switchings
 from end_effector_lab.testbench import TOOL_CHANGER
 from end_effector_lab.virtual import VirtualTool
 from timed_automata.execute import Observation
 
-from ._case import ALL, ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, Case
-from ._coverage import Coverer, CoverageMap, Reached
+from ._case import ALL, ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, STORES, Case
+from ._coverage import CoverageMap, Coverer, Reached
 from ._judge import Judge
 
 REST_S, STILL_US, DARK_S, MARGIN_US = 0.5, 500_000, 1.0, 30_000_000
 LONGEST_US = 600_000_000
 STAND_BY, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
+
+
+class CaseEnd(NamedTuple):
+    """How the tool stands when a case is over, before it is put right.
+
+    Attributes:
+        state: name of the state of the end-effector; empty: its program does not run.
+        active: outputs of the grip.
+        moved: what was switched: ``cylinder on``.
+    """
+
+    state: str
+    active: tuple[str, ...]
+    moved: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls, description: Description, state: str, every: Iterable[Switching], moved: Iterable[Switching]
+    ) -> CaseEnd:
+        """By what was switched since the start, and since the case has begun."""
+        active = {each.name: each.active for each in every}
+        return cls(
+            state,
+            tuple(name for name in description.sequence if active.get(name)),
+            tuple(f"{each.name} {'on' if each.active else 'off'}" for each in moved),
+        )
+
+    def __str__(self) -> str:
+        return f"{self.state or 'not running'}; active: {', '.join(self.active) or 'none'}"
 
 
 @dataclass(frozen=True)
@@ -33,6 +62,7 @@ class PlayedCase:
         moments: µs at which something moved or changed its state, for those who aim at them.
         grips: how many grips succeeded.
         seconds: of virtual time.
+        end: how the tool stands before it is put right; None: it crashed.
         log: what happened, a line each, for people.
     """
 
@@ -41,11 +71,13 @@ class PlayedCase:
     moments: tuple[int, ...]
     grips: int
     seconds: float
+    end: CaseEnd | None = None
     log: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """What a report shows."""
-        return {"failures": self.failures, "seconds": round(self.seconds, 3), "log": list(self.log)}
+        end = {"end": self.end._asdict()} if self.end else {}
+        return end | {"failures": self.failures, "seconds": round(self.seconds, 3), "log": list(self.log)}
 
 
 def play_case(description: Description, case: Case, known: CoverageMap, *, log: bool = False) -> PlayedCase:
@@ -71,9 +103,11 @@ class _CaseRun:
     def played(self, *, log: bool) -> PlayedCase:
         """Play it, once."""
         crashed: dict[str, str] = {}
+        end: CaseEnd | None = None
         try:
             self._happen()
             self._settle()
+            end = self._end()
             self._use_again()
         except UsageError:
             raise
@@ -88,7 +122,7 @@ class _CaseRun:
         return PlayedCase(
             failures, self._coverer.reached, tuple(sorted(at for at in moved if at > 0)),
             sum(status.ee == GRIPPED for status in _changes_of_state(tool.statuses)),
-            tool.at / 1e6, self._log() if log or failures else (),
+            tool.at / 1e6, end, self._log() if log or failures else (),
         )  # fmt: skip
 
     def _watch(self, program: str) -> Callable[[Observation], None]:
@@ -99,6 +133,14 @@ class _CaseRun:
             covered(observation)
 
         return both
+
+    def _end(self) -> CaseEnd:
+        tool = self.tool
+        state = tool.status.ee.name if "grip" in tool.living else ""
+        every = list(switchings(self._description, tool.edges))
+        return CaseEnd.of(
+            self._description, state, every, [each for each in every if each.at >= self._origin]
+        )
 
     # What happens
 
@@ -200,7 +242,8 @@ class _CaseRun:
 
     def _use_again(self) -> None:
         """Rule 10: with everything put right the tool can be used: a reset, a lock, a drop; a grip and a drop."""
-        for store in ("journal", "sessions", "mark"):
+        self._said.append((self.tool.at, "everything is put right, and the tool is used again:"))
+        for store in STORES:
             self._act(f"{DISK} {store} well")
         self._act(f"{SCENARIO} nominal")
         if len(self.tool.living) < 3:

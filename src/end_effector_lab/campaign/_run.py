@@ -206,9 +206,7 @@ def _play(shared: tuple[Description, CoverageMap], item: tuple[int, Case]) -> di
 def _shortened(found: dict[str, Any], campaign: Campaign) -> dict[str, Any]:
     """What is kept of a run: its case only if it failed or reached something new."""
     reached, seen = Reached.from_json(found["new"]), campaign.reached
-    new = Reached(
-        reached.edges - seen.edges, reached.locations - seen.locations, reached.pairs - seen.pairs
-    )
+    new = Reached(reached.edges - seen.edges, reached.locations - seen.locations, reached.pairs - seen.pairs)
     line: dict[str, Any] = {"run": found["run"], "grips": found["grips"], "s": found["s"]}
     if new or found["failures"]:
         line["case"] = found["case"]

@@ -71,7 +71,8 @@ def command(
     edge of the automata, or an edge with a fault, for the first time are kept, and later ones are mutants of them.
 
     FOLDER gets runs.jsonl, unreached.json and, in failures/, the smallest case of each kind of failure, which --play
-    plays. TOOL: default is the shipped one. Exit code 4: a run has failed.
+    plays. TOOL: default is the shipped one. Exit code 4: a run has failed; with --processes: what was played there
+    ended otherwise than in virtual time.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -111,16 +112,16 @@ def _run(
                 first.append(campaign.runs)
             took, done = time.monotonic() - begun, campaign.runs - first[0]
             by_runs = (runs - campaign.runs) * took / done if runs and done else 0.0
-            left = min(by_runs, seconds - took) if runs and seconds else seconds - took if seconds else by_runs
+            left = (
+                min(by_runs, seconds - took) if runs and seconds else seconds - took if seconds else by_runs
+            )
             found = summary(campaign)
             progress(
                 f"{campaign.runs} of {what}, {found['edges']} edges, {found['failures']} failures, "
                 f"{max(0.0, left) / 60:.0f} min left"
             )
 
-        campaign = run_campaign(
-            description, output, workers, seed=seed, go_on=go_on, on_progress=on_progress
-        )
+        campaign = run_campaign(description, output, workers, seed=seed, go_on=go_on, on_progress=on_progress)
     found, unreached = summary(campaign), never_reached(campaign)
     (output / "unreached.json").write_text(json.dumps(unreached, indent=1) + "\n", encoding="utf-8")
     if as_json:
@@ -139,21 +140,32 @@ def _run(
 
 
 def _play(description: Description, file: Path, output: Path, *, processes: bool, as_json: bool) -> int:
-    from end_effector_lab.campaign import CoverageMap, play_case, read_case
+    from end_effector_lab.campaign import CoverageMap, play_case, play_on_processes, read_case
     from end_effector_lab.matrix import no_log
 
     case = read_case(file, description)
-    if processes:
-        raise UsageError("not yet")
     with no_log():
         played = play_case(description, case, CoverageMap(description), log=True)
+    real = None
+    if processes:
+        with Progress("On real processes", shown=not as_json):
+            real = play_on_processes(description, case, output / "processes")
+    same = real is None or real == played.end
     if as_json:
-        print_document(case.as_json() | played.as_json())
+        found = case.as_json() | played.as_json()
+        print_document(found | ({"processes": real._asdict(), "same": same} if real else {}))
     else:
         for line in played.log:
             click.echo(line)
         for what in played.failures.values():
             click.echo(f"failed: {what}")
-        if not played.failures:
-            click.echo("nothing is wrong")
+        click.echo(
+            f"it ended: {played.end}" if played.failures else f"nothing is wrong; it ended: {played.end}"
+        )
+        if real is not None:
+            click.echo(
+                f"on real processes {'the same' if same else f'it moved {real.moved}, and ended: {real}'}"
+            )
+    if real is not None:
+        return 0 if same else 4
     return 4 if played.failures else 0

@@ -3,7 +3,7 @@
 from ._cells import COMMANDS, Cell, cells_of, faults_of
 from ._expected import LYING, ExpectedOutcome, expected
 from ._fmea import fmea
-from ._judging import Monitors, is_still, not_gripping
+from ._judging import AT_REST, Monitors, is_still, not_gripping
 from ._outcome import Outcome
 from ._play import Played, play
 from ._report import page, summary
@@ -13,6 +13,7 @@ from ._switching import Switching, switchings
 from ._timeline import record
 
 __all__ = [
+    "AT_REST",
     "COMMANDS",
     "LYING",
     "Cell",
