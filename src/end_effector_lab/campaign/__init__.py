@@ -1,6 +1,6 @@
 """Random sequences of commands, faults and deaths: what they reach, and the smallest case of what fails."""
 
-from ._case import Case, Happening, case_from_json, read_case
+from ._case import Case, Happening, case_from_json, case_from_words, read_case
 from ._coverage import CoverageMap, Reached
 from ._draw import CaseSource
 from ._play import CaseEnd, PlayedCase, play_case
@@ -19,6 +19,7 @@ __all__ = [
     "PlayedCase",
     "Reached",
     "case_from_json",
+    "case_from_words",
     "kind_of_failure",
     "never_reached",
     "play_case",

@@ -18,6 +18,7 @@ COMMANDS = ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset")
 ARBITER, HAL, ALL = "arbiter", "hal", "all"
 PROCESSES = ("grip", "tool_change", HAL, ARBITER, ALL)
 SCENARIO, KILL, END, START, DISK, POWER = "scenario", "kill", "end", "start", "disk", "power"
+WAIT = "wait"
 STORES = ("journal", "sessions", "mark")
 TROUBLES = ("full", "fails", "hangs", "well")
 MOST, LONGEST_S, LARGEST_BYTES = 500, 3600.0, 1_000_000
@@ -76,7 +77,8 @@ class Case:
         """In one line: ``grip; wait 0.5; kill hal``."""
         said, now = [], 0
         for each in self.happenings:
-            said += [f"wait {(each.at - now) / 1e6:g}"] if each.at > now else []
+            wait = f"{(each.at - now) / 1e6:.6f}".rstrip("0").rstrip(".")
+            said += [f"wait {wait}"] if each.at > now else []
             said.append(each.what)
             now = each.at
         return "; ".join(said)
@@ -104,16 +106,34 @@ def case_from_json(found: object, description: Description, where: str = "") -> 
     return Case(seed, ()).with_(Happening(round(at * 1e6), what) for at, what in pairs)
 
 
+def case_from_words(text: str, description: Description, *, seed: int = 0, where: str = "") -> Case:
+    """A case from words, as `Case.words` has them: ``grip; wait 0.5; kill hal``; raises UsageError."""
+    found, at = list[list[object]](), 0.0
+    for part in (each.strip() for line in text.splitlines() for each in line.split(";")):
+        verb, _, rest = part.partition(" ")
+        if verb == WAIT:
+            try:
+                at += float(rest)
+            except ValueError:
+                raise UsageError(f"{part!r}: expected is 'wait SECONDS'.", where=where) from None
+        elif part:
+            found.append([at, part])
+    return case_from_json({"seed": seed, "happenings": found}, description, where)
+
+
 def read_case(path: Path, description: Description) -> Case:
-    """The case in a file; raises UsageError."""
+    """The case in a file, as JSON or in words; raises UsageError."""
     try:
         with path.open("rb") as file:
-            text = file.read(LARGEST_BYTES + 1)
-        if len(text) > LARGEST_BYTES:
+            data = file.read(LARGEST_BYTES + 1)
+        if len(data) > LARGEST_BYTES:
             raise ValueError(f"more than {LARGEST_BYTES} bytes")
-        found = json.loads(text)
+        text = data.decode()
+        found = json.loads(text) if text.lstrip().startswith("{") else None
     except (OSError, ValueError, RecursionError) as error:
         raise UsageError(f"The case cannot be read: {error}.", where=str(path)) from None
+    if found is None:
+        return case_from_words(text, description, where=str(path))
     return case_from_json(found, description, str(path))
 
 
@@ -134,5 +154,5 @@ def check(what: str, description: Description, where: str = "") -> None:
         )
     )
     if not known:
-        every = (*COMMANDS, SCENARIO, KILL, END, START, DISK, POWER)
+        every = (*COMMANDS, SCENARIO, KILL, END, START, DISK, POWER, WAIT)
         raise UsageError(f"Nothing is named {what!r}{hint(verb, every)}.", where=where, todo=_KNOWN)

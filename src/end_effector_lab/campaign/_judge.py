@@ -53,7 +53,7 @@ class Judge:
     """
 
     def __init__(self, description: Description, tool: VirtualTool) -> None:
-        self._description, self._tool = description, tool
+        self._description, self._tool, self._begun = description, tool, tool.at
         self._sequence = description.sequence
         self._line = {name: part.line for name, part in description.ordered}
         changer = description.tool_changer
@@ -163,9 +163,7 @@ class Judge:
         if since is not None and tool.at - since > self._longest_unlock_us:
             self._object("unlock", "the unlock output is active for longer than its longest time (IL-03)")
         if self._unwound_by is not None and tool.at > self._unwound_by:
-            self._unwound_by = None
-            if left := [name for name in self._sequence if self._active[name] and self._is_unwound(name)]:
-                self._object("unwound", f"{', '.join(left)} stays active after the death of its program")
+            self._unwound()
         return False
 
     def at_rest(self, *, still: bool) -> None:
@@ -173,6 +171,8 @@ class Judge:
         status, active = self._tool.status, [name for name in self._sequence if self._active[name]]
         if "grip" not in self._tool.living:
             return
+        if self._unwound_by is not None and "arbiter" in self._tool.living:
+            self._unwound()  # the program that began again could not before that was over
         if not still:
             self._object("told", f"not at rest in its time: {status.ee.name}, {status.command.name}")
         elif status.ee == STAND_BY and active:
@@ -255,6 +255,12 @@ class Judge:
         for other in order[: order.index(name)]:
             if self._active[other] and self._is_unwound(other):
                 self._object("order", f"{name} was deactivated before {other}")
+
+    def _unwound(self) -> None:
+        """The time of a last will is over."""
+        self._unwound_by = None
+        if left := [name for name in self._sequence if self._active[name] and self._is_unwound(name)]:
+            self._object("unwound", f"{', '.join(left)} stays active after the death of its program")
 
     def _may_be_let_go(self, name: str) -> bool:
         """Whether any ending is declared that does (only without IL-09)."""
@@ -351,5 +357,5 @@ class Judge:
         return self._tool.at - self._lied_at > BELIEVED_US
 
     def _object(self, rule: str, what: str, at: int | None = None) -> None:
-        seconds = (self._tool.at if at is None else at) / 1e6
+        seconds = ((self._tool.at if at is None else at) - self._begun) / 1e6
         self.objections.setdefault(rule, f"{rule}: {what}, at {seconds:.3f} s")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -80,13 +80,27 @@ class PlayedCase:
         return end | {"failures": self.failures, "seconds": round(self.seconds, 3), "log": list(self.log)}
 
 
-def play_case(description: Description, case: Case, known: CoverageMap, *, log: bool = False) -> PlayedCase:
-    """Play a case and judge it; ``log``: with what happened, for people.
+def play_case(
+    description: Description,
+    case: Case,
+    known: CoverageMap,
+    *,
+    log: bool = False,
+    enough: Callable[[Mapping[str, str]], bool] = lambda _: False,
+) -> PlayedCase:
+    """Play a case and judge it.
+
+    Args:
+        description: the tool.
+        case: what happens to it.
+        known: what can be reached.
+        log: tell what happened, for people, also when nothing is wrong.
+        enough: whether these failures end it before its time.
 
     Raises:
         UsageError: the tool cannot be played in virtual time, or does not come to rest.
     """
-    return _CaseRun(description, case, known).played(log=log)
+    return _CaseRun(description, case, known).played(enough, log=log)
 
 
 class _CaseRun:
@@ -100,15 +114,16 @@ class _CaseRun:
         self._judge = Judge(description, tool)
         self._origin, self._said = tool.at, list[tuple[int, str]]()
 
-    def played(self, *, log: bool) -> PlayedCase:
+    def played(self, enough: Callable[[Mapping[str, str]], bool], *, log: bool) -> PlayedCase:
         """Play it, once."""
         crashed: dict[str, str] = {}
         end: CaseEnd | None = None
         try:
-            self._happen()
-            self._settle()
-            end = self._end()
-            self._use_again()
+            for part in (self._happen, self._settle, self._use_again):
+                end = self._end() if part == self._use_again else None
+                if enough(self._judge.objections):
+                    break
+                part()
         except UsageError:
             raise
         except Exception as error:  # noqa: BLE001  a fault of the product, whatever it is, is what is looked for

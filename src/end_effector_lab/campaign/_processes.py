@@ -18,6 +18,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires.lines import ChipLog
+from end_effector_hal.wires.lines import Edge as LineEdge
 from end_effector_lab.demo import World
 from end_effector_lab.matrix import AT_REST, switchings
 from end_effector_lab.processes import EEHAL, Child
@@ -83,7 +84,7 @@ class _ProcessRun:
         moved = every[len(list(switchings(self._world.description, edges[:marks]))) :]
         return CaseEnd.of(self._world.description, state, every, moved)
 
-    def _edges(self) -> list[object]:
+    def _edges(self) -> list[LineEdge]:
         return list(ChipLog().feed(self._world.chip.read_bytes()))
 
     def _act(self, what: str) -> None:

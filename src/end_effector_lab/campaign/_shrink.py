@@ -17,7 +17,7 @@ def shrunk(
     description: Description, case: Case, same: Callable[[Mapping[str, str]], bool], known: CoverageMap
 ) -> Case:
     """The smallest case found whose failures are still the ``same``; those of the case itself are."""
-    return shrunk_by(case, lambda tried: same(play_case(description, tried, known).failures))
+    return shrunk_by(case, lambda tried: same(play_case(description, tried, known, enough=same).failures))
 
 
 def shrunk_by(case: Case, fails: Callable[[Case], bool], most: int = MOST_PLAYS) -> Case:
