@@ -24,6 +24,7 @@ __all__ = [
     "RosError",
     "UsageError",
     "WireError",
+    "WorkersError",
 ]
 
 
@@ -110,4 +111,11 @@ class BoardError(ReportedError, OSError):
     """The emulated board cannot be built, or did not do its job."""
 
     code = "EE-600"
+    exit_code = 3
+
+
+class WorkersError(ReportedError, OSError):
+    """The processes or machines that share a computation cannot be reached, do not fit, or died."""
+
+    code = "EE-610"
     exit_code = 3

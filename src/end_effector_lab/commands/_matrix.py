@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -89,6 +88,7 @@ def _all(
     as_json: bool,
 ) -> int:
     from end_effector_lab.matrix import fmea, page, play_all, summary
+    from end_effector_lab.workers import open_workers
 
     begun = time.monotonic()
     with Progress(f"{len(cells)} cells", shown=not as_json) as progress:
@@ -101,9 +101,8 @@ def _all(
             progress(f"{done} of {of} cells, {left / 60:.0f} min left")
 
         first: list[int] = []
-        played = play_all(
-            description, cells, output, jobs=jobs or len(os.sched_getaffinity(0)), on_progress=on_progress
-        )
+        with open_workers(jobs) as workers:
+            played = play_all(description, cells, output, workers=workers, on_progress=on_progress)
     found = summary(cells, played, left_out)
     by_id = {each["id"]: each for each in played}
     files = {
