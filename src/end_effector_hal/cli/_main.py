@@ -38,7 +38,7 @@ _AUDIENCES = {
         "init", "check", "schema", "listen", "testbench", "board", "export", "completion",
     ),
     "To prove, try out and judge it (researchers)": (
-        "demo", "matrix", "verify", "model", "replay", "plot", "report", "import",
+        "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "report", "import",
     ),
 }  # fmt: skip
 """Who uses a command, in the order in which it is needed; those that are not installed are left out."""

@@ -6,24 +6,21 @@ from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from end_effector_hal.control import network_of
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import Command, EndEffectorState
-from timed_automata.execute import Observation
-from timed_automata.monitor import Monitor
+from end_effector_hal.vocabulary import EndEffectorState
 
 from ._cells import BOTH, NOTHING, Cell
 from ._expected import LYING, expected
+from ._judging import Monitors, is_still, not_gripping
 from ._outcome import Outcome
-from ._script import GRIP, RELEASE, REST, STAND_BY, Script, prepared
+from ._script import GRIP, RELEASE, REST, Script, prepared
 from ._switching import switchings
 
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
 MARGIN_US = 30_000_000
 GRIP_AFTER_S = 0.7
 """After a fault at rest: two sensors that contradict each other are a fault after 0.5 s (IL-04)."""
-AT_REST = (STAND_BY, EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
 @dataclass(frozen=True)
@@ -104,11 +101,10 @@ class CellRun:
         self, description: Description, cell: Cell, on_frame: Callable[[Frame], None] | None = None
     ) -> None:
         self._description, self._cell = description, cell
-        self._monitors: list[Monitor] = []
-        self._network = network_of(description)
+        self._monitors = Monitors(description)
         self._answered: list[tuple[str, bool]] = []
         self._let_go_at: int | None = None
-        self.tool = prepared(description, self._watch, on_frame or (lambda _: None))
+        self.tool = prepared(description, self._monitors.watch, on_frame or (lambda _: None))
 
     def played(self) -> Played:
         """Play it, once."""
@@ -123,12 +119,6 @@ class CellRun:
         self._settle()
         outcome = self._outcome(script)
         return self._judged(outcome, marks)
-
-    def _watch(self, program: str) -> Callable[[Observation], None]:
-        automata = self._description.automata
-        monitor = Monitor(self._network, getattr(automata, program), automata.interface, requirements=True)
-        self._monitors.append(monitor)
-        return monitor.observe
 
     def _act(self, script: Script) -> None:
         cell, tool = self._cell, self.tool
@@ -168,12 +158,7 @@ class CellRun:
                 return
 
     def _is_still(self) -> bool:
-        tool, status = self.tool, self.tool.status
-        changer = self._description.tool_changer
-        unlocked = bool(changer and tool.levels.get(changer.line))
-        return (
-            len(tool.living) == 3 and status.ee in AT_REST and status.command == Command.NONE and not unlocked
-        )
+        return is_still(self._description, self.tool)
 
     def _outcome(self, script: Script) -> Outcome:
         if not self._is_still():
@@ -185,7 +170,7 @@ class CellRun:
         edges = tool.edges[marks[0] :]
         want = expected(self._description, cell)
         told, told_after = self._told(marks)
-        objections = [f"monitor: {each.what}" for monitor in self._monitors for each in monitor.objections]
+        objections = [f"monitor: {what}" for what in self._monitors.objections]
         if outcome not in want.outcomes:
             objections.append(f"expected: {', '.join(sorted(want.outcomes))}")
         if want.alarm and not told:
@@ -224,7 +209,7 @@ class CellRun:
             or not tool.status.lift_allowed
         ):
             return []
-        missing = [name for name in self._description.sequence if not tool.bench.devices[name].grips]
+        missing = not_gripping(self._description, tool)
         return [f"lifting is allowed, and {', '.join(missing)} does not grip"] if missing else []
 
     def _dropped(self) -> bool:

@@ -9,13 +9,14 @@ from ._ports import Port, PtyPort, SerialPort
 from ._possible import offered_faults, possible_faults
 from ._records import Events, Record, edges_of
 from ._run import run_testbench
-from ._scenario import FAULTS, Effect, Fault, Scenario, parse_scenario
+from ._scenario import FAULTS, TOOL_CHANGER, Effect, Fault, Scenario, parse_scenario
 from ._sensor_board import SensorBoard, Sent, carried
 from ._testbench import Testbench, Watcher
 from ._virtual_copy import write_description, write_virtual_copy
 
 __all__ = [
     "FAULTS",
+    "TOOL_CHANGER",
     "Bench",
     "BoardSensors",
     "Effect",

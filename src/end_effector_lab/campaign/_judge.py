@@ -1,0 +1,361 @@
+"""What must hold whatever happens, by the description and by what the simulated devices really do.
+
+Nothing here is shared with the controller or the line arbiter, and nothing was observed: each rule is one of the
+contract (`docs/reference/interlocks.md`, `docs/explanation/`).
+
+Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip goes inactive
+    (IL-09).
+Rule 2 (order): what is released goes inactive in the release order; a step that is tried again, as the last one.
+Rule 3 (activation): an output of the grip becomes active only in an accepted grip that is not over, behind all steps
+    before it, in its attempts, with the tool really locked and a link that can say so (IL-05, IL-11), and not while
+    the emergency stop is open.
+Rule 4 (unlock): the unlock output is active only after an accepted unlock, never together with an output of the grip
+    (IL-01, IL-05), and not for longer than its longest time while the line arbiter lives (IL-03).
+Rule 5 (switching): a line stays as it is for its least time (IL-10).
+Rule 6 (evidence): GRIPPED, and any leave to lift, only while every device really grips.
+Rule 7 (refusals): a grip is not accepted while a device is still gripping, the air is too low, the link is silent or
+    the tool is not locked (IL-05 to IL-07); a refusal has a reason.
+Rule 8 (unwound): what a gripping program that died had engaged is deactivated as declared, while the arbiter lives.
+Rule 9 (told): where it comes to rest, lines and state agree; a latched error, a loss and blindness have been told.
+Rule 10 (latched): what the line arbiter has latched stays until a reset, also when it dies in between.
+
+Where a sensor lies, nobody can know: rules 3, 6 and 7 do not ask then about what is really there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, Command, EndEffectorState
+from end_effector_lab.matrix import LYING, Switching, switchings
+from end_effector_lab.testbench import TOOL_CHANGER
+from end_effector_lab.virtual import Edge, VirtualTool
+
+GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR
+RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND_BY
+GRIPPING, RELEASING = EndEffectorState.GRIPPING, EndEffectorState.RELEASING
+SEEN_US = 1_500_000
+"""By then everything that is the case has been read, filtered and told: a link is down after 1 s."""
+BELIEVED_US = 1_000_000
+"""So long after its end a lie may still be believed: filters, and readings that are not stale yet."""
+MARGIN_US = 1_000_000
+NOT_KNOWN = frozenset({*LYING, "locked-shows", "unlocked-shows", "invalid", "reboot-after", "babble-after"})
+
+
+class Judge:
+    """Follows a tool; `look` is called at each instant at which something happens.
+
+    Attributes:
+        objections: rule and sentence, in the order in which they were found; each rule once for each line or device.
+    """
+
+    def __init__(self, description: Description, tool: VirtualTool) -> None:
+        self._description, self._tool, self._begun = description, tool, tool.at
+        self._sequence = description.sequence
+        self._line = {name: part.line for name, part in description.ordered}
+        changer = description.tool_changer
+        self._changer = changer.line if changer else ""
+        limited = changer is not None and not changer.latching
+        self._longest_unlock_us = (
+            round(changer.unlock_max_s * 1e6) + SETTLE_US if changer and limited else 1 << 62
+        )
+        self.objections: dict[str, str] = {}
+        self._active = dict.fromkeys(self._sequence, False)
+        self._changed_at = {edge.line: edge.at for edge in tool.edges}
+        self._seen = len(tool.edges), len(tool.statuses)
+        self._held = False
+        self._grip_runs = False
+        self._attempts = dict.fromkeys(self._sequence, 0)
+        self._unlock_accepted = False
+        self._unlocked_since: int | None = None
+        self._unwound_by: int | None = None
+        self._disturbed = False
+        self._lied_at = -BELIEVED_US
+        self._lying = False
+        self._since: dict[str, int] = {}
+        self._latched: set[str] = set()
+
+    # What happens to the tool
+
+    def suffers(self, scenario: str) -> None:
+        """Another scenario of the testbench is there now."""
+        self._lied()
+        names = {part.strip().partition(":")[0] for part in scenario.split(",")}
+        self._lying = bool(names & NOT_KNOWN)
+        self._lied()
+
+    def commanded(self, name: str, answer: Answer, at: int) -> None:
+        """A command was given at ``at`` µs, and answered."""
+        if name == "reset":  # one that is refused clears all but the faults that persist
+            self._latched = set(self._tool.latched)
+        if not answer.accepted:
+            if not answer.reason:
+                self._object("refusals", f"{name} was refused without a reason")
+            return
+        if name == "drop":
+            self._held = False
+        elif name == "unlock":
+            self._unlock_accepted = True
+        elif name == "grip":
+            self._grip_runs, self._unwound_by = True, None
+            self._attempts = dict.fromkeys(self._sequence, 0)
+            for why in self._against_a_grip():
+                self._object("refusals", f"a grip was accepted while {why}", at)
+
+    def dies(self, programs: frozenset[str]) -> None:
+        """These have died now, or were ended; before they do."""
+        tool = self._tool
+        if "grip" in programs and "grip" in tool.living:
+            self._grip_runs = False
+            if not self._held and tool.statuses[-1].ee in (GRIPPING, RELEASING):
+                self._expect_unwinding()
+        if "arbiter" in programs and "arbiter" in tool.living:
+            if self._unlocked_since is not None:
+                self._unlocked_since = None  # who measures it has gone
+            self._unwound_by = None if self._unwound_by is None else 1 << 62
+
+    def starts(self, programs: frozenset[str]) -> None:
+        """These were started now."""
+        if "arbiter" not in programs:
+            return
+        if self._changer and self._tool.levels.get(self._changer):
+            self._unlocked_since = self._tool.at
+        if self._unwound_by is not None:
+            self._expect_unwinding()
+            self._unwound_by += LEASE_US
+
+    def disturbed(self) -> None:
+        """What the arbiter keeps may be gone: in doubt it holds, and no last will is demanded of it."""
+        self._disturbed, self._unwound_by = True, None
+        self._latched = set()
+
+    def power_lost(self) -> None:
+        """Everything has died, and every line is inactive."""
+        edges, statuses = self._tool.edges, self._tool.statuses
+        self._seen = len(edges), len(statuses)
+        self._active = dict.fromkeys(self._active, False)
+        self._changed_at = dict.fromkeys(self._changed_at, self._tool.at - SETTLE_US)
+        self._held = self._grip_runs = self._unlock_accepted = False
+        self._unlocked_since = self._unwound_by = None
+
+    # What is seen of it
+
+    def look(self) -> bool:
+        """Judge what is new; returns False, as what `VirtualTool.run_until` asks."""
+        tool, (edges, statuses) = self._tool, self._seen
+        self._lied()
+        self._watch_devices()
+        if len(tool.edges) > edges:
+            self._moved(tool.edges[edges:])
+        if len(tool.statuses) > statuses:
+            for status in tool.statuses[statuses:]:
+                self._told(status)
+        self._seen = len(tool.edges), len(tool.statuses)
+        since = self._unlocked_since
+        if "arbiter" in tool.living and not self._disturbed:
+            latched = set(tool.latched)
+            if gone := self._latched - latched:
+                self._object("latched", f"{', '.join(sorted(gone))} is latched no more, without a reset")
+            self._latched = latched
+        if since is not None and tool.at - since > self._longest_unlock_us:
+            self._object("unlock", "the unlock output is active for longer than its longest time (IL-03)")
+        if self._unwound_by is not None and tool.at > self._unwound_by:
+            self._unwound()
+        return False
+
+    def at_rest(self, *, still: bool) -> None:
+        """Nothing happens any more: ``still``, or the time was over."""
+        status, active = self._tool.status, [name for name in self._sequence if self._active[name]]
+        if "grip" not in self._tool.living:
+            return
+        if self._unwound_by is not None and "arbiter" in self._tool.living:
+            self._unwound()  # the program that began again could not before that was over
+        if not still:
+            self._object("told", f"not at rest in its time: {status.ee.name}, {status.command.name}")
+        elif status.ee == STAND_BY and active:
+            self._object("told", f"STAND_BY with {', '.join(active)} active")
+        elif status.ee == GRIPPED:
+            self._at_rest_held(status, active)
+        elif status.ee in (GRIP_ERROR, RELEASE_ERROR) and not (status.reason or status.alarms):
+            self._object("told", f"{status.ee.name} without a reason")
+
+    def _at_rest_held(self, status: Status, active: list[str]) -> None:
+        if len(active) < len(self._sequence):
+            missing = [name for name in self._sequence if name not in active]
+            self._object("told", f"GRIPPED with {', '.join(missing)} inactive")
+        if self._is_known() and status.lift_allowed:
+            for name in self._sequence:
+                if self._lasts(f"gone {name}"):
+                    self._object("evidence", f"{name} has not gripped for a while, and a lift is allowed")
+        if self._lasts("silent") and not status.alarms:
+            self._object("told", "GRIPPED with a silent link, without an alarm")
+
+    # Rules 1 to 5
+
+    def _moved(self, edges: list[Edge]) -> None:
+        for edge in edges:
+            stood = edge.at - self._changed_at.get(edge.line, edge.at - SETTLE_US)
+            if stood < SETTLE_US:
+                self._object("switching", f"{edge.line} was switched after {stood / 1000:g} ms (IL-10)")
+            self._changed_at[edge.line] = edge.at
+            if edge.line == self._changer:
+                self._unlock(edge)
+        for each in switchings(self._description, edges):
+            if self._active.get(each.name) == each.active:
+                continue
+            if each.active:
+                self._activated(each)
+            else:
+                self._deactivated(each)
+            self._active[each.name] = each.active
+
+    def _unlock(self, edge: Edge) -> None:
+        self._unlocked_since = edge.at if edge.level else None
+        if not edge.level:
+            return
+        if not self._unlock_accepted:
+            self._object("unlock", "the unlock output became active, and no unlock was accepted (IL-11)")
+        self._unlock_accepted = False
+        if self._description.interlocks.il_01 and any(self._active.values()):
+            self._object("unlock", "the unlock output became active with an output of the grip (IL-01)")
+
+    def _activated(self, each: Switching) -> None:
+        name, before = each.name, self._sequence[: self._sequence.index(each.name)]
+        if not self._grip_runs:
+            self._object("activation", f"{name} became active without a grip (IL-11)")
+        self._attempts[name] += 1
+        allowed = self._description.actuators[name].attempts
+        if self._attempts[name] > allowed:
+            self._object("activation", f"{name} was activated more often than {allowed} times")
+        for other in before:
+            if not self._active[other]:
+                self._object("activation", f"{name} became active before {other}")
+            elif self._is_known() and self._lasts(f"gone {other}"):
+                self._object("activation", f"{name} became active, and {other} does not grip")
+        if self._changer and self._tool.levels.get(self._changer):
+            self._object("activation", f"{name} became active with the unlock output (IL-05)")
+        if self._description.interlocks.il_05 and self._is_known() and self._lasts("unlocked"):
+            self._object("activation", f"{name} became active, and the tool is not locked (IL-05)")
+        if self._description.interlocks.il_05 and self._changer and self._lasts("silent"):
+            self._object(
+                "activation", f"{name} became active, and nobody can prove that the tool is locked (IL-05)"
+            )
+        if self._lasts("estop"):
+            self._object("activation", f"{name} became active with an open emergency stop (IL-13)")
+
+    def _deactivated(self, each: Switching) -> None:
+        name, order = each.name, self._description.releasing
+        if self._held and not self._may_be_let_go(name):
+            self._object("held", f"{name} was deactivated while the part is held (IL-09)")
+        if name == [other for other in self._sequence if self._active[other]][-1]:
+            return  # the last one: also when it is tried again
+        for other in order[: order.index(name)]:
+            if self._active[other] and self._is_unwound(other):
+                self._object("order", f"{name} was deactivated before {other}")
+
+    def _unwound(self) -> None:
+        """The time of a last will is over."""
+        self._unwound_by = None
+        if left := [name for name in self._sequence if self._active[name] and self._is_unwound(name)]:
+            self._object("unwound", f"{', '.join(left)} stays active after the death of its program")
+
+    def _may_be_let_go(self, name: str) -> bool:
+        """Whether any ending is declared that does (only without IL-09)."""
+        held = self._description.endings_of(name).held
+        return "release" in (held.lost, held.sigterm, held.process_death)
+
+    def _is_unwound(self, name: str) -> bool:
+        """Whether every ending before GRIPPED releases it."""
+        found = self._description.endings_of(name).gripping
+        every = (found.cancel, found.timeout, found.abort, found.sigterm, found.process_death)
+        return all(each == "release" for each in every)
+
+    def _expect_unwinding(self) -> None:
+        if self._disturbed or "arbiter" not in self._tool.living:
+            self._unwound_by = None if self._disturbed else 1 << 62
+            return
+        parts = self._description.actuators.values()
+        blown = sum(each.whole_ms for each in self._description.blow_offs.values()) * 1000
+        longest = round(sum(part.release_s for part in parts) * 1e6) + blown
+        self._unwound_by = self._tool.at + longest + MARGIN_US
+
+    # Rules 6 and 7
+
+    def _told(self, status: Status) -> None:
+        ee, tool = status.ee, self._tool
+        latched = ee == GRIPPED or (ee == GRIP_ERROR and status.command == Command.NONE)
+        if ee in (GRIPPED, GRIP_ERROR, RELEASE_ERROR, RELEASING, STAND_BY) and status.command != Command.GRIP:
+            self._grip_runs = False
+        if latched and not self._held:
+            self._held = True
+            if ee == GRIPPED and status.at == tool.at and self._is_known():
+                for name in self._sequence:
+                    if not self._grips(name):
+                        self._object("evidence", f"GRIPPED, and {name} does not grip")
+        if status.held and status.lift_allowed and status.at == tool.at and self._is_known():
+            for name in self._sequence:
+                if self._lasts(f"gone {name}"):
+                    self._object("evidence", f"{name} has not gripped for a while, and a lift is allowed")
+
+    def _grips(self, name: str) -> bool:
+        """Whether a device really does, by its switch or by what the description asks of its pressure."""
+        device, part = self._tool.bench.devices[name], self._description.actuators[name]
+        if device.grips:
+            return True
+        lost = kind_of(part).limits(part, self._description.supply).get("lost_kpa")
+        return lost is not None and device.pressure_kpa is not None and abs(device.pressure_kpa) > lost
+
+    def _against_a_grip(self) -> Iterator[str]:
+        rules, supply = self._description.interlocks, self._description.supply
+        if self._lasts("silent"):
+            yield "the link is silent (IL-07)"
+        if not self._is_known():
+            return
+        if rules.il_07:
+            yield from (
+                f"{name} still grips (IL-07)" for name in self._sequence if self._lasts(f"grips {name}")
+            )
+        if rules.il_06 and self._lasts("low"):
+            yield f"the air has less than {supply.refuse_kpa:g} kPa (IL-06)"
+        if rules.il_05 and self._lasts("unlocked"):
+            yield "the tool is not locked (IL-05)"
+
+    def _watch_devices(self) -> None:
+        """Note since when something is so."""
+        tool, supply = self._tool, self._description.supply
+        scenario, devices = tool.bench.scenario, tool.bench.devices
+        found = dict[str, bool]()
+        for name in self._sequence:
+            found[f"grips {name}"] = grips = self._grips(name)
+            found[f"gone {name}"] = not grips
+        kpa = scenario.supply_kpa
+        found["low"] = kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
+        found["estop"] = self._description.e_stop is not None and not scenario.estop_ok
+        found["silent"] = bool(self._description.links) and all(
+            tool.bench.silent(tool.at, name) for name in self._description.links
+        )
+        found["unlocked"] = bool(self._changer) and not devices[TOOL_CHANGER].bits["locked"]
+        for what, so in found.items():
+            if not so:
+                self._since.pop(what, None)
+            else:
+                self._since.setdefault(what, tool.at)
+
+    def _lasts(self, what: str) -> bool:
+        """Whether it has been so for long enough that everybody knows."""
+        return self._tool.at - self._since.get(what, self._tool.at) > SEEN_US
+
+    def _lied(self) -> None:
+        if self._lying:
+            self._lied_at = self._tool.at
+
+    def _is_known(self) -> bool:
+        """Whether no sensor lies, or did a moment ago."""
+        return self._tool.at - self._lied_at > BELIEVED_US
+
+    def _object(self, rule: str, what: str, at: int | None = None) -> None:
+        seconds = ((self._tool.at if at is None else at) - self._begun) / 1e6
+        self.objections.setdefault(rule, f"{rule}: {what}, at {seconds:.3f} s")

@@ -1,0 +1,290 @@
+"""A campaign: cases by chance, guided by what they reach; kept as it goes, so that it goes on where it was stopped.
+
+Run n is drawn from the seed, n, and what the runs of the batches before n's, but for the last `LAG` of them, have
+reached. So the same seed gives the same runs, however many workers there are, and in whatever order they end.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+from typing import Any, NamedTuple
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import product_version
+from end_effector_lab.matrix import no_log
+from end_effector_lab.workers import Workers
+
+from ._case import Case, case_from_json
+from ._coverage import CoverageMap, Reached
+from ._draw import CaseSource
+from ._play import play_case
+from ._shrink import shrunk
+
+KEPT, HEADER, FAILURES = "runs.jsonl", "campaign.json", "failures"
+BATCH, LAG = 64, 4
+MOST_MOMENTS = 60
+MOST_KINDS = 40
+"""Kinds of failures that are shrunk."""
+
+
+class KeptCase(NamedTuple):
+    """A case that reached something new, for mutants of it.
+
+    Attributes:
+        case, moments: with µs at which something moved in it.
+        edge: whether an edge or a location was new, not only one with a fault.
+    """
+
+    case: Case
+    moments: tuple[int, ...]
+    edge: bool
+
+
+class FailedRun(NamedTuple):
+    """A run that broke rules: sentences by rule."""
+
+    run: int
+    case: Case
+    failures: dict[str, str]
+
+
+@dataclass
+class Campaign:
+    """What a campaign has come to.
+
+    Attributes:
+        seed: of all cases.
+        known: what can be reached, and ``reached`` what was.
+        runs, grips, seconds: how many runs, successful grips, and seconds of virtual time.
+        kept: the cases that are mutated.
+        failed: the runs that broke a rule.
+    """
+
+    seed: int
+    known: CoverageMap
+    reached: Reached = field(default_factory=Reached)
+    runs: int = 0
+    grips: int = 0
+    seconds: float = 0.0
+    kept: list[KeptCase] = field(default_factory=list)
+    failed: list[FailedRun] = field(default_factory=list)
+    _sizes: list[int] = field(default_factory=list)
+    """Of ``kept`` at the end of each batch."""
+
+    def add(self, found: dict[str, Any], description: Description) -> None:
+        """Add the next run, as it is kept in the file."""
+        case = case_from_json(found["case"], description) if "case" in found else None
+        if case is not None and "new" in found:
+            new = self.reached.add(Reached.from_json(found["new"]))
+            self.kept.append(KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations)))
+        if case is not None and "failures" in found:
+            self.failed.append(FailedRun(found["run"], case, found["failures"]))
+        self.runs, self.grips, self.seconds = (
+            self.runs + 1,
+            self.grips + found["grips"],
+            self.seconds + found["s"],
+        )
+        if self.runs % BATCH == 0:
+            self._sizes.append(len(self.kept))
+
+    def may_draw(self, run: int) -> bool:
+        """Whether all that this run is drawn from is there."""
+        return run // BATCH < len(self._sizes) + LAG
+
+    def draw(self, run: int, source: CaseSource) -> Case:
+        """The case of a run."""
+        batch = run // BATCH - LAG
+        kept = self.kept[: self._sizes[batch]] if batch >= 0 else []
+        random = Random(f"{self.seed} {run}")
+        if not kept or random.random() < 0.3:
+            return source.fresh(random)
+        best = [each for each in kept if each.edge]
+        one = random.choice(best if best and random.random() < 0.4 else kept)
+        return source.mutant(random, one.case, one.moments, random.choice(kept).case)
+
+    @property
+    def kinds(self) -> dict[str, FailedRun]:
+        """The first run of each kind of failure."""
+        found: dict[str, FailedRun] = {}
+        for failed in self.failed:
+            for what in failed.failures.values():
+                found.setdefault(kind_of_failure(what), failed)
+        return found
+
+
+def kind_of_failure(what: str) -> str:
+    """The sentence of a failure without what differs from case to case."""
+    return re.sub(r"\d+(\.\d+)?", "#", re.split(r" \(|, at [\d.]+ s$", what)[0])
+
+
+def run_campaign(
+    description: Description,
+    folder: Path,
+    workers: Workers,
+    *,
+    seed: int,
+    go_on: Callable[[Campaign, int], bool],
+    on_progress: Callable[[Campaign], None] = lambda _: None,
+) -> Campaign:
+    """Play cases until it is enough, and write the smallest case of each kind of failure into ``failures``.
+
+    Args:
+        description: the tool.
+        folder: keeps what was played; a campaign of the same seed goes on there.
+        workers: play the cases.
+        seed: of all cases.
+        go_on: asked before each run with its number, with what has come so far.
+        on_progress: called after each run.
+
+    Raises:
+        UsageError: the folder cannot be written, or has a campaign of something else; the tool cannot be played.
+        WorkersError: they cannot be reached, or some cases were not played.
+    """
+    known, source = CoverageMap(description), CaseSource(description)
+    campaign = Campaign(seed, known)
+    campaign.reached.locations |= known.initial
+    kept = _open(folder, description, seed)
+    for found in _read(kept):
+        campaign.add(found, description)
+    on_progress(campaign)
+    shared = description, known
+    with kept.open("a", encoding="utf-8") as file:
+        over = False
+        while not over:
+            waiting: dict[int, dict[str, Any]] = {}
+            todo = _Drawn(campaign, source, go_on)
+            for _, found in workers.each(_play, shared, todo):
+                waiting[found["run"]] = found
+                while campaign.runs in waiting:
+                    line = _shortened(waiting.pop(campaign.runs), campaign)
+                    campaign.add(line, description)
+                    file.write(json.dumps(line) + "\n")
+                    on_progress(campaign)
+                file.flush()
+            over = todo.over
+    _write_failures(campaign, folder / FAILURES, description, workers)
+    return campaign
+
+
+class _Drawn:
+    """The next runs, as long as what they are drawn from is there."""
+
+    def __init__(
+        self, campaign: Campaign, source: CaseSource, go_on: Callable[[Campaign, int], bool]
+    ) -> None:
+        self._campaign, self._source, self._go_on = campaign, source, go_on
+        self.over = False
+
+    def __iter__(self) -> Iterator[tuple[int, Case]]:
+        run = self._campaign.runs
+        while self._campaign.may_draw(run):
+            if not self._go_on(self._campaign, run):
+                self.over = True
+                return
+            yield run, self._campaign.draw(run, self._source)
+            run += 1
+
+
+def _play(shared: tuple[Description, CoverageMap], item: tuple[int, Case]) -> dict[str, Any]:
+    """One run, in a worker."""
+    run, case = item
+    with no_log():
+        played = play_case(shared[0], case, shared[1])
+    return {
+        "run": run, "grips": played.grips, "s": round(played.seconds, 3), "case": case.as_json(),
+        "moments": list(played.moments[:MOST_MOMENTS]), "new": played.reached.as_json(),
+        "failures": played.failures,
+    }  # fmt: skip
+
+
+def _shortened(found: dict[str, Any], campaign: Campaign) -> dict[str, Any]:
+    """What is kept of a run: its case only if it failed or reached something new."""
+    reached, seen = Reached.from_json(found["new"]), campaign.reached
+    new = Reached(reached.edges - seen.edges, reached.locations - seen.locations, reached.pairs - seen.pairs)
+    line: dict[str, Any] = {"run": found["run"], "grips": found["grips"], "s": found["s"]}
+    if new or found["failures"]:
+        line["case"] = found["case"]
+    if new:
+        line |= {"moments": found["moments"], "new": new.as_json()}
+    if found["failures"]:
+        line["failures"] = found["failures"]
+    return line
+
+
+def _shrink(shared: tuple[Description, CoverageMap], item: tuple[str, Case]) -> tuple[Case, list[str]]:
+    """The smallest case of a kind of failure, and what happens in it; in a worker."""
+    kind, case = item
+    with no_log():
+        smallest = shrunk(
+            shared[0], case, lambda failures: kind in map(kind_of_failure, failures.values()), shared[1]
+        )
+        return smallest, list(play_case(shared[0], smallest, shared[1], log=True).log)
+
+
+def _write_failures(campaign: Campaign, folder: Path, description: Description, workers: Workers) -> None:
+    """A file for each kind of failure that has none yet."""
+    done = {str(each["kind"]) for each in read_failures(folder)}
+    todo = [(kind, failed.case) for kind, failed in campaign.kinds.items() if kind not in done][:MOST_KINDS]
+    if not todo:
+        return
+    folder.mkdir(exist_ok=True)
+    first = len(done)
+    shared = description, campaign.known
+    numbers = {kind: number for number, kind in enumerate(campaign.kinds)}
+    for (kind, _), (case, log) in workers.each(_shrink, shared, todo):
+        failed = campaign.kinds[kind]
+        document = {
+            "tool": description.name, "description": description.fingerprint(), "version": product_version(),
+            "kind": kind, "run": failed.run, "campaign_seed": campaign.seed,
+            **case.as_json(), "words": case.words, "log": log,
+        }  # fmt: skip
+        path = folder / f"{max(first, 0) + numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
+        path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+
+def read_failures(folder: Path) -> list[dict[str, Any]]:
+    """The files of failures, in order."""
+    found = []
+    for path in sorted(folder.glob("*.json")):
+        try:
+            document = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError:  # cut off by a kill: it is written again
+            continue
+        found.append(document | {"file": str(path)})
+    return found
+
+
+def _open(folder: Path, description: Description, seed: int) -> Path:
+    """The file of what was played."""
+    mark = {
+        "tool": description.name, "description": description.fingerprint(), "version": product_version(),
+        "seed": seed,
+    }  # fmt: skip
+    header = folder / HEADER
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if header.exists() and json.loads(header.read_text(encoding="utf-8")) != mark:
+            raise UsageError(
+                "This folder has the campaign of another tool, of another version, or of another seed.",
+                where=str(folder), todo="Name another folder.",
+            )  # fmt: skip
+        header.write_text(json.dumps(mark) + "\n", encoding="utf-8")
+        (folder / KEPT).touch()
+    except (OSError, ValueError) as error:
+        raise UsageError(f"The folder cannot be used: {error}.", where=str(folder)) from None
+    return folder / KEPT
+
+
+def _read(kept: Path) -> Iterable[dict[str, Any]]:
+    """What was played; a last line that was cut off by a kill is played again."""
+    text = kept.read_text(encoding="utf-8")
+    whole, _, torn = text.rpartition("\n")
+    if torn:
+        kept.write_text(whole + "\n" if whole else "", encoding="utf-8")
+    return map(json.loads, whole.splitlines())

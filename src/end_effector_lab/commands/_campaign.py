@@ -1,0 +1,171 @@
+"""``eehal campaign``: random sequences of commands, faults and deaths, in virtual time."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from end_effector_hal.cli import PathName, Progress, print_document
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from end_effector_hal.description import Description
+    from end_effector_lab.campaign import Campaign
+
+RUNS = 1000
+MOST_LISTED = 20
+
+
+@click.command("campaign", short_help="random commands, faults and deaths, in virtual time")
+@click.argument("tool", required=False, metavar="TOOL", type=PathName())
+@click.option(
+    "-o",
+    "--output",
+    metavar="FOLDER",
+    default="runs/campaign",
+    show_default=True,
+    type=PathName(),
+    help="Gets what was played, the failures and what was never reached; a campaign that was stopped there goes on.",
+)
+@click.option(
+    "--runs", type=click.IntRange(1), metavar="N", help=f"End after N runs in all.  [default: {RUNS}]"
+)
+@click.option(
+    "--time", "seconds", type=click.FloatRange(min=0, min_open=True), metavar="S", help="End after S seconds."
+)
+@click.option(
+    "--seed",
+    type=int,
+    default=0,
+    show_default=True,
+    metavar="S",
+    help="Of all cases: the same seed gives the same runs.",
+)
+@click.option("--jobs", type=click.IntRange(1), help="Processes; default: one for each processor.")
+@click.option("--play", "file", metavar="FILE", type=PathName(), help="Play the case in FILE only.")
+@click.option(
+    "--processes",
+    is_flag=True,
+    help="With --play: on real processes and in real time, with `eehal testbench` at the other end of the wires.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, in one line.")
+def command(
+    tool: Path | None,
+    output: Path,
+    runs: int | None,
+    seconds: float | None,
+    seed: int,
+    jobs: int | None,
+    file: Path | None,
+    processes: bool,
+    as_json: bool,
+) -> None:
+    """Play random sequences of commands, faults, deaths and restarts in virtual time, and judge each of them.
+
+    What must hold is computed from the description, by rules that share nothing with what controls the tool; the
+    monitor judges it besides, and each run ends with a grip and a drop, with everything put right. Runs that reach an
+    edge of the automata, or an edge with a fault, for the first time are kept, and later ones are mutants of them.
+
+    FOLDER gets runs.jsonl, unreached.json and, in failures/, the smallest case of each kind of failure, which --play
+    plays. TOOL: default is the shipped one. Exit code 4: a run has failed; with --processes: what was played there
+    ended otherwise than in virtual time.
+    """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import profile_path
+
+    description = load_tool(tool or profile_path())
+    if file is not None:
+        raise SystemExit(_play(description, file, output, processes=processes, as_json=as_json))
+    if processes:
+        raise UsageError("--processes plays one case.", todo="Name its file with --play FILE.")
+    limit = runs or (None if seconds else RUNS)
+    raise SystemExit(_run(description, output, limit, seconds, seed, jobs, as_json=as_json))
+
+
+def _run(
+    description: Description,
+    output: Path,
+    runs: int | None,
+    seconds: float | None,
+    seed: int,
+    jobs: int | None,
+    *,
+    as_json: bool,
+) -> int:
+    from end_effector_lab.campaign import never_reached, read_failures, run_campaign, summary
+    from end_effector_lab.workers import open_workers
+
+    begun, first = time.monotonic(), list[int]()
+    what = f"{runs} runs" if runs else f"runs for {seconds:g} s"
+    with Progress(what, shown=not as_json) as progress, open_workers(None, jobs) as workers:
+
+        def go_on(_: Campaign, run: int) -> bool:
+            in_time = seconds is None or time.monotonic() - begun < seconds
+            return in_time and (runs is None or run < runs)
+
+        def on_progress(campaign: Campaign) -> None:
+            if not first:
+                first.append(campaign.runs)
+            took, done = time.monotonic() - begun, campaign.runs - first[0]
+            by_runs = (runs - campaign.runs) * took / done if runs and done else 0.0
+            left = (
+                min(by_runs, seconds - took) if runs and seconds else seconds - took if seconds else by_runs
+            )
+            found = summary(campaign)
+            progress(
+                f"{campaign.runs} of {what}, {found['edges']} edges, {found['failures']} failures, "
+                f"{max(0.0, left) / 60:.0f} min left"
+            )
+
+        campaign = run_campaign(description, output, workers, seed=seed, go_on=go_on, on_progress=on_progress)
+    found, unreached = summary(campaign), never_reached(campaign)
+    (output / "unreached.json").write_text(json.dumps(unreached, indent=1) + "\n", encoding="utf-8")
+    if as_json:
+        click.echo(json.dumps(found))
+    else:
+        for name in unreached["edges"][:MOST_LISTED]:
+            click.echo(f"never taken: {name}")
+        for each in read_failures(output / "failures"):
+            click.echo(f"failed: {each['kind']}: {each['words']}; {each['file']}")
+        click.echo(
+            f"{found['runs']} runs, {found['failures']} failures of {found['kinds']} kinds, {found['grips']} grips, "
+            f"{found['edges']} edges, {found['locations']} locations, {found['edge_faults']} edges with a fault; "
+            f"{output / 'unreached.json'}"
+        )
+    return 4 if found["failures"] else 0
+
+
+def _play(description: Description, file: Path, output: Path, *, processes: bool, as_json: bool) -> int:
+    from end_effector_lab.campaign import CoverageMap, play_case, play_on_processes, read_case
+    from end_effector_lab.matrix import no_log
+
+    case = read_case(file, description)
+    with no_log():
+        played = play_case(description, case, CoverageMap(description), log=True)
+    real = None
+    if processes:
+        with Progress("On real processes", shown=not as_json):
+            real = play_on_processes(description, case, output / "processes")
+    same = real is None or real == played.end
+    if as_json:
+        found = case.as_json() | played.as_json()
+        print_document(found | ({"processes": real._asdict(), "same": same} if real else {}))
+    else:
+        for line in played.log:
+            click.echo(line)
+        for what in played.failures.values():
+            click.echo(f"failed: {what}")
+        click.echo(
+            f"it ended: {played.end}" if played.failures else f"nothing is wrong; it ended: {played.end}"
+        )
+        if real is not None:
+            click.echo(
+                f"on real processes {'the same' if same else f'it moved {real.moved}, and ended: {real}'}"
+            )
+    if real is not None:
+        return 0 if same else 4
+    return 4 if played.failures else 0

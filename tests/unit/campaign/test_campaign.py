@@ -1,0 +1,194 @@
+"""Random cases: what the judge finds, that a campaign goes on where it was stopped, and its command."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from random import Random
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.runtime.outputs import GripOutputs
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.campaign import (
+    Campaign,
+    CaseSource,
+    CoverageMap,
+    case_from_words,
+    kind_of_failure,
+    play_case,
+    play_on_processes,
+    read_failures,
+    run_campaign,
+)
+from end_effector_lab.commands._campaign import command
+from end_effector_lab.workers import local_workers
+from tests.support.nightly import NIGHTLY
+from tests.unit.campaign.mutants import MUTANTS
+
+SHIPPED = load(profile_path())
+KNOWN = CoverageMap(SHIPPED)
+
+
+def played(words: str, seed: int = 0) -> dict[str, str]:
+    return play_case(SHIPPED, case_from_words(words, SHIPPED, seed=seed), KNOWN).failures
+
+
+@pytest.mark.parametrize("words", sorted({each.words for each in MUTANTS.values()}))
+def test_the_product_passes_where_mutants_fail(words: str) -> None:
+    assert played(words) == {}
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_mutant_fails(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    MUTANTS[name].patch(monkeypatch)
+    assert MUTANTS[name].kind in played(MUTANTS[name].words)
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "most"),
+    [
+        ("a last will that drops what is held", 8, 2),
+        *((name, 0, 400) for name in MUTANTS if NIGHTLY),
+    ],
+)
+def test_a_campaign_finds_a_mutant_and_shrinks_it(
+    name: str, seed: int, most: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    MUTANTS[name].patch(monkeypatch)
+    campaign = run_campaign(
+        SHIPPED,
+        tmp_path,
+        local_workers(1),
+        seed=seed,
+        go_on=lambda so_far, run: run < most and not so_far.failed,
+    )
+    assert campaign.failed
+    found = read_failures(tmp_path / "failures")
+    kinds = {each["kind"].partition(":")[0]: each for each in found}
+    assert MUTANTS[name].kind in kinds
+    smallest = kinds[MUTANTS[name].kind]
+    assert len(smallest["happenings"]) <= max(3, len(MUTANTS[name].words.split("; ")))
+    assert any(
+        smallest["kind"] == kind_of_failure(what)
+        for what in played(smallest["words"], smallest["seed"]).values()
+    )
+
+
+def test_what_raises_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    def breaks(_: object, status: Status, *__: object) -> tuple[()]:
+        if status.ee == EndEffectorState.GRIPPING:
+            raise ZeroDivisionError("by the mutant")
+        return ()
+
+    monkeypatch.setattr(GripOutputs, "last_will", breaks)
+    assert played("grip")["crash"] == "crash: ZeroDivisionError: by the mutant"
+
+
+def test_a_case_is_the_same_each_time() -> None:
+    case = case_from_words("scenario noise:0.2; grip; wait 0.5; kill arbiter; start arbiter", SHIPPED, seed=3)
+    assert play_case(SHIPPED, case, KNOWN, log=True) == play_case(SHIPPED, case, KNOWN, log=True)
+
+
+def test_the_end_is_told_as_it_was_before_all_was_put_right() -> None:
+    end = play_case(SHIPPED, case_from_words("grip; wait 2; kill hal", SHIPPED), KNOWN).end
+    assert end is not None
+    assert str(end) == "not running; active: bottom_vacuum, cylinder, top_vacuum"
+    assert end.moved == ("bottom_vacuum on", "cylinder on", "top_vacuum on")
+
+
+def test_edges_that_are_switched_off_do_not_count() -> None:
+    assert not any(
+        name.startswith("Arming") for name in KNOWN.edges
+    )  # the shipped tool has a sensor of its stand
+    assert any(name.startswith("Gripper StandBy → Activate") for name in KNOWN.edges)
+    assert any(name.startswith("Actuator(2) ") for name in KNOWN.edges)
+    assert len(set(KNOWN.edges)) == len(KNOWN.edges)
+
+
+def test_cases_are_drawn_from_what_was_kept() -> None:
+    source, campaign = CaseSource(SHIPPED), Campaign(5, KNOWN)
+    kept = case_from_words("grip; wait 1.234567; kill grip", SHIPPED)
+    line = {"grips": 1, "s": 1.0, "case": kept.as_json(), "moments": [77_000], "new": {
+        "edges": [1], "locations": [2], "pairs": [3],
+    }}  # fmt: skip
+    assert campaign.may_draw(255)
+    assert not campaign.may_draw(256)
+    before = campaign.draw(0, source)
+    for run in range(64):
+        campaign.add(({} if run else line) | {"run": run, "grips": 1, "s": 1.0}, SHIPPED)
+    assert campaign.draw(0, source) == before  # its batch has seen nothing yet
+    drawn = [campaign.draw(256 + run, source) for run in range(64)]
+    assert sum(any(each.what == "kill grip" for each in case.happenings) for case in drawn) > 15
+    times = {each.at for case in drawn for each in case.happenings}
+    assert {76_000, 77_000, 78_000} & times
+
+
+def test_all_that_is_drawn_can_be_played_and_read() -> None:
+    source, random = CaseSource(SHIPPED), Random(1)
+    cases = [source.fresh(random) for _ in range(300)]
+    for case in cases:
+        case = source.mutant(random, case, (1_000, 2_000_000), random.choice(cases))
+        assert case_from_words(case.words, SHIPPED, seed=case.seed) == case
+        assert 0 <= case.happenings[-1].at <= 60_000_000
+    verbs = {each.verb for case in cases for each in case.happenings}
+    assert verbs >= {"grip", "drop", "cancel", "unlock", "kill", "end", "start", "scenario", "disk", "power"}
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    result = CliRunner().invoke(command, arguments)
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.output
+
+
+def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    code, printed = run("--runs", "4", "--jobs", "1", "-o", str(whole), "--json")
+    found = json.loads(printed.splitlines()[-1])
+    assert (code, found["runs"], found["failures"]) == (0, 4, 0)
+    assert int(found["edges"].split("/")[0]) > 20
+    kept = (whole / "runs.jsonl").read_text()
+    stopped.mkdir()
+    (stopped / "campaign.json").write_text((whole / "campaign.json").read_text())
+    lines = kept.splitlines(keepends=True)
+    (stopped / "runs.jsonl").write_text("".join(lines[:2]) + lines[2][:30])  # killed in the middle of a line
+    assert (
+        json.loads(run("--runs", "4", "--jobs", "2", "-o", str(stopped), "--json")[1].splitlines()[-1])
+        == found
+    )
+    assert (stopped / "runs.jsonl").read_text() == kept
+    unreached = json.loads((stopped / "unreached.json").read_text())
+    assert len(unreached["edges"]) == len(KNOWN.edges) - int(found["edges"].split("/")[0])
+    assert set(unreached["edge_faults"]) == set(KNOWN.faults)
+
+
+def test_a_folder_of_another_seed_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "campaign.json").write_text('{"tool": "another"}')
+    result = CliRunner().invoke(command, ["--runs", "1", "-o", str(tmp_path)])
+    assert "another tool" in str(result.exception)
+
+
+def test_the_command_plays_a_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "case"
+    path.write_text("grip; wait 1.5; end grip")
+    code, printed = run("--play", str(path))
+    assert code == 0
+    assert "nothing is wrong; it ended: not running; active: bottom_vacuum, cylinder, top_vacuum" in printed
+    MUTANTS["a restart that adopts nothing"].patch(monkeypatch)
+    code, printed = run("--play", str(path), "--json")
+    assert code == 4
+    assert "held" in json.loads(printed)["failures"]
+
+
+@pytest.mark.parametrize("what", ["kill grip", "disk journal full", "power"])
+def test_what_has_no_counterpart_is_not_played_on_processes(what: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="in virtual time only"):
+        play_on_processes(SHIPPED, case_from_words(f"grip; {what}", SHIPPED), tmp_path)
+
+
+def test_processes_without_a_case_are_refused() -> None:
+    assert "--play FILE" in str(CliRunner().invoke(command, ["--processes"]).exception)
