@@ -119,7 +119,7 @@ class SymbolicSpace:
         self._planned: dict[tuple[Action, Form, Form], Plan] = {}
         self._formed: dict[object, Form] = {}
         self._forms: dict[object, Form] = {}
-        self._widenings: dict[object, Widening] = {}
+        self._widenings: dict[tuple[Limit, ...], Widening] = {}
         self._unique: dict[Zone, Zone] | None = {} if delays else None
 
     def __len__(self) -> int:
@@ -151,9 +151,16 @@ class SymbolicSpace:
             key = (tuple(limits.items()), *seen[1:])
             found = self._forms.get(key)
             if found is None:
-                wide = self._widenings.setdefault(key[0], widening(limits.values()))
+                wide = self._widening(tuple(limits.values()))
                 found = self._forms[key] = Form(limits, wide, discrete.invariant, discrete.delays)
             self._formed[seen] = found
+        return found
+
+    def _widening(self, limits: tuple[Limit, ...]) -> Widening:
+        """Found by the places of the clocks, not by the clocks: states that are alike but for them share plans."""
+        found = self._widenings.get(limits)
+        if found is None:
+            found = self._widenings[limits] = widening(limits)
         return found
 
     def record(self, discrete: DiscreteState) -> StateRecord:
