@@ -47,7 +47,7 @@ def zeno_run(search: Search, arcs: list[Taken]) -> Trace | None:
     cycle = zeno_cycle(arcs)
     if cycle is None:
         return None
-    moves = [Leg(one.move) for one in cycle]
+    moves = [Leg(Move(one.move.action, one.target.discrete)) for one in cycle]
     remark = "a cycle on which no time needs to pass"
     for node in cycle[0].source.passed:
         try:
