@@ -121,7 +121,7 @@ class Search:
         kept.append(node)
         node.record.passed = kept
 
-    def _covered(self, zone: Zone, others: list[SearchNode]) -> bool:
+    def _covered(self, zone: Zone, others: Sequence[SearchNode]) -> bool:
         """Whether a zone lies inside that of a node."""
         for other in others:
             if other.zone is zone:

@@ -14,7 +14,7 @@ from timed_automata.explore.zones import (
     AT_MOST_ZERO,
     INFINITY,
     Constraint,
-    Unique,
+    UniqueZones,
     Widening,
     Zone,
     delay,
@@ -63,7 +63,7 @@ class Plan:
         delays: whether time passes then.
         invariant: constraints on what results.
         limits: how to widen it; None: not at all.
-        unique: all zones so far: what results is the one object for its bounds. None: any object.
+        unique: what results is the one object for its bounds. None: any object.
 
     Attributes:
         known: what became of the zones so far.
@@ -78,7 +78,7 @@ class Plan:
         delays: bool,
         invariant: tuple[Constraint, ...],
         limits: Widening | None,
-        unique: dict[Zone, Zone] | None = None,
+        unique: UniqueZones | None = None,
     ) -> None:
         self._guard, self._rearranged, self._delays = guard, rearrangement, delays
         self._invariant, self._limits, self._unique = invariant, limits, unique
@@ -91,7 +91,7 @@ class Plan:
         except KeyError:
             result = self._follow(zone)
             if result is not None and self._unique is not None:
-                result = self._unique.get(result) or self._unique.setdefault(result, Unique(result))
+                result = self._unique.of(result)
             self.known[zone] = result
             return result
 

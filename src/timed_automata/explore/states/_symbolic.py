@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from timed_automata.compiler import Bound
@@ -14,6 +14,7 @@ from timed_automata.explore.zones import (
     Constraint,
     Limit,
     Limits,
+    UniqueZones,
     Widening,
     Zone,
     as_constraints,
@@ -77,7 +78,7 @@ class StateRecord:
 
     def __init__(self, space: SymbolicSpace, discrete: DiscreteState) -> None:
         self._space, self.discrete, self.form = space, discrete, space.form(discrete)
-        self.passed: list[Any] = []
+        self.passed: Sequence[Any] = ()
         self.note: Any = None
         self.stage: Any = None
         self._steps: tuple[Any, ...] | None = None  # side by side: a tuple for each is most of all memory
@@ -103,7 +104,7 @@ class StateRecord:
 
     def forget(self) -> None:
         """Drop the steps and the notes."""
-        self._steps, self.passed, self.note = None, [], None
+        self._steps, self.passed, self.note = None, (), None
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
         """Clock constraints over the zones of this record."""
@@ -131,7 +132,7 @@ class SymbolicSpace:
         self._forms: dict[tuple[int, int, bool], Form] = {}
         self._numbers: dict[object, int] = {}
         self._widenings: dict[tuple[Limit, ...], Widening] = {}
-        self._unique: dict[Zone, Zone] | None = {} if delays else None
+        self._unique = UniqueZones() if delays else None
 
     def __len__(self) -> int:
         return len(self._records)

@@ -151,7 +151,7 @@ class Limits:
             (process, _numbered(limits)) for process, limits in enumerate(self._processes) if any(limits)
         ]
         self._known: dict[tuple[int, ...], dict[int, Limit]] = {}
-        self._found: dict[tuple[tuple[int, Limit], ...], dict[int, Limit]] = {}
+        self._found: dict[object, dict[int, Limit]] = {}
 
     def and_also(self, extra: ByClock) -> Limits:
         """These limits and further ones."""
@@ -167,8 +167,9 @@ class Limits:
                 merged(found, self._processes[process][locations[process]])
             if self._symmetric:
                 found = {clock: Limit(max(limit), max(limit)) for clock, limit in found.items()}
-            in_order = tuple(sorted(found.items()))
-            known = self._known[key] = self._found.setdefault(in_order, dict(in_order))
+            found = dict(sorted(found.items()))
+            same = tuple(found), tuple(found.values())
+            known = self._known[key] = self._found.setdefault(same, found)
         return known
 
 

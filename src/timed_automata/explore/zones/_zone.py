@@ -49,6 +49,32 @@ class Unique(tuple[int, ...]):
     __ne__ = object.__ne__
 
 
+class UniqueZones:
+    """All zones that were met: gives the one object for the bounds of each.
+
+    A zone stands here under its hash (or the next number that is free), not under a copy of itself; and equal bounds
+    are one object, as a number takes more memory than its place in a zone.
+    """
+
+    def __init__(self) -> None:
+        self._zones: dict[int, Unique] = {}
+        self._bounds: dict[int, int] = {}
+
+    def __len__(self) -> int:
+        return len(self._zones)
+
+    def of(self, zone: Zone) -> Unique:
+        """The one with these bounds."""
+        number = hash(zone)
+        while (found := self._zones.get(number)) is not None:
+            if tuple.__eq__(found, zone):
+                return found
+            number += 1
+        bounds = self._bounds
+        found = self._zones[number] = Unique([bounds.setdefault(bound, bound) for bound in zone])
+        return found
+
+
 Constraint = tuple[int, int, int]  # i, j, bound: x_i - x_j within bound
 IMPOSSIBLE: Constraint = (0, 0, 0)  # x_0 - x_0 < 0
 
