@@ -12,7 +12,7 @@ two searches for components for each clock. Only what this cannot thin out is di
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from timed_automata.compiler import Bound
@@ -47,7 +47,7 @@ def zeno_run(search: Search, arcs: list[Taken]) -> Trace | None:
     cycle = zeno_cycle(arcs)
     if cycle is None:
         return None
-    moves = [Leg(one.move) for one in cycle]
+    moves = [Leg(Move(one.move.action, one.target.discrete)) for one in cycle]
     remark = "a cycle on which no time needs to pass"
     for node in cycle[0].source.passed:
         try:
@@ -101,8 +101,7 @@ def zeno_cycle(taken: Sequence[Taken]) -> list[Arc] | None:
                 return _cycle(part)
             thin = part
             for clock in sorted(clocks):
-                kept = {id(arc) for case in _cases(thin, clock) for whole in _strong(case) for arc in whole}
-                thin = [arc for arc in thin if id(arc) in kept]
+                thin = _thinned(thin, clock)
             pending += [thin] if len(thin) < len(part) else _cases(part, min(clocks))
     return None
 
@@ -114,10 +113,37 @@ def _opposed(arcs: list[Arc]) -> frozenset[int]:
     return (tested & zeroed) - frozenset[int]().union(*(arc.set for arc in arcs))
 
 
-def _cases(arcs: list[Arc], clock: int) -> list[list[Arc]]:
+def _cases(arcs: list[Arc], clock: int) -> tuple[list[Arc], list[Arc]]:
     """Without the tests of a clock, and without its settings to 0."""
     untested = [arc for arc in arcs if clock not in arc.tested]
-    return [untested, [arc for arc in arcs if clock not in arc.zeroed]]
+    return untested, [arc for arc in arcs if clock not in arc.zeroed]
+
+
+def _thinned(arcs: list[Arc], clock: int) -> list[Arc]:
+    """The arcs that are on a cycle without the tests of a clock, or on one without its settings to 0."""
+    untested, unset = map(_numbered, _cases(arcs, clock))
+    return [
+        arc
+        for arc in arcs
+        if (clock not in arc.tested and untested[arc.source] == untested[arc.target] is not None)
+        or (clock not in arc.zeroed and unset[arc.source] == unset[arc.target] is not None)
+    ]
+
+
+def _numbered(arcs: list[Arc]) -> Mapping[StateRecord, int | None]:
+    """The component of each state that is on a cycle, as a number; None: it is on none."""
+    graph: dict[StateRecord, list[StateRecord]] = {one.target: [] for one in arcs}
+    for one in arcs:
+        following = graph.get(one.source)
+        if following is None:
+            graph[one.source] = [one.target]
+        else:
+            following.append(one.target)
+    number: dict[StateRecord, int | None] = dict.fromkeys(graph)
+    for at, component in enumerate(components(graph)):
+        for record in component:
+            number[record] = at
+    return number
 
 
 def _round(taken: list[Taken]) -> list[Taken]:
@@ -134,15 +160,11 @@ def _round(taken: list[Taken]) -> list[Taken]:
 
 def _strong(arcs: list[Arc]) -> Iterable[list[Arc]]:
     """The arcs inside each strongly connected component."""
-    graph: dict[StateRecord, list[StateRecord]] = {}
-    for one in arcs:
-        graph.setdefault(one.source, []).append(one.target)
-        graph.setdefault(one.target, [])
-    number = {record: at for at, component in enumerate(components(graph)) for record in component}
+    number = _numbered(arcs)
     parts: dict[int, list[Arc]] = {}
     for one in arcs:
-        at = number.get(one.source)
-        if at is not None and at == number.get(one.target):
+        at = number[one.source]
+        if at is not None and at == number[one.target]:
             parts.setdefault(at, []).append(one)
     return parts.values()
 

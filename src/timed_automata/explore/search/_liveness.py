@@ -18,7 +18,7 @@ from timed_automata.explore.search._conditions import Within
 from timed_automata.explore.search._cycles import components, shortest_cycle
 from timed_automata.explore.search._deadlock import MOST_DOUBTS, Deadlocks
 from timed_automata.explore.search._reach import OutOfRangeError
-from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
+from timed_automata.explore.states import Action, Move, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import (
     Zone,
     constrained,
@@ -42,14 +42,14 @@ class Start(NamedTuple):
 class LassoState:
     """A symbolic state inside the condition; ``parent`` None: a start."""
 
-    __slots__ = ("depth", "following", "move", "parent", "record", "start", "zone")
+    __slots__ = ("action", "depth", "following", "parent", "record", "start", "zone")
 
     def __init__(
-        self, record: StateRecord, zone: Zone, parent: LassoState | None, move: Move | None, start: Start
+        self, record: StateRecord, zone: Zone, parent: LassoState | None, action: Action | None, start: Start
     ) -> None:
-        self.record, self.zone, self.parent, self.move, self.start = record, zone, parent, move, start
+        self.record, self.zone, self.parent, self.action, self.start = record, zone, parent, action, start
         self.depth: int = parent.depth + 1 if parent else 0
-        self.following: list[tuple[Move, LassoState]] = []
+        self.following: list[tuple[Action, LassoState]] = []
 
 
 class Lasso(NamedTuple):
@@ -122,9 +122,9 @@ class LassoSearch:
                 if move.error is not None:
                     raise OutOfRangeError(move.error, [*self._legs(state), Leg(move)])
                 for _, zone in self.within(target, entered):
-                    found = self._reach(target, zone, state, move, start, waiting)
+                    found = self._reach(target, zone, state, move.action, start, waiting)
                     if found is not None:
-                        state.following.append((move, found))
+                        state.following.append((move.action, found))
         return self._cycle() if self._known else None
 
     def _reach(
@@ -132,7 +132,7 @@ class LassoSearch:
         record: StateRecord,
         zone: Zone,
         parent: LassoState | None,
-        move: Move | None,
+        action: Action | None,
         start: Start,
         waiting: deque[LassoState],
     ) -> LassoState | None:
@@ -140,7 +140,7 @@ class LassoSearch:
         if known is None:
             if any(included(zone, safe) for safe in self._safe.get(record, ())):
                 return None
-            known = self._known[record, zone] = LassoState(record, zone, parent, move, start)
+            known = self._known[record, zone] = LassoState(record, zone, parent, action, start)
             self.states += 1
             waiting.append(known)
         return known
@@ -148,10 +148,13 @@ class LassoSearch:
     def _legs(self, state: LassoState) -> list[Leg]:
         moves: list[Leg] = []
         at: LassoState | None = state
-        while at is not None and at.move is not None:
-            moves.append(Leg(at.move, self.within))
+        while at is not None and at.action is not None:
+            moves.append(self._leg(at.action, at))
             at = at.parent
         return [*state.start.legs, Leg(None, self.within), *reversed(moves)]
+
+    def _leg(self, action: Action, to: LassoState) -> Leg:
+        return Leg(Move(action, to.record.discrete), self.within)
 
     def _end(self, state: LassoState) -> Lasso | None:
         record, zone = state.record, state.zone
@@ -181,7 +184,8 @@ class LassoSearch:
         state = min(on_cycles, key=lambda state: state.depth)
         legs = self._legs(state)
         loop = sum(leg.move is not None for leg in legs)
-        legs += [Leg(move, self.within) for move in shortest_cycle(state, lambda at: at.following)]
+        following = shortest_cycle(state, lambda at: (((action, to), to) for action, to in at.following))
+        legs += [self._leg(action, to) for action, to in following]
         return Lasso(legs, anywhere, "repeats indefinitely", loop)
 
 

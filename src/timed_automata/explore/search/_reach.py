@@ -14,7 +14,7 @@ from timed_automata.errors import RangeError
 from timed_automata.explore.search._concrete import Leg
 from timed_automata.explore.search._search_node import SearchNode
 from timed_automata.explore.search._stages import Stage, Stages
-from timed_automata.explore.states import Form, Move, StateRecord, SymbolicSpace
+from timed_automata.explore.states import Action, Form, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import Zone
 
 Progress = Callable[[int], None]
@@ -85,7 +85,7 @@ class Search:
                 if move.error is not None:
                     raise OutOfRangeError(move.error, [*node.legs, Leg(move)])
                 if not target.passed or not self._covered(after, target.passed):
-                    yield self._found(target, after, node, move)
+                    yield self._found(target, after, node, move.action)
 
     # The order of the search
 
@@ -98,9 +98,9 @@ class Search:
     # What is stored
 
     def _found(
-        self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None
+        self, record: StateRecord, zone: Zone, parent: SearchNode | None, action: Action | None
     ) -> SearchNode:
-        node = SearchNode(record, zone, parent, move)
+        node = SearchNode(record, zone, parent, action)
         if record.passed:
             self._overtake(node)
         else:
@@ -121,7 +121,7 @@ class Search:
         kept.append(node)
         node.record.passed = kept
 
-    def _covered(self, zone: Zone, others: list[SearchNode]) -> bool:
+    def _covered(self, zone: Zone, others: Sequence[SearchNode]) -> bool:
         """Whether a zone lies inside that of a node."""
         for other in others:
             if other.zone is zone:
@@ -222,7 +222,7 @@ class WidestFirst(Search):
                 return None
 
     def _found(
-        self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None
+        self, record: StateRecord, zone: Zone, parent: SearchNode | None, action: Action | None
     ) -> SearchNode:
         self._again = bool(record.passed)
         if not self._again:

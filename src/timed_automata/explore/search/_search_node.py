@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from timed_automata.explore.search._concrete import Leg
-from timed_automata.explore.states import Move, StateRecord
+from timed_automata.explore.states import Action, Move, StateRecord
 from timed_automata.explore.zones import Zone
 
 
 class SearchNode:
     """A symbolic state that was reached, and how."""
 
-    __slots__ = ("covered", "move", "parent", "record", "zone")
+    __slots__ = ("action", "covered", "parent", "record", "zone")
 
-    def __init__(self, record: StateRecord, zone: Zone, parent: SearchNode | None, move: Move | None) -> None:
-        self.record, self.zone, self.parent, self.move = record, zone, parent, move
+    def __init__(
+        self, record: StateRecord, zone: Zone, parent: SearchNode | None, action: Action | None
+    ) -> None:
+        self.record, self.zone, self.parent, self.action = record, zone, parent, action
         self.covered = False
+
+    @property
+    def move(self) -> Move | None:
+        """The last move to here."""
+        return None if self.action is None else Move(self.action, self.record.discrete)
 
     @property
     def legs(self) -> list[Leg]:

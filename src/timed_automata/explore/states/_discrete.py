@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from itertools import chain
+from typing import Any, NamedTuple
 
 from timed_automata.compiler import Bound
 from timed_automata.errors import RangeError
 from timed_automata.explore.states._semantics import CachedSemantics
-from timed_automata.explore.states._vectors import LocationVector, Packing
+from timed_automata.explore.states._vectors import LocationFacts, LocationVector, Packing
 from timed_automata.network import Edge, Network, State, Transition
 
 Resets = tuple[tuple[int, int], ...]
@@ -94,11 +95,11 @@ Arc = tuple[Action, "DiscreteState | None", RangeError | None]
 class DiscreteState:
     """A discrete state with its moves, and whether time may pass in it."""
 
-    __slots__ = ("_moves", "_space", "_transitions", "delays", "invariant", "packed", "vector")
+    __slots__ = ("_arcs", "_space", "_transitions", "delays", "invariant", "packed", "vector")
 
     def __init__(self, space: DiscreteSpace, vector: LocationVector, packed: bytes) -> None:
         self._space, self.vector, self.packed = space, vector, packed
-        self._moves: tuple[Move, ...] | None = None
+        self._arcs: tuple[Any, ...] | None = None  # side by side, as a tuple for each takes more than the states
         self.invariant = (
             vector.invariant if vector.invariant is not None else space.invariant(self.state, vector)
         )
@@ -119,14 +120,19 @@ class DiscreteState:
         return self.delays and all(bound.lower for bound in self.invariant)
 
     @property
-    def moves(self) -> tuple[Move, ...]:
+    def moves(self) -> Iterator[Move]:
         """All transitions, whatever the clocks say; those into a violated data invariant left out."""
-        if self._moves is None:
-            self._moves = tuple(Move(*arc) for arc in self.arcs())
-        return self._moves
+        return (Move(*arc) for arc in self.kept_arcs())
+
+    def kept_arcs(self) -> Iterable[Arc]:
+        """The same as :meth:`arcs`, found once."""
+        if self._arcs is None:
+            self._arcs = tuple(chain.from_iterable(self.arcs()))
+        parts = iter(self._arcs)
+        return zip(parts, parts, parts, strict=True)
 
     def arcs(self) -> Iterator[Arc]:
-        """The same, as plain tuples that are not kept: action, target and error of a move."""
+        """The moves, as plain tuples that are not kept: action, target and error."""
         space, vector, packed = self._space, self.vector, self.packed
         firings, transitions = space.firings, self._transitions
         self._transitions = None
@@ -146,7 +152,7 @@ class DiscreteState:
 
     def forget(self) -> None:
         """Drop the moves; they are computed again when they are asked for."""
-        self._moves = None
+        self._arcs = None
 
 
 class DiscreteSpace:
@@ -157,6 +163,9 @@ class DiscreteSpace:
         self.semantics = semantics or CachedSemantics(network)
         self.urgent = {number for number, channel in enumerate(network.channels) if channel.urgent}
         self.packing = Packing(network)
+        self._facts = [
+            [LocationFacts.of(location) for location in process.locations] for process in network.processes
+        ]
         self._vectors: dict[tuple[int, ...], LocationVector] = {}
         self.firings: dict[tuple[Edge, ...], Firing] = {}
         self._invariants: dict[tuple[Bound, ...], tuple[Bound, ...]] = {}
@@ -186,7 +195,10 @@ class DiscreteSpace:
         """The one object for these locations."""
         found = self._vectors.get(locations)
         if found is None:
-            found = self._vectors[locations] = LocationVector(self.network, locations)
+            facts = [each[at] for each, at in zip(self._facts, locations, strict=True)]
+            found = self._vectors[locations] = LocationVector(locations, facts)
+            if found.invariant is not None:
+                found.invariant = self._invariants.setdefault(found.invariant, found.invariant)
         return found
 
     def at(self, state: State) -> DiscreteState | None:

@@ -10,54 +10,79 @@ from __future__ import annotations
 from collections.abc import Sequence
 from operator import itemgetter
 
-from timed_automata.explore.zones import INFINITY, Constraint, Unique, Widening, Zone, extrapolated, tighten
+from timed_automata.explore.zones import (
+    AT_MOST_ZERO,
+    INFINITY,
+    Constraint,
+    UniqueZones,
+    Widening,
+    Zone,
+    delay,
+    extrapolated,
+    tighten,
+)
+
+
+class Rearrangement:
+    """How the clocks of one zone become those of the next.
+
+    Args:
+        n: size of the zones that it takes.
+        sources: for each place of the zone that results, the place it is taken from, or the value that it is set
+            to and 0: ``(place, value)``; x_0 first.
+    """
+
+    __slots__ = ("_add", "_gather", "n", "size")
+
+    def __init__(self, n: int, sources: Sequence[tuple[int, int]]) -> None:
+        self.n, self.size = n, len(sources)
+        places = [i * n + j for i, _ in sources for j, _ in sources]
+        places[:: self.size + 1] = [0] * self.size
+        values = [value for _, value in sources]
+        self._add = [2 * (left - right) for left in values for right in values] if any(values) else None
+        self._gather = itemgetter(*places) if self.size > 1 else None
+
+    def __call__(self, zone: Sequence[int]) -> list[int]:
+        """What becomes of the bounds."""
+        if self._gather is None:
+            return [AT_MOST_ZERO]
+        found = self._gather(zone)
+        if self._add is None:
+            return list(found)
+        return [
+            bound if bound == INFINITY else bound + more for bound, more in zip(found, self._add, strict=True)
+        ]
 
 
 class Plan:
     """The way of zones along a move.
 
     Args:
-        n: size of the zones that it takes.
-        guard: constraints on them.
-        sources: for each place of the zone that results, the place it is taken from, or the value that it is set
-            to and 0: ``(place, value)``; x_0 first.
+        guard: constraints on the zones that it takes.
+        rearrangement: of their clocks.
         delays: whether time passes then.
         invariant: constraints on what results.
         limits: how to widen it; None: not at all.
-        unique: all zones so far: what results is the one object for its bounds. None: any object.
+        unique: what results is the one object for its bounds. None: any object.
 
     Attributes:
         known: what became of the zones so far.
     """
 
-    __slots__ = ("_add", "_gather", "_guard", "_invariant", "_limits", "_n", "_size", "_unique", "known")
+    __slots__ = ("_delays", "_guard", "_invariant", "_limits", "_rearranged", "_unique", "known")
 
     def __init__(
         self,
-        n: int,
         guard: tuple[Constraint, ...],
-        sources: Sequence[tuple[int, int]],
+        rearrangement: Rearrangement,
         delays: bool,
         invariant: tuple[Constraint, ...],
         limits: Widening | None,
-        unique: dict[Zone, Zone] | None = None,
+        unique: UniqueZones | None = None,
     ) -> None:
-        size = len(sources)
-        places = [
-            n * n if delays and i and not j else sources[i][0] * n + sources[j][0]
-            for i in range(size)
-            for j in range(size)
-        ]
-        for i in range(size):
-            places[i * size + i] = 0
-        values = [value for _, value in sources]
-        self._add = None
-        if any(values):
-            self._add = [2 * (values[i] - values[j]) for i in range(size) for j in range(size)]
-        self._n, self._size, self._guard, self._invariant, self._limits = n, size, guard, invariant, limits
-        self._gather = itemgetter(*places) if size > 1 else None
+        self._guard, self._rearranged, self._delays = guard, rearrangement, delays
+        self._invariant, self._limits, self._unique = invariant, limits, unique
         self.known: dict[Zone, Zone | None] = {}
-        self._unique = unique
 
     def __call__(self, zone: Zone) -> Zone | None:
         """What becomes of a zone; None if nothing is left."""
@@ -66,12 +91,12 @@ class Plan:
         except KeyError:
             result = self._follow(zone)
             if result is not None and self._unique is not None:
-                result = self._unique.get(result) or self._unique.setdefault(result, Unique(result))
+                result = self._unique.of(result)
             self.known[zone] = result
             return result
 
     def _follow(self, zone: Zone) -> Zone | None:
-        n = self._n
+        n = self._rearranged.n
         changed: list[int] | None = None
         for i, j, bound in self._guard:
             if changed is None:
@@ -80,15 +105,14 @@ class Plan:
                 changed = list(zone)
             if not tighten(changed, n, i, j, bound):
                 return None
-        if self._gather is None:
-            return (1,)
-        result: list[int] = list(self._gather((*(zone if changed is None else changed), INFINITY)))
-        n = self._size
-        if self._add is not None:
-            result = [
-                bound if bound == INFINITY else bound + more
-                for bound, more in zip(result, self._add, strict=True)
-            ]
+        result = self._rearranged(zone if changed is None else changed)
+        n = self._rearranged.size
+        if self._delays:
+            upper = [(i, bound) for i, j, bound in self._invariant if not j]
+            for i, bound in upper:
+                if bound < result[i * n] and not tighten(result, n, i, 0, bound):
+                    return None
+            delay(result, n, upper)
         for i, j, bound in self._invariant:
             if bound < result[i * n + j] and not tighten(result, n, i, j, bound):
                 return None

@@ -79,6 +79,9 @@ class _StartCache:
                 yield found
 
 
+_Starting = tuple[tuple[int, _StartCache], ...]  # by process
+
+
 class CachedSemantics(Semantics):
     """Gives the same transitions in the same order (a test holds it against its base).
 
@@ -92,9 +95,10 @@ class CachedSemantics(Semantics):
         super().__init__(network)
         self.fixed: Sequence[tuple[str, int, int]] = ()
         self._cache = [
-            [_StartCache(network, outgoing.active) for outgoing in each] for each in self._outgoing
+            [(process, _StartCache(network, outgoing.active)) for outgoing in each]
+            for process, each in enumerate(self._outgoing)
         ]
-        self._starting: dict[tuple[int, ...], list[tuple[int, _StartCache]] | None] = {}
+        self._starting: dict[tuple[int, ...], _Starting | None] = {}
 
     def transitions(self, state: State) -> Iterator[Transition]:
         """All transitions whose data guards hold and that committed locations allow."""
@@ -105,12 +109,12 @@ class CachedSemantics(Semantics):
             starting = self._starting[locations] = None if self.committed(state) else self._starts(locations)
         return super().transitions(state) if starting is None else self._uncommitted(state, starting)
 
-    def _starts(self, locations: tuple[int, ...]) -> list[tuple[int, _StartCache]]:
+    def _starts(self, locations: tuple[int, ...]) -> _Starting:
         """The processes that can start anything."""
-        caches = ((process, cache[locations[process]]) for process, cache in enumerate(self._cache))
-        return [(process, cache) for process, cache in caches if cache]
+        caches = [cache[at] for cache, at in zip(self._cache, locations, strict=True)]
+        return tuple([each for each in caches if each[1]])
 
-    def _uncommitted(self, state: State, starting: list[tuple[int, _StartCache]]) -> Iterator[Transition]:
+    def _uncommitted(self, state: State, starting: _Starting) -> Iterator[Transition]:
         values = state.values
         for process, cache in starting:
             for edge, own, channel, alone in cache.started(values):

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from timed_automata.compiler import Bound
 from timed_automata.errors import ModelError
 from timed_automata.explore.states._discrete import Action, DiscreteSpace, DiscreteState, Move
-from timed_automata.explore.states._plan import Plan
+from timed_automata.explore.states._plan import Plan, Rearrangement
 from timed_automata.explore.zones import (
     IMPOSSIBLE,
     Constraint,
     Limit,
     Limits,
+    UniqueZones,
     Widening,
     Zone,
     as_constraints,
@@ -41,9 +42,16 @@ class Form:
         invariant: on the zones.
         entry: lower bounds of the invariant: what time cannot break, and a move into it can.
         delays: whether time passes.
+        arriving: number of what it asks of the clocks of a move that leads there; equal ones have one.
+        leaving: the same of a move that leads away.
+        zones: number of what zones become there, by the places of the clocks: forms whose clocks differ, but stand
+            at the same places and are asked the same, have one.
     """
 
-    __slots__ = ("clocks", "delays", "entry", "index", "invariant", "limits", "n", "widening")
+    __slots__ = (
+        *("arriving", "clocks", "delays", "entry", "index", "invariant", "leaving", "limits", "n", "widening"),
+        "zones",
+    )
 
     def __init__(
         self, limits: dict[int, Limit], widening: Widening, bounds: tuple[Bound, ...], delays: bool
@@ -52,6 +60,7 @@ class Form:
         self.index = {clock: number for number, clock in enumerate(self.clocks, start=1)}
         self.n, self.invariant = len(self.clocks) + 1, as_constraints(bounds, self.index)
         self.entry = tuple(bound for bound in bounds if bound.lower)
+        self.arriving = self.leaving = self.zones = 0
 
 
 class StateRecord:
@@ -69,7 +78,7 @@ class StateRecord:
 
     def __init__(self, space: SymbolicSpace, discrete: DiscreteState) -> None:
         self._space, self.discrete, self.form = space, discrete, space.form(discrete)
-        self.passed: list[Any] = []
+        self.passed: Sequence[Any] = ()
         self.note: Any = None
         self.stage: Any = None
         self._steps: tuple[Any, ...] | None = None  # side by side: a tuple for each is most of all memory
@@ -86,7 +95,8 @@ class StateRecord:
 
     @property
     def steps(self) -> Iterable[PlannedMove]:
-        """All moves that lead to a state. A move whose update leaves a range has a plan and leads to itself."""
+        """All moves that lead to a state; the move itself names no target. One whose update leaves a range has a plan
+        and leads to itself."""
         if self._steps is None:
             self._steps = tuple(self._space.steps(self))
         parts = iter(self._steps)
@@ -94,7 +104,7 @@ class StateRecord:
 
     def forget(self) -> None:
         """Drop the steps and the notes."""
-        self._steps, self.passed, self.note = None, [], None
+        self._steps, self.passed, self.note = None, (), None
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
         """Clock constraints over the zones of this record."""
@@ -105,7 +115,8 @@ class SymbolicSpace:
     """One analysis of a network: discrete states with zones that are widened by the limits given.
 
     ``delays``: whether zones are let grow by time as they are entered (reachability: equal zones are then one object)
-    or left to the user (liveness). ``frugal``: only steps say what moves lead to.
+    or left to the user (liveness). ``frugal``: what
+    the moves of a discrete state are is not kept.
     """
 
     def __init__(
@@ -115,12 +126,13 @@ class SymbolicSpace:
         self.frugal = False
         self._shared: dict[Action, Move] = {}
         self._records: dict[DiscreteState, StateRecord] = {}
-        self._plans: dict[object, Plan] = {}
-        self._planned: dict[tuple[Action, Form, Form], Plan] = {}
-        self._formed: dict[object, Form] = {}
-        self._forms: dict[object, Form] = {}
-        self._widenings: dict[object, Widening] = {}
-        self._unique: dict[Zone, Zone] | None = {} if delays else None
+        self._ways: dict[tuple[Action, int, int], dict[int, Plan]] = {}  # plans by the zones of the target
+        self._same_ways: dict[object, dict[int, Plan]] = {}
+        self._rearrangements: dict[object, Rearrangement] = {}
+        self._forms: dict[tuple[int, int, bool], Form] = {}
+        self._numbers: dict[object, int] = {}
+        self._widenings: dict[tuple[Limit, ...], Widening] = {}
+        self._unique = UniqueZones() if delays else None
 
     def __len__(self) -> int:
         return len(self._records)
@@ -144,17 +156,24 @@ class SymbolicSpace:
 
     def form(self, discrete: DiscreteState) -> Form:
         """What the zones of a discrete state are like."""
-        seen = (discrete.vector, discrete.invariant, discrete.delays)
-        found = self._formed.get(seen)
+        limits = self.limits.at(discrete.vector.locations)
+        key = id(limits), id(discrete.invariant), discrete.delays  # equal ones are one object
+        found = self._forms.get(key)
         if found is None:
-            limits = self.limits.at(discrete.vector.locations)
-            key = (tuple(limits.items()), *seen[1:])
-            found = self._forms.get(key)
-            if found is None:
-                wide = self._widenings.setdefault(key[0], widening(limits.values()))
-                found = self._forms[key] = Form(limits, wide, discrete.invariant, discrete.delays)
-            self._formed[seen] = found
+            found = self._forms[key] = self._form(limits, discrete)
         return found
+
+    def _form(self, limits: dict[int, Limit], discrete: DiscreteState) -> Form:
+        by_place = tuple(limits.values())
+        wide = self._widenings.get(by_place)
+        if wide is None:
+            wide = self._widenings[by_place] = widening(by_place)
+        form = Form(limits, wide, discrete.invariant, discrete.delays)
+        numbers, after = self._numbers, (by_place, form.invariant, form.delays)
+        form.arriving = numbers.setdefault(("to", form.clocks, form.entry), len(numbers))
+        form.leaving = numbers.setdefault(("from", form.clocks, self.asked_inside(form)), len(numbers))
+        form.zones = numbers.setdefault(after, len(numbers))
+        return form
 
     def record(self, discrete: DiscreteState) -> StateRecord:
         """The record of a discrete state."""
@@ -197,34 +216,45 @@ class SymbolicSpace:
         target = source if move.target is None else self.record(move.target)
         return PlannedMove(self._way(source, move.action, target, move.error), target, move)
 
-    def steps(self, source: StateRecord) -> Iterator[object]:
-        """Plan, target and move of each step, one after the other."""
-        if self.frugal:
-            shared, planned, records, form = self._shared, self._planned, self._records, source.form
-            for action, discrete, error in source.discrete.arcs():
-                if discrete is None:
-                    yield from self.step(source, Move(action, None, error))
-                    continue
-                target = records.get(discrete) or self.record(discrete)
-                yield planned.get((action, form, target.form)) or self._way(source, action, target)
-                yield target
-                yield shared.get(action) or shared.setdefault(action, Move(action, None))
-        else:
-            for move in source.discrete.moves:
-                yield from self.step(source, move)
+    def steps(self, source: StateRecord) -> list[object]:
+        """Plan, target and move of each step, one after the other; the move is shared and names no target."""
+        arcs = source.discrete.arcs() if self.frugal else source.discrete.kept_arcs()
+        shared, ways, records, leaving = self._shared, self._ways, self._records, source.form.leaving
+        found: list[object] = []
+        for action, discrete, error in arcs:
+            if discrete is None:
+                found += self.step(source, Move(action, None, error))
+                continue
+            target = records.get(discrete) or self.record(discrete)
+            form = target.form
+            way = ways.get((action, leaving, form.arriving))
+            plan = (way and way.get(form.zones)) or self._way(source, action, target)
+            found += (plan, target, shared.get(action) or shared.setdefault(action, Move(action, None)))
+        return found
 
     def _way(self, source: StateRecord, action: Action, target: StateRecord, error: object = None) -> Plan:
         if error is not None:
             unchanged = tuple((number, 0) for number in range(source.n))
             return self._plan(source.n, self.guard(source, action), unchanged, source.form)
-        key = (action, source.form, target.form)
-        plan = self._planned.get(key)
+        form = target.form
+        key = (action, source.form.leaving, form.arriving)
+        way = self._ways.get(key)
+        if way is not None and (plan := way.get(form.zones)) is not None:
+            return plan
+        index, resets = source.form.index, action.resets
+        sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in form.clocks]
+        guard = (*self.guard(source, action), *_entering(source, action, target))
+        same = (source.n, guard, ((0, 0), *sources))
+        if way is None:
+            way = self._ways[key] = self._same_ways.setdefault(same, {})
+        plan = way.get(form.zones)
         if plan is None:
-            index, resets = source.form.index, action.resets
-            sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in target.form.clocks]
-            guard = (*self.guard(source, action), *_entering(source, action, target))
-            plan = self._planned[key] = self._plan(source.n, guard, ((0, 0), *sources), target.form)
+            plan = way[form.zones] = self._plan(*same, form)
         return plan
+
+    def asked_inside(self, form: Form) -> object:
+        """What guards ask besides the guard of the move, of the zones of a form."""
+        return None
 
     def guard(self, source: StateRecord, action: Action) -> tuple[Constraint, ...]:
         """What the zones of a record must satisfy for a move."""
@@ -234,13 +264,12 @@ class SymbolicSpace:
         self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Form
     ) -> Plan:
         """The one for zones of size ``n``; see :class:`Plan`."""
+        rearrangement = self._rearrangements.get((n, sources))
+        if rearrangement is None:
+            rearrangement = self._rearrangements[n, sources] = Rearrangement(n, sources)
         delays = self.delays and target.delays
         limits = target.widening if self.widens_in(target) else None
-        key = (n, guard, sources, delays, target.invariant, id(limits))
-        plan = self._plans.get(key)
-        if plan is None:
-            plan = self._plans[key] = Plan(n, guard, sources, delays, target.invariant, limits, self._unique)
-        return plan
+        return Plan(guard, rearrangement, delays, target.invariant, limits, self._unique)
 
     def widens_in(self, form: Form) -> bool:
         """Whether zones are widened there."""
@@ -267,6 +296,10 @@ class InvariantGuardedSpace(SymbolicSpace):
     def guard(self, source: StateRecord, action: Action) -> tuple[Constraint, ...]:
         """What the zones of a record must satisfy for a move: the invariant, too."""
         return (*super().guard(source, action), *source.invariant)
+
+    def asked_inside(self, form: Form) -> object:
+        """The invariant."""
+        return form.invariant
 
     def widens_in(self, form: Form) -> bool:
         """Where time passes."""

@@ -3,12 +3,34 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from struct import Struct
-from typing import Any
+from typing import Any, NamedTuple
 
 from timed_automata.compiler import Bound, ClockConstraint, Values
-from timed_automata.network import Network
+from timed_automata.network import Location, Network
+
+
+class LocationFacts(NamedTuple):
+    """A location.
+
+    Attributes:
+        delays: whether time may pass in it.
+        clocks: of its invariant.
+        fixed: the bounds of its invariant, where they are the same whatever the values; None otherwise.
+    """
+
+    delays: bool
+    clocks: tuple[ClockConstraint, ...]
+    fixed: tuple[Bound, ...] | None
+
+    @classmethod
+    def of(cls, location: Location) -> LocationFacts:
+        """What does not depend on the state."""
+        clocks = tuple(location.invariant.clocks)
+        fixed = tuple(bound for part in clocks if (bound := part.fixed) is not None)
+        delays = not (location.urgent or location.committed)
+        return cls(delays, clocks, fixed if len(fixed) == len(clocks) else None)
 
 
 class LocationVector:
@@ -23,15 +45,15 @@ class LocationVector:
 
     __slots__ = ("_parts", "delays", "invariant", "locations", "states")
 
-    def __init__(self, network: Network, locations: tuple[int, ...]) -> None:
-        found = [process.locations[at] for process, at in zip(network.processes, locations, strict=True)]
-        self.locations = locations
-        self.delays = not any(at.urgent or at.committed for at in found)
-        self._parts: tuple[ClockConstraint, ...] = tuple(
-            part for location in found for part in location.invariant.clocks
-        )
-        fixed = tuple(bound for part in self._parts if (bound := part.fixed) is not None)
-        self.invariant = fixed if len(fixed) == len(self._parts) else None
+    def __init__(self, locations: tuple[int, ...], facts: Sequence[LocationFacts]) -> None:
+        self.locations, self.delays = locations, all([each.delays for each in facts])
+        timed = [each for each in facts if each.clocks]
+        self.invariant: tuple[Bound, ...] | None = None
+        self._parts: tuple[ClockConstraint, ...] = ()
+        if any([each.fixed is None for each in timed]):
+            self._parts = tuple([part for each in timed for part in each.clocks])
+        else:
+            self.invariant = tuple([bound for each in timed for bound in each.fixed or ()])
         self.states: dict[bytes, Any] = {}
 
     def invariant_at(self, values: Values) -> tuple[Bound, ...]:

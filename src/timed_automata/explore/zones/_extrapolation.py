@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from timed_automata.explore.zones._limits import NEVER, Limit
-from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, Zone, at_most, below, close
+from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, Zone, at_most, below
 
 
 class Widening(NamedTuple):
@@ -43,23 +43,42 @@ def widening(limits: Iterable[Limit]) -> Widening:
 
 def extrapolated(zone: list[int], n: int, limits: Widening) -> Zone:
     """The widened zone, canonical; ``zone`` is changed."""
-    before = tuple(zone)
     lower_at_most, past_lower, past_upper, kept = limits
+    lower = zone[:n]
     whole = [INFINITY] * n
+    past = [j for j in range(1, n) if lower[j] < past_upper[j]]
+    loosened = [(0, j) for j in past if kept[j] > lower[j]]
+    for _, j in loosened:
+        zone[j] = kept[j]
+    rows = [0]  # from which a bound leads on
     for i in range(1, n):
         at = i * n
-        if before[i] < past_lower[i]:
+        if lower[i] < past_lower[i]:
             zone[at : at + n] = whole
-        else:
-            most = lower_at_most[i]
-            zone[at : at + n] = [INFINITY if bound > most else bound for bound in zone[at : at + n]]
-    for j in range(1, n):
-        if before[j] < past_upper[j]:
-            zone[n + j :: n] = whole[1:]
-            zone[j] = max(kept[j], before[j])
-        zone[j * n + j] = AT_MOST_ZERO
-    after = tuple(zone)
-    if after == before:
-        return before
-    close(zone, n)
+            zone[at + i] = AT_MOST_ZERO
+            continue
+        rows.append(i)
+        most = lower_at_most[i]
+        loose = [(at, j) for j, bound in enumerate(zone[at : at + n]) if most < bound != INFINITY]
+        loose += [(at, j) for j in past if j != i and zone[at + j] <= most]
+        for _, j in loose:
+            zone[at + j] = INFINITY
+        loosened += loose
+    _close(zone, n, rows, loosened)
     return tuple(zone)
+
+
+def _close(zone: list[int], n: int, rows: list[int], loosened: list[tuple[int, int]]) -> None:
+    """Make canonical what was, but for the bounds that were loosened (start of their row, column), in place.
+
+    Floyd and Warshall's way, over the loosened bounds only: the others are as tight as ever, and a row without bounds
+    neither gets one nor leads to one.
+    """
+    for k in rows if loosened else ():
+        on = zone[k * n : k * n + n]
+        for at, column in loosened:
+            to, then = zone[at + k], on[column]
+            if to != INFINITY != then:
+                over = to + then - ((to | then) & 1)
+                if over < zone[at + column]:
+                    zone[at + column] = over

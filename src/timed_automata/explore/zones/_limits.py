@@ -33,7 +33,11 @@ def merged(left: dict[int, Limit], right: ByClock) -> bool:
     """Widen ``left`` in place; whether anything changed."""
     changed = False
     for clock, limit in right.items():
-        old = left.get(clock, Limit())
+        old = left.get(clock)
+        if old is None:
+            left[clock] = limit
+            changed = True
+            continue
         new = Limit(max(old.lower, limit.lower), max(old.upper, limit.upper))
         if new != old:
             left[clock] = new
@@ -143,21 +147,32 @@ class Limits:
             if query.at is None:
                 merged(self._everywhere, query.limits)
         self._processes = [_of_process(process, self._asked) for process in network.processes]
+        self._places = [
+            (process, _numbered(limits)) for process, limits in enumerate(self._processes) if any(limits)
+        ]
         self._known: dict[tuple[int, ...], dict[int, Limit]] = {}
+        self._found: dict[object, dict[int, Limit]] = {}
 
     def and_also(self, extra: ByClock) -> Limits:
         """These limits and further ones."""
         return Limits(self._network, (*self._asked, QueryLimits(extra)), symmetric=self._symmetric)
 
     def at(self, locations: tuple[int, ...]) -> dict[int, Limit]:
-        """The limits of the active clocks, in the order of their numbers."""
-        known = self._known.get(locations)
+        """The limits of the active clocks, in the order of their numbers; equal ones are one object."""
+        key = tuple([numbers[locations[process]] for process, numbers in self._places])
+        known = self._known.get(key)
         if known is None:
             found = dict(self._everywhere)
-            for limits, location in zip(self._processes, locations, strict=True):
-                if here := limits[location]:
-                    merged(found, here)
+            for process, _ in self._places:
+                merged(found, self._processes[process][locations[process]])
             if self._symmetric:
                 found = {clock: Limit(max(limit), max(limit)) for clock, limit in found.items()}
-            known = self._known[locations] = dict(sorted(found.items()))
+            found = dict(sorted(found.items()))
+            same = tuple(found), tuple(found.values())
+            known = self._known[key] = self._found.setdefault(same, found)
         return known
+
+
+def _numbered(limits: list[dict[int, Limit]]) -> list[int]:
+    """A number for each location of a process; those with the same limits have one."""
+    return [limits.index(here) for here in limits]

@@ -49,6 +49,32 @@ class Unique(tuple[int, ...]):
     __ne__ = object.__ne__
 
 
+class UniqueZones:
+    """All zones that were met: gives the one object for the bounds of each.
+
+    A zone stands here under its hash (or the next number that is free), not under a copy of itself; and equal bounds
+    are one object, as a number takes more memory than its place in a zone.
+    """
+
+    def __init__(self) -> None:
+        self._zones: dict[int, Unique] = {}
+        self._bounds: dict[int, int] = {}
+
+    def __len__(self) -> int:
+        return len(self._zones)
+
+    def of(self, zone: Zone) -> Unique:
+        """The one with these bounds."""
+        number = hash(zone)
+        while (found := self._zones.get(number)) is not None:
+            if tuple.__eq__(found, zone):
+                return found
+            number += 1
+        bounds = self._bounds
+        found = self._zones[number] = Unique([bounds.setdefault(bound, bound) for bound in zone])
+        return found
+
+
 Constraint = tuple[int, int, int]  # i, j, bound: x_i - x_j within bound
 IMPOSSIBLE: Constraint = (0, 0, 0)  # x_0 - x_0 < 0
 
@@ -121,24 +147,6 @@ def constrained(zone: Zone, n: int, constraints: Iterable[Constraint]) -> Zone |
     return zone if z is None else tuple(z)
 
 
-def close(z: list[int], n: int) -> None:
-    """Make canonical, in place, what is known not to be empty (Floyd and Warshall)."""
-    size = n * n
-    for k in range(n):
-        row = z[k * n : k * n + n]
-        reach = [(column, on) for column, on in enumerate(row) if on != INFINITY and column != k]
-        if not reach:
-            continue
-        for at in range(0, size, n):
-            to = z[at + k]
-            if to == INFINITY:
-                continue
-            for column, on in reach:
-                over = to + on - ((to | on) & 1)
-                if over < z[at + column]:
-                    z[at + column] = over
-
-
 def included(inner: Zone, outer: Zone) -> bool:
     """Whether every valuation of one is one of the other."""
     return all(map(le, inner, outer))
@@ -165,6 +173,23 @@ def up(zone: Zone, n: int) -> Zone:
     z = list(zone)
     z[n::n] = [INFINITY] * (n - 1)
     return tuple(z)
+
+
+def delay(z: list[int], n: int, upper: Iterable[tuple[int, int]]) -> None:
+    """Let time pass up to upper bounds, which ``z`` keeps: (place, bound); in place.
+
+    How clocks differ, and how large they are at least, is then as before; so no way round is shorter but those over
+    the upper bounds.
+    """
+    for at in range(n, n * n, n):
+        most = INFINITY
+        for i, bound in upper:
+            more = z[at + i]
+            if more != INFINITY:
+                over = more + bound - ((more | bound) & 1)
+                if over < most:
+                    most = over
+        z[at] = most
 
 
 def down(zone: Zone, n: int) -> Zone:

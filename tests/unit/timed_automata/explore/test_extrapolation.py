@@ -10,9 +10,10 @@ from tests.unit.timed_automata.explore.valuations import END, UNIT, canonical, g
 from timed_automata.explore.zones import _zone
 from timed_automata.explore.zones._extrapolation import extrapolated, widening
 from timed_automata.explore.zones._limits import NEVER, Limit
-from timed_automata.explore.zones._zone import INFINITY, at_most
+from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, at_most, below
 
-limits = st.tuples(*[st.builds(Limit, st.integers(NEVER, 3), st.integers(NEVER, 3))] * 2)
+limit = st.builds(Limit, st.integers(NEVER, 3), st.integers(NEVER, 3))
+limits = st.tuples(limit, limit)
 
 
 def widened(zone: _zone.Zone, bounds: tuple[Limit, ...]) -> _zone.Zone:
@@ -41,6 +42,30 @@ def test_it_only_adds_what_a_valuation_inside_simulates(
             for x, bound in zip(v[1:], bounds, strict=True)
         ]
         assert any(inside(zone, (0, *w)) for w in product(*columns)), v
+
+
+@given(st.data(), st.integers(2, 5))
+def test_it_is_the_definition_made_canonical(data: st.DataObject, n: int) -> None:
+    """Definition 4, bound by bound, and then the closure of all of it."""
+    zone, bounds = data.draw(zones(n)), data.draw(st.lists(limit, min_size=n - 1, max_size=n - 1))
+    lower, upper = ([0, *(each[at] for each in bounds)] for at in (0, 1))
+
+    def past(clock: int, limit: int) -> bool:
+        """Whether all of the zone is past a limit of a clock."""
+        return clock > 0 and (limit == NEVER or zone[clock] < at_most(-limit))
+
+    def loosened(i: int, j: int) -> int:
+        bound = zone[i * n + j]
+        if i == j:
+            return bound
+        if i and (past(i, lower[i]) or bound > at_most(lower[i])):
+            return INFINITY
+        if not past(j, upper[j]):
+            return bound
+        return INFINITY if i else max(bound, AT_MOST_ZERO if upper[j] == NEVER else below(-upper[j]))
+
+    expected = canonical(tuple(loosened(i, j) for i in range(n) for j in range(n)))
+    assert widened(zone, tuple(bounds)) == expected
 
 
 def test_the_definition_case_by_case() -> None:

@@ -11,6 +11,7 @@ from tests.unit.timed_automata.explore.valuations import (
     HIGH,
     UNIT,
     Valuation,
+    bounds,
     canonical,
     constraints,
     given,
@@ -19,7 +20,7 @@ from tests.unit.timed_automata.explore.valuations import (
     satisfies,
     zones,
 )
-from timed_automata.explore.states._plan import Plan
+from timed_automata.explore.states._plan import Plan, Rearrangement
 from timed_automata.explore.zones import _zone
 from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, at_most, below, negated
 
@@ -43,11 +44,11 @@ def test_the_incremental_closure_is_the_whole_one(data: st.DataObject, n: int) -
     zone = data.draw(zones(n))
     i, j, bound = data.draw(constraints(n))
     assert canonical(zone) == zone
-    z = list(zone)
-    z[i * n + j] = min(z[i * n + j], bound)
-    _zone.close(z, n)
+    tighter = list(zone)
+    tighter[i * n + j] = min(tighter[i * n + j], bound)
+    whole = canonical(tuple(tighter))
     result = _zone.constrained(zone, n, [(i, j, bound)])
-    assert result == (tuple(z) if all(z[k * n + k] >= AT_MOST_ZERO for k in range(n)) else None)
+    assert result == (whole if all(whole[k * n + k] >= AT_MOST_ZERO for k in range(n)) else None)
 
 
 @given(zones(), zones())
@@ -80,10 +81,25 @@ def put(v: Valuation, clock: int, value: int) -> Valuation:
     return tuple(value if at == clock else x for at, x in enumerate(v))
 
 
+@given(st.data(), st.integers(2, 4))
+def test_a_delay_up_to_an_invariant(data: st.DataObject, n: int) -> None:
+    """Upper and lower bounds; a zone that was widened may lie beyond them."""
+    zone, invariant = data.draw(zones(n)), data.draw(st.lists(bounds(n), max_size=4))
+    lasting = [constraint for constraint in invariant if not constraint[1]]
+    expected = _zone.constrained(_zone.up(zone, n), n, invariant)
+    sources = [(at, 0) for at in range(n)]
+    assert Plan((), Rearrangement(n, sources), True, tuple(invariant), None)(zone) == expected
+    inside_ = _zone.constrained(zone, n, lasting)
+    if inside_ is not None:
+        delayed = list(inside_)
+        _zone.delay(delayed, n, [(i, bound) for i, _, bound in lasting])
+        assert tuple(delayed) == _zone.constrained(_zone.up(zone, n), n, lasting)
+
+
 @given(zones(), st.integers(1, 2), st.integers(0, HIGH))
 def test_a_plan_sets_a_clock_to_a_value(zone: _zone.Zone, clock: int, value: int) -> None:
     sources = [(0, value) if at == clock else (at, 0) for at in range(3)]
-    result = Plan(3, (), sources, False, (), None)(zone)
+    result = Plan((), Rearrangement(3, sources), False, (), None)(zone)
     expected = {
         v
         for v in GRID
@@ -96,7 +112,7 @@ def test_a_plan_sets_a_clock_to_a_value(zone: _zone.Zone, clock: int, value: int
 @given(zones(), st.integers(1, 2))
 def test_a_plan_drops_a_clock(zone: _zone.Zone, clock: int) -> None:
     other = 3 - clock
-    result = Plan(3, (), [(0, 0), (other, 0)], False, (), None)(zone)
+    result = Plan((), Rearrangement(3, [(0, 0), (other, 0)]), False, (), None)(zone)
     assert result is not None
     assert result == canonical(result)
     assert {v for v in GRID if inside(result, (0, v[other]))} == {

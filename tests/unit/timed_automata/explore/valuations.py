@@ -51,6 +51,14 @@ def constraints(draw: st.DrawFn, n: int = 3) -> _zone.Constraint:
 
 
 @st.composite
+def bounds(draw: st.DrawFn, n: int = 3) -> _zone.Constraint:
+    """Of one clock."""
+    clock, value = draw(st.integers(1, n - 1)), draw(st.integers(0, 2 * HIGH))
+    strict = draw(st.sampled_from((at_most, below)))
+    return draw(st.sampled_from(((clock, 0, strict(value)), (0, clock, strict(-value)))))
+
+
+@st.composite
 def zones(draw: st.DrawFn, n: int = 3) -> _zone.Zone:
     zone = _zone.everything(n)
     for constraint in draw(st.lists(constraints(n), max_size=2 * n)):
@@ -58,7 +66,14 @@ def zones(draw: st.DrawFn, n: int = 3) -> _zone.Zone:
     return zone
 
 
+def added(left: int, right: int) -> int:
+    """A bound over two bounds."""
+    return INFINITY if INFINITY in (left, right) else left + right - ((left | right) & 1)
+
+
 def canonical(zone: _zone.Zone) -> _zone.Zone:
-    z = list(zone)
-    _zone.close(z, round(len(z) ** 0.5))
+    """With each bound as tight as the others make it (Floyd and Warshall)."""
+    z, n = list(zone), round(len(zone) ** 0.5)
+    for k, i, j in product(range(n), repeat=3):
+        z[i * n + j] = min(z[i * n + j], added(z[i * n + k], z[k * n + j]))
     return tuple(z)
