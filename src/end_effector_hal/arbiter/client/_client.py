@@ -129,7 +129,8 @@ class ArbiterClient:
     def ask(self, levels: Mapping[str, bool], will: Steps | None = None) -> Callable[[], int]:
         """As `set`, in two parts: this one sends and never waits; the function that it returns waits for the reply.
 
-        It returns µs until the write is applied, with all before it (0: it is; IL-10). That function must be called once, in any thread: the calls of all others wait for it.
+        It returns µs until the write is applied, with all before it (0: it is; IL-10). It must be called once, in any
+        thread: the calls of all others wait for it.
         """
         steps = None if will is None else self._read(will)
         if not self._lock.acquire(blocking=False):
