@@ -35,9 +35,9 @@ class _Lines:
     def overtaken(self) -> bool:
         return False
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
         del levels, will
-        return lambda: None
+        return lambda: 0
 
     def close(self, will: Sequence[LastWillStep]) -> None:
         del will

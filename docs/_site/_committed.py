@@ -8,12 +8,14 @@ from ._commands import commands
 from ._errors import errors
 from ._interlocks import interlocks
 from ._markdown import ROOT
+from ._mutants import mutants
 from ._ros import entries
 
 COMMITTED: dict[str, Callable[[], str]] = {
     "commands": commands,
     "errors": errors,
     "interlocks": interlocks,
+    "mutants": mutants,
     "ros": entries,
 }
 """By the name of the page in ``docs/reference``."""

@@ -38,12 +38,13 @@ class Owner:
             raise self.error
         return dict(self.active)
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
-        def wait() -> None:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+        def wait() -> int:
             if self.error:
                 raise self.error
             self.active |= levels
             self.will = tuple(will)
+            return 0
 
         return wait
 

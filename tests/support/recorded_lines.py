@@ -26,10 +26,11 @@ class Arbiter:
     def levels(self) -> Mapping[str, bool]:
         return dict(self.active)
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
-        def wait() -> None:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+        def wait() -> int:
             self.active |= levels
             self.will = tuple(will)
+            return 0
 
         return wait
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from end_effector_hal.arbiter.rules import Session
 from end_effector_hal.errors import ArbiterError, ReportedError
@@ -55,8 +55,8 @@ class VirtualConnection:
         declared, self._declared_dead = self._declared_dead, False
         return declared
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:
-        """Write; what is returned has the result, or raises."""
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+        """Write; what is returned has µs until it is applied, or raises."""
         steps = read_last_will(will)
 
         def written(arbiter: VirtualArbiter, session: Session) -> int:
@@ -140,8 +140,8 @@ class VirtualConnection:
         self._declared_dead = self._declared_dead or session.declared_dead
 
 
-def _raising(error: ReportedError) -> Callable[[], object]:
-    def fail() -> object:
+def _raising(error: ReportedError) -> Callable[[], NoReturn]:
+    def fail() -> NoReturn:
         raise error
 
     return fail

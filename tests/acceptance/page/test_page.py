@@ -163,7 +163,9 @@ def test_one_actuator_is_driven_in_maintenance(chromium: Any, nominal: Live) -> 
     page.context.close()
 
 
-def test_an_edge_shows_the_requirements_that_speak_of_it(chromium: Any, nominal: Live) -> None:
+def test_an_edge_shows_the_requirements_that_need_it_and_that_speak_of_it(
+    chromium: Any, nominal: Live
+) -> None:
     page = opened(chromium, nominal)
     page.wait_for_selector("#automata-edge option:nth-child(2)", state="attached")
     choices = page.locator("#automata-edge option").all_inner_texts()
@@ -172,6 +174,10 @@ def test_an_edge_shows_the_requirements_that_speak_of_it(chromium: Any, nominal:
     page.locator("#automata .spoken li", has_text="order-step").wait_for()
     page.locator("#automata").scroll_into_view_if_needed()
     shot(page, "requirements")
+    page.locator("#automata-tabs button", has_text="Bottom vacuum").click()
+    page.select_option("#automata-edge", label="12. On → Off")
+    page.locator("#automata .needed li", has_text="outputs").wait_for()
+    assert "Needed by" in page.locator("#automata .spoken-title").first.inner_text()
     assert not page.faults
     page.context.close()
 

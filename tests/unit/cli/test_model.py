@@ -178,13 +178,22 @@ def test_each_template_is_drawn_with_the_constants_of_the_description() -> None:
 
 def test_any_uppaal_file_is_drawn() -> None:
     answer = json.loads(run("show", "--model", "lamp.xml", "-o", "out", "--json").stdout)
+    edges = answer.pop("edges")
     assert answer == {
         "schema_version": 1,
         "source": "lamp.xml",
         "templates": {"Lamp": ["out/Lamp.png", "out/Lamp.svg"]},
     }
+    assert {(each["edits"], *each["needed_by"]) for each in edges["Lamp"]} == {(0,)}  # nothing is known of it
     assert "LOUD = true" in Path("out/Lamp.svg").read_text(encoding="utf-8")
     ET.parse("out/Lamp.svg")
+
+
+def test_the_requirements_that_need_an_edge_are_printed() -> None:
+    told = run("show", "--template", "Actuator", "--edges", "-o", "out").stdout.splitlines()
+    assert len(told) == 13
+    assert told[-1].startswith("  12. On -> Off: needed by ")
+    assert "outputs" in told[-1]
 
 
 def test_no_template_overwrites_another() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -36,6 +37,20 @@ def test_json_has_each_mutant_and_the_same_seed_the_same_ones() -> None:
     assert caught
     assert all(each["caught_by"] for each in caught)
     assert (code, json.loads(run(*words)[1])) == (0, document)
+
+
+def test_what_was_found_is_written_and_what_is_kept_is_printed(tmp_path: Path) -> None:
+    path = tmp_path / "record.json"
+    code, told = run("--template", "Arming", "--sample", "1", "--jobs", "1", "--record", str(path))
+    record = json.loads(path.read_text(encoding="utf-8"))
+    assert (code, record["judged"], record["of"]) == (0, 1, 57)
+    assert len(record["edges"]) == 1
+    code, told = run("--kept")
+    assert code == 0
+    assert told.splitlines()[0].endswith("mutants, drawn with --seed 2026:")
+    kept = json.loads(run("--kept", "--json")[1])
+    assert told.splitlines()[-3 - len(kept["survivors"])].split()[0] == "all"
+    assert kept["edges"]
 
 
 def test_only_what_is_executed_is_edited() -> None:

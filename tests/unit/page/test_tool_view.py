@@ -229,6 +229,19 @@ def test_an_edge_knows_the_requirements_that_name_its_ends_or_what_it_writes(ver
     assert drawn["requirements"][0]["sentence"]
 
 
+def test_an_edge_knows_the_requirements_that_need_it(verdin: Description) -> None:
+    drawn = ToolView(verdin, 0).drawn()["automata"]
+    ids = [each["id"] for each in drawn["requirements"]]
+    actuator = next(each for each in drawn["templates"] if each["name"] == "Actuator")
+    needs = {
+        id_: edge["needed"]["edits"]
+        for edge in actuator["edges"]
+        for id_ in [ids[number] for number in edge["needed"]["by"]]
+    }
+    assert all(needs.values())
+    assert {"ranges", "outputs"} <= needs.keys()
+
+
 @pytest.mark.parametrize("supply", ["supply", "none"])
 def test_the_margin_of_a_cylinder_is_that_of_ros(verdin: Description, supply: str) -> None:
     """Also without a sensor of the supply: its nominal pressure counts, and no rod has a margin at 0 kPa."""

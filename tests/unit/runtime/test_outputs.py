@@ -25,15 +25,16 @@ class Lines:
         self.active: dict[str, bool] = {}
         self.dead = False
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
         self.asked.append((dict(levels), tuple(will)))
         return self._wait
 
-    def _wait(self) -> None:
+    def _wait(self) -> int:
         self.waited += 1
         if self.error:
             raise self.error
         self.active |= self.asked[-1][0]
+        return 0
 
     def levels(self) -> Mapping[str, bool]:
         return self.active

@@ -46,14 +46,15 @@ class Lines:
     def declared_dead(self) -> bool:
         return False
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], None]:
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
         del will
         if self.count is not None and levels:
             self.count.stop()
 
-        def wait() -> None:
+        def wait() -> int:
             self._answer()
             self.active |= levels
+            return 0
 
         return wait
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +12,7 @@ from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
+from end_effector_lab.testbench.physics import _magnet
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
 from timed_automata.execute import Observation
@@ -234,3 +236,46 @@ def test_a_monitor_follows_every_program_of_a_run() -> None:
     assert len(monitors) == 3
     assert [each.objections for each in monitors] == [[], [], []]
     assert all(each.steps for each in monitors)
+
+
+QUICK = """\
+schema: 2
+name: quick
+summary: a magnet whose switch answers at once
+lines: {backend: gpiod}
+inputs: {period_ms: 5}
+channels:
+  part: {digital: {line: GPIO22, bias: pull_up}, invert: true}
+sequence: [magnet]
+actuators:
+  magnet: {kind: magnet, line: GPIO12, part_bit: part, confirmed_ms: 0, gone_ms: 0, timeout_s: 2}
+supply: {channel: none}
+"""
+
+
+def test_nothing_is_told_as_held_while_its_deactivation_waits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """IL-10: the line goes inactive 50 ms after it was activated, although the next grip is confirmed by then."""
+    monkeypatch.setattr(_magnet, "_SHARE", 0.9)  # its field is there at once
+    description = tmp_path / "quick.yaml"
+    description.write_text(QUICK, encoding="utf-8")
+    tool = ready(load_tool(description))
+    begun = tool.at
+    assert tool.command("grip").accepted
+    tool.run(0.01)
+    assert tool.command("cancel").accepted
+    tool.run(0.005)
+    assert tool.command("grip").accepted
+    assert tool.run_until(tool.at + 1_000_000, lambda: tool.status.held)
+    assert [(edge.at - begun, edge.level) for edge in tool.edges] == [
+        (0, True),
+        (50_000, False),
+        (100_000, True),
+    ]
+    assert tool.at - begun == 100_000
+    # meanwhile the part has gone: it is told as lost, and never as gripped
+    assert [EndEffectorState(each.ee).name for each in tool.statuses if each.held] == ["GRIP_ERROR"]
+    tool.run(1.0)
+    assert tool.command("drop").accepted
+    until(tool, STAND_BY)

@@ -126,22 +126,23 @@ class ArbiterClient:
                 self._connect()
             return self._written(steps, self._begin_set(levels, steps))
 
-    def ask(self, levels: Mapping[str, bool], will: Steps | None = None) -> Callable[[], WriteResult]:
+    def ask(self, levels: Mapping[str, bool], will: Steps | None = None) -> Callable[[], int]:
         """As `set`, in two parts: this one sends and never waits; the function that it returns waits for the reply.
 
-        That function must be called once, in any thread: the calls of all others wait for it.
+        It returns µs until the write is applied, with all before it (0: it is; IL-10). It must be called once, in any
+        thread: the calls of all others wait for it.
         """
         steps = None if will is None else self._read(will)
         if not self._lock.acquire(blocking=False):
-            return lambda: self.set(levels, steps)
+            return lambda: self.set(levels, steps).delay_us
         if self._lost is not None or not self._arbiter.connected:
             self._lock.release()
-            return lambda: self.set(levels, steps)
+            return lambda: self.set(levels, steps).delay_us
         failed = self._begin_set(levels, steps)
 
-        def wait() -> WriteResult:
+        def wait() -> int:
             try:
-                return self._written(steps, failed)
+                return self._written(steps, failed).delay_us
             finally:
                 self._lock.release()
 

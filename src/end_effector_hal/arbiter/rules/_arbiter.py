@@ -187,7 +187,8 @@ class LineArbiter:
         if will is not None:
             self._set_last_will(session, will)
         session.forget_activations(line for line, level in levels.items() if not level)
-        session.queue.append(Write(at, dict(levels)))
+        if levels:
+            session.queue.append(Write(at, dict(levels)))
         self._apply_due(session, at)
         return max(0, self._lines.last_ready_at(session.queue) - at) if session.queue else 0
 

@@ -13,6 +13,7 @@ from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._check import check
+from end_effector_hal.cli.model._edges import edge_needs, told_edges
 from end_effector_hal.cli.model._fig5 import fig5
 from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.cli.model._simulate import simulate
@@ -52,7 +53,10 @@ def command() -> None:
     shell_complete=completed(_template_names),
     help="Draw only this one.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
+@click.option("--edges", is_flag=True, help="Print, too, which requirements need each edge.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print the files, and which requirements need each edge."
+)
 def show(
     description: Path | None,
     model: Path | None,
@@ -60,12 +64,15 @@ def show(
     deaths: bool,
     output: Path,
     template: str | None,
+    edges: bool,
     as_json: bool,
 ) -> None:
     """Draw each template as UPPAAL shows it (Fig. 5), as PNG and as SVG.
 
     Locations, edges and labels stand where the file says; the constants of the description that a template
     mentions are listed under its name.
+    With --edges: a requirement needs an edge when it was seen to fail of an edit of it (eehal model mutants). Of an
+    edge that nobody has edited yet, or that is not one of the shipped automata, nothing is known.
     """
     draw, source = figures().draw_template, open_source(description, model, coils, deaths=deaths)
     templates = _wanted(source.network.document.templates, template)
@@ -88,8 +95,12 @@ def show(
             if not as_json:
                 progress.clear()
                 click.echo(f"{_name(each)}: {output if one else f'{folder / file}.png, .svg'}")
+                if edges:
+                    for line in told_edges(each):
+                        click.echo(line)
     if as_json:
-        print_document({"source": source.name, "templates": drawn})
+        needs = {_name(each): edge_needs(each) for each in templates}
+        print_document({"source": source.name, "templates": drawn, "edges": needs})
 
 
 def _name(template: Template) -> str:

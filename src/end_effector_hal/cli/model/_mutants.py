@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from end_effector_hal.cli._json_output import print_document
+from end_effector_hal.cli._options import PathName, write_whole
 from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._source import DESCRIPTION, Source, open_source
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
-    from end_effector_hal.verification.mutation import MutantVerdict
+    from end_effector_hal.verification.mutation import MutantVerdict, MutationRecord
 
 _SURVIVORS = 4
 
@@ -36,6 +38,15 @@ _SURVIVORS = 4
 @click.option(
     "--jobs", type=click.IntRange(1), metavar="N", help="Processes; default: one for each processor."
 )
+@click.option(
+    "--record",
+    metavar="FILE",
+    type=PathName(),
+    help="Also write what was found: the table, and which requirements need which edge.",
+)
+@click.option(
+    "--kept", is_flag=True, help="Judge nothing: print the table that comes with the shipped automata."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one object, with each mutant.")
 def mutants(
     description: Path | None,
@@ -43,6 +54,8 @@ def mutants(
     seed: int,
     template: str | None,
     jobs: int | None,
+    record: Path | None,
+    kept: bool,
     as_json: bool,
 ) -> None:
     """Edit the automata systematically, one small edit at a time, and prove the requirements of each mutant.
@@ -53,8 +66,12 @@ def mutants(
     otherwise a requirement may be missing, and the exit code is 4.
     What the values of the description switch off, or do not show, is judged with those of other tools, too.
     """
+    if kept:
+        _print_kept(as_json=as_json)
+        return
     from end_effector_hal.control import model_constants
-    from end_effector_hal.verification.mutation import judge_all
+    from end_effector_hal.verification.mutation import judge_all, mutation_record
+    from timed_automata.mutate import mutants as mutants_of
 
     source = open_source(description, None)
     assert source.description is not None
@@ -71,11 +88,17 @@ def mutants(
                 progress.clear()
                 click.echo(f"{each.mutant.place}: survives: {each.mutant}")
     counts = Counter(str(each.outcome) for each in judged)
+    document = source.network.document
+    found_all = mutation_record(
+        document, judged, of=sum(1 for _ in mutants_of(document, executed)), seed=seed
+    )
+    if record is not None:
+        write_whole(record, (json.dumps(found_all.document(), indent=1, ensure_ascii=False) + "\n").encode())
     if as_json:
         mutants = [each.document() for each in judged]
         print_document({"source": source.name, "seed": seed, "outcomes": counts, "mutants": mutants})
     else:
-        for line in _table(judged):
+        for line in _table(found_all):
             click.echo(line)
     if counts["survives"]:
         sys.exit(_SURVIVORS)
@@ -93,16 +116,29 @@ def _executed(source: Source, template: str | None) -> tuple[str, ...]:
     return (template,)
 
 
-def _table(judged: Iterable[MutantVerdict]) -> Iterator[str]:
+def _print_kept(*, as_json: bool) -> None:
+    from end_effector_hal.verification.mutation import kept_record
+
+    record = kept_record()
+    if as_json:
+        print_document(record.document())
+        return
+    click.echo(f"{record.judged} of {record.of} mutants, drawn with --seed {record.seed}:")
+    for line in _table(record):
+        click.echo(line)
+    for survivor in record.survivors:
+        click.echo(f"survives: {survivor}")
+
+
+def _table(record: MutationRecord) -> Iterator[str]:
     """How many of each kind of edit were caught."""
     outcomes = ("caught", "equivalent", "survives", "off", "invalid", "open")
-    kinds: dict[str, Counter[str]] = {}
-    for each in judged:
-        kinds.setdefault(each.mutant.operator, Counter())[str(each.outcome)] += 1
     heads = ("caught", "same", "survive", "off", "invalid", "open")
     yield f"{'edit':22}" + "".join(f"{head:>9}" for head in heads)
-    total: Counter[str] = sum(kinds.values(), Counter())
-    for kind, counts in [*sorted(kinds.items()), ("all", total)]:
-        yield f"{kind:22}" + "".join(f"{counts[outcome]:>9}" for outcome in outcomes)
+    total: Counter[str] = Counter()
+    for counts in record.outcomes.values():
+        total.update(counts)
+    for kind, counts in [*record.outcomes.items(), ("all", total)]:
+        yield f"{kind:22}" + "".join(f"{counts.get(outcome, 0):>9}" for outcome in outcomes)
     yield "same: proven to change nothing that can happen. off: switched off, with the values of other tools too."
     yield "invalid: no model any more. open: too many states."

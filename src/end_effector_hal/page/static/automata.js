@@ -12,10 +12,13 @@ export class Automata {
     this.figure = make("div", { className: "drawing", tabIndex: 0, role: "region", "aria-label": "Drawing of the automaton, to be scrolled" });
     this.which = make("select", { id: "automata-edge" });
     this.which.addEventListener("change", () => this.showEdge());
+    this.neededTitle = make("p", { className: "spoken-title" });
+    this.needed = make("ul", { className: "spoken needed" });
     this.spokenTitle = make("p", { className: "spoken-title" });
     this.spoken = make("ul", { className: "spoken" });
     box.replaceChildren(this.clocks, this.figure,
-      make("label", { className: "edge-choice" }, "Edge ", this.which), this.spokenTitle, this.spoken);
+      make("label", { className: "edge-choice" }, "Edge ", this.which),
+      this.neededTitle, this.needed, this.spokenTitle, this.spoken);
     this.buttons = this.drawn.processes.map((process) => {
       const label = process.who ? this.cards[process.who] : process.name;
       const button = make("button", { type: "button", className: "small", textContent: label });
@@ -104,15 +107,22 @@ export class Automata {
     return [line, head(way[way.length - 2], way[way.length - 1]), reach];
   }
 
-  // The requirements of the proof that speak of an edge: those that name one of its ends, or what it writes.
+  // The requirements that need an edge: each was seen to fail of an edit of it. And those that speak of it: they name
+  // one of its ends, or what it writes.
   showEdge() {
     const now = this.last && this.last[0][this.process.name];
     const index = this.which.value === "" ? (now && now.last ? now.last.edge : -1) : Number(this.which.value);
     this.edges.forEach((edge, number) => edge[0].classList.toggle("chosen", this.which.value !== "" && number === index));
     const edge = this.template.edges[index];
-    const found = edge ? edge.requirements.map((number) => this.drawn.requirements[number]) : [];
-    put(this.spokenTitle, edge ? `${found.length} requirements speak of it.` : "None was taken yet.");
-    this.spoken.replaceChildren(...found.map((each) => make("li", {}, make("b", { textContent: each.id }), ` ${each.sentence}`)));
+    const listed = (numbers) => numbers.map((number) => this.drawn.requirements[number])
+      .map((each) => make("li", {}, make("b", { textContent: each.id }), ` ${each.sentence}`));
+    const { edits, by } = edge ? edge.needed : { edits: 0, by: [] };
+    put(this.neededTitle, !edge ? "" : edits ? `Needed by ${by.length} requirements (edits of this edge that were judged: ${edits}).`
+      : "Which requirements need it is not known: no edit of it was judged.");
+    this.needed.replaceChildren(...listed(by));
+    const rest = edge ? edge.requirements.filter((number) => !by.includes(number)) : [];
+    put(this.spokenTitle, edge ? `${rest.length} ${by.length ? "others" : "requirements"} speak of it.` : "None was taken yet.");
+    this.spoken.replaceChildren(...listed(rest));
   }
 
   show(automata, at) {

@@ -8,6 +8,7 @@ from typing import Any
 
 from end_effector_hal.control import PROGRAMS, Controller, model_constants
 from end_effector_hal.description import Description
+from end_effector_hal.verification.mutation import CHECKS, kept_record
 from end_effector_hal.verification.proof import requirements_of
 from timed_automata import DrawnEdge, DrawnLocation, ExecutionSnapshot, Label, Network, Step, Template
 
@@ -55,9 +56,13 @@ class AutomataView:
         """Templates with their coordinates, and the processes that are made of them."""
         return {
             "templates": [
-                _template(name, each, self._spoken_of(name, each)) for name, each in self._templates.items()
+                _template(name, each, self._spoken_of(name, each), self._needed_by(each))
+                for name, each in self._templates.items()
             ],
-            "requirements": [{"id": each.id, "sentence": each.sentence} for each in self._requirements],
+            "requirements": [
+                *({"id": each.id, "sentence": each.sentence} for each in self._requirements),
+                *({"id": id_, "sentence": sentence} for id_, sentence in CHECKS.items()),
+            ],
             "processes": [
                 {"name": process.name, "template": process.template, "who": self._who(process.name)}
                 for process, _ in self._processes
@@ -99,6 +104,17 @@ class AutomataView:
             found.append([number for number, text in enumerate(texts) if word.search(text)])
         return found
 
+    def _needed_by(self, template: Template) -> list[dict[str, Any]]:
+        """For each edge how many edits of it were judged, and the numbers of the requirements that have noticed one."""
+        numbers = {each: number for number, each in enumerate((*(r.id for r in self._requirements), *CHECKS))}
+        found = [kept_record().of_edge(template, number) for number in range(len(template.edges))]
+        return [
+            {"edits": needs.edits, "by": [numbers[each] for each in needs.needed_by if each in numbers]}
+            if needs
+            else {"edits": 0, "by": []}
+            for needs in found
+        ]
+
     def _who(self, process: str) -> str:
         found = re.fullmatch(r"\w+\((\d+)\)", process)
         return self._sequence[int(found[1])] if found and int(found[1]) < len(self._sequence) else ""
@@ -139,7 +155,9 @@ def _name(location: DrawnLocation) -> str:
     return location.name.text.content.strip() if location.name else ""
 
 
-def _template(name: str, template: Template, spoken_of: list[list[int]]) -> dict[str, Any]:
+def _template(
+    name: str, template: Template, spoken_of: list[list[int]], needed_by: list[dict[str, Any]]
+) -> dict[str, Any]:
     spots = _spots(template)
     numbers = {each.id: index for index, each in enumerate(template.locations)}
     return {
@@ -161,8 +179,8 @@ def _template(name: str, template: Template, spoken_of: list[list[int]]) -> dict
             for each in template.locations
         ],
         "edges": [
-            _edge(each, spots, numbers) | {"requirements": spoken}
-            for each, spoken in zip(template.edges, spoken_of, strict=True)
+            _edge(each, spots, numbers) | {"requirements": spoken, "needed": needed}
+            for each, spoken, needed in zip(template.edges, spoken_of, needed_by, strict=True)
         ],
     }
 

@@ -26,8 +26,11 @@ class LineWriter(Protocol):
     def declared_dead(self) -> bool:
         """Whether the line arbiter has declared this program dead since the last call."""
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], object]:
-        """Begin to write levels, and what to do should this program die; what is returned waits until it is done."""
+    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+        """Begin to write levels, and what to do should this program die.
+
+        What is returned waits for the reply: µs until all that this program has written is applied (IL-10), 0: it is.
+        """
 
     def close(self, will: Sequence[LastWillStep]) -> None:
         """Leave in good order; the will is done at once."""
@@ -39,7 +42,7 @@ class _Asked(NamedTuple):
     changes: Mapping[str, bool]
     will: tuple[LastWillStep, ...]
     at: int
-    wait: Callable[[], object]
+    wait: Callable[[], int]
     error: ReportedError | None = None
 
 
@@ -67,6 +70,8 @@ class Outputs:
         self.disagreement = ""
         """Why the lines are not as they were written, a sentence, after `agree` has said so."""
         self.retry_at: int | None = None
+        self.settles_at: int | None = None
+        """µs at which what was written is applied: lines have to settle (IL-10). None: it is applied."""
         self.alarm = ""
         self.refused = ""
         """Why the line arbiter did not activate something, in words, until it activates again."""
@@ -114,7 +119,9 @@ class Outputs:
         try:
             if asked.error is not None:
                 raise asked.error
-            self._end(asked.changes, asked.wait)
+            delay_us = self._end(asked.changes, asked.wait)
+            # asked again by then: a deactivation that fails waits for longer
+            self.settles_at = asked.at + min(delay_us, RETRY_US) if delay_us > 0 else None
             self.alarm, self._said, self._undone, self.retry_at = "", asked.will, {}, None
             return
         except ReportedError as error:
@@ -200,9 +207,9 @@ class Outputs:
             self._unheard |= {line for line, level in changes.items() if level}
         self._undone = {line: False for line, level in changes.items() if not level}
 
-    def _end(self, changes: Mapping[str, bool], wait: Callable[[], object]) -> None:
+    def _end(self, changes: Mapping[str, bool], wait: Callable[[], int]) -> int:
         try:
-            wait()
+            delay_us = wait()
         except (ArbiterError, LineBusyError):
             # looked at once: perhaps the owner is there again
             self.lost, self.retry_at = True, 0
@@ -213,7 +220,9 @@ class Outputs:
         self._unheard -= changes.keys()
         if any(changes.values()):
             self.refused = ""
+        return delay_us
 
 
-def _nothing() -> None:
+def _nothing() -> int:
     """There is nothing to wait for."""
+    return 0

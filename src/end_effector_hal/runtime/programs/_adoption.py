@@ -26,12 +26,14 @@ class Adoption:
 
     Attributes:
         begun: whether the lines are adopted.
+        withholds: whether something held is not told yet, because a write waits for its lines to settle.
         obstacle: why they are not, a sentence; empty: nothing is known to be in the way.
     """
 
     def __init__(self, controller: AnyController, outputs: Outputs, lines: LineWriter) -> None:
         self.controller, self.outputs, self._lines = controller, outputs, lines
         self.begun = False
+        self.withholds = False
         self.obstacle = ""
         self._begin_at: int | None = None
         self._ahead_of: object = None
@@ -41,8 +43,10 @@ class Adoption:
     def due(self) -> int | None:
         """µs at which something happens by itself."""
         at = self.controller.deadline if self.begun else self._begin_at
-        retry_at = self.outputs.retry_at
-        return at if retry_at is None else retry_at if at is None else min(at, retry_at)
+        settles_at = self.outputs.settles_at if self.withholds else None
+        return min(
+            (each for each in (at, self.outputs.retry_at, settles_at) if each is not None), default=None
+        )
 
     def begin(self, at: int, sensor_fault: Callable[[], bool], peer: Mapping[str, int]) -> list[Status]:
         """Adopt the lines as they are, or find an obstacle and have it tried again.
@@ -64,7 +68,8 @@ class Adoption:
 
     def time_passed(self, at: int) -> list[Status]:
         """What is due at ``at``, once the lines are adopted."""
-        if not self.outputs.lost and at >= (self.outputs.retry_at or at + 1):
+        settled = self.withholds and at >= (self.outputs.settles_at or at)
+        if not self.outputs.lost and (settled or at >= (self.outputs.retry_at or at + 1)):
             self.outputs.retry(self.controller.status(), at)
         return self.controller.advance(at)
 
@@ -96,6 +101,21 @@ class Adoption:
             return [*statuses, self.now(at)]
         # before it is told nothing is held: the will that holds must have arrived, or the owner may still unwind
         return [status for status in statuses if published.held or not status.held]
+
+    def after_writes(self, statuses: list[Status], published: Status, at: int) -> list[Status]:
+        """What may be published of statuses after the line arbiter has replied; ``published``: what was before.
+
+        A deactivation that was asked for may wait behind its line's last change (IL-10): nothing is told as held
+        before it is over, for until then the line of what would be held goes inactive.
+        """
+        if self.outputs.settles_at is None:
+            if self.withholds:
+                self.withholds = False
+                return [*statuses, self.now(at)]
+            return statuses
+        told = [status for status in statuses if published.held or not status.held]
+        self.withholds = self.withholds or len(told) < len(statuses)
+        return told
 
     def now(self, at: int) -> Status:
         """The status; before the lines are adopted nothing else gives it a time."""

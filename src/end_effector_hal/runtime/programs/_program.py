@@ -242,9 +242,11 @@ class Program(ABC):
 
     def _reaction(self, statuses: list[Status]) -> FollowUp | None:
         """Send what statuses ask of the lines; the follow-up waits for the reply and publishes them."""
-        if not statuses and not self._adoption.outputs.lost and self._notices() == self._shown_notices:
+        adoption = self._adoption
+        waits = adoption.outputs.lost or adoption.withholds
+        if not statuses and not waits and self._notices() == self._shown_notices:
             return None
-        return partial(self._finish, statuses, self._adoption.outputs.begin(statuses))
+        return partial(self._finish, statuses, adoption.outputs.begin(statuses))
 
     def _peer_changed(self, values: dict[str, int]) -> list[Status]:
         self._peer |= values
@@ -305,6 +307,8 @@ class Program(ABC):
                 statuses = self._adoption.compare(statuses, self.status, self._clock())
             except DeclaredDeadError as error:
                 statuses = self._restart(str(error))
+        if not self._adoption.outputs.lost:
+            statuses = self._adoption.after_writes(statuses, self.status, self._clock())
         self._publish(statuses)
 
     def _publish(self, statuses: list[Status]) -> None:

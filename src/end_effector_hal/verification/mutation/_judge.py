@@ -96,7 +96,7 @@ class Baseline:
         self.variant = variant
         bound = network.constants.get("D")
         self.reaction = ReactionBound(self.executed, bound) if isinstance(bound, int) else None
-        self._off = {text.partition(": ")[0] for text in Coverage().report(network).disabled}
+        self._off = _disabled(network)
         if not variant and (failing := self._found.failing):
             what = f"Does not hold of the file as it is: {', '.join(sorted(failing))}."
             raise UsageError(what, todo="`eehal verify` shows a run; mutants are judged by what holds.")
@@ -120,13 +120,27 @@ class Baseline:
 
     def off(self, mutant: Mutant) -> bool:
         """Whether the constants switch off the edge that was edited, or all edges into the location."""
+        return self._among(self._off, mutant)
+
+    def stays_off(self, mutant: Mutant, network: Network | None = None) -> bool:
+        """Whether what was edited is `off`, and is so in the network of the mutant, too: then nothing has changed.
+
+        Without a network: whether the edit is one that switches nothing on.
+        """
+        if not self.off(mutant):
+            return False
+        if mutant.operator in ("edge deleted", "target") or mutant.element.endswith(", assignment"):
+            return True
+        return network is not None and self._among(_disabled(network), mutant)
+
+    def _among(self, off: Collection[str], mutant: Mutant) -> bool:
         template = next(
             each for each in self.network.document.templates if each.name.content.strip() == mutant.template
         )
         if mutant.edge is not None:
-            return template.edges[mutant.edge].place.where(0) in self._off
+            return template.edges[mutant.edge].place.where(0) in off
         into = [edge.place.where(0) for edge in template.edges if edge.target == mutant.location]
-        return bool(into) and mutant.location != template.initial and self._off.issuperset(into)
+        return bool(into) and mutant.location != template.initial and set(off).issuperset(into)
 
     def asked(self, network: Network) -> tuple[Requirement, ...]:
         """The requirements of a mutant's network that hold of the file itself."""
@@ -137,15 +151,17 @@ class Baseline:
         return [name for name, count in _idle(found).items() if count > self._found.idle[name]]
 
 
-def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
-    """Look for a requirement that notices the edit."""
+def judge(mutant: Mutant, baseline: Baseline, *, alike: bool = False) -> MutantVerdict:
+    """Look for a requirement that notices the edit; ``alike``: whether it changes anything is looked at first."""
     try:
         network = make_network(mutant.document, baseline.constants)
         requirements = baseline.asked(network)
     except ModelError:
         return MutantVerdict(mutant, MutantOutcome.INVALID)
-    if baseline.off(mutant) and baseline.reached.equivalent(network):  # the edit may switch it on
+    if baseline.stays_off(mutant, network) or (baseline.off(mutant) and baseline.reached.equivalent(network)):
         return MutantVerdict(mutant, MutantOutcome.OFF)
+    if alike and baseline.reached.equivalent(network):
+        return MutantVerdict(mutant, MutantOutcome.EQUIVALENT)
     try:
         found = _overview(network, requirements, baseline, stop=True)
         by = tuple(_caught(network, requirements, found))
@@ -160,7 +176,7 @@ def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
         return MutantVerdict(mutant, MutantOutcome.CAUGHT, by, baseline.variant)
     if found.ended:
         return MutantVerdict(mutant, MutantOutcome.OPEN)
-    same = baseline.reached.equivalent(network)
+    same = not alike and baseline.reached.equivalent(network)
     return MutantVerdict(mutant, MutantOutcome.EQUIVALENT if same else MutantOutcome.SURVIVES)
 
 
@@ -192,6 +208,11 @@ def _unnoticed(network: Network, found: Overview, baseline: Baseline) -> Iterato
     explorer = Explorer(network)
     if (found.stopped and not explorer.timelock().holds) or (found.zeno and not explorer.zeno().holds):
         yield "time"
+
+
+def _disabled(network: Network) -> frozenset[str]:
+    """Places of the edges that the constants switch off."""
+    return frozenset(text.partition(": ")[0] for text in Coverage().report(network).disabled)
 
 
 def _idle(found: Overview) -> dict[str, int]:

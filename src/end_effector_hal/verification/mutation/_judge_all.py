@@ -15,6 +15,7 @@ from timed_automata.network import Given
 
 _worker: tuple[Baselines, list[Mutant]]
 _DECIDED = MutantOutcome.CAUGHT, MutantOutcome.INVALID
+_UNNOTICED = MutantOutcome.EQUIVALENT, MutantOutcome.SURVIVES
 
 
 class Baselines:
@@ -46,7 +47,11 @@ class Baselines:
         """Judge a mutant with the tool at hand, then with its variants until it is caught."""
         found: list[MutantVerdict] = []
         for baseline in self:
-            verdict = judge(mutant, baseline)
+            if found and baseline.stays_off(mutant):  # it is a model, as the first one has shown
+                found.append(MutantVerdict(mutant, MutantOutcome.OFF))
+                continue
+            alike = any(each.outcome in _UNNOTICED for each in found)
+            verdict = judge(mutant, baseline, alike=alike)
             if verdict.outcome in _DECIDED:
                 return verdict
             found.append(verdict)

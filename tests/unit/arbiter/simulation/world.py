@@ -181,7 +181,8 @@ class World:
     def waits(self) -> list[str]:
         """Lines whose deactivation waits for them to settle."""
         sessions = self.arbiter.rules.sessions if self.arbiter is not None else []
-        return [name for name in GRIP_LINES for each in sessions if each.queued_level(name) is False]
+        waiting = [write.levels for each in sessions for write in each.queue]
+        return [name for name in GRIP_LINES if any(levels.get(name) is False for levels in waiting)]
 
     def shown(self) -> None:
         """Somebody is told of the faults that the arbiter has latched."""

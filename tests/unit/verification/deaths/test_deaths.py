@@ -107,6 +107,13 @@ PLACES: list[Mutant] = [
         "old": "r = 0",
         "new": "found = false, ee = GRIPPED, held = true, r = 0",
     },
+    {
+        "name": "held is told while a deactivation of its line waits, with an activation behind it",
+        "template": "Program",
+        "code": True,
+        "old": " && waits[i] != WAITS_BOTH",
+        "new": "",
+    },
 ]
 
 

@@ -44,15 +44,17 @@ def play(network: Network, seed: int, observe: Callable[[Observation], object] |
     execution = Execution(network, EXECUTED, INTERFACE, observe=observe)
     chooser = random.Random(seed)
     told: list[object] = []
-    levels = {f"evidence[{i}]": 1 for i in range(3)} | {"tool": 1}
-    active = [chooser.random() < 0.2] * 3
+    steps = network.constants["N"]
+    assert isinstance(steps, int)
+    levels = {f"evidence[{i}]": 1 for i in range(steps)} | {"tool": 1}
+    active = [chooser.random() < 0.2] * steps
     # some worlds answer, some keep silent, some lose what was there
     weights = chooser.choice([(2, 9, 3, 1), (8, 2, 2, 1), (5, 6, 3, 3)])
     fitting = chooser.choice([1.0, 0.9, 0.6])
     at = 0
     try:
         execution.start(0)
-        adopted = {f"adopted[{i}]": int(active[i]) for i in range(3)}
+        adopted = {f"adopted[{i}]": int(active[i]) for i in range(steps)}
         found = {name: int(chooser.random() < 0.1) for name in ("adopted_unlock", "adopted_fault")}
         execution.write({**levels, **adopted, **found})
         told += execution.receive(Event("adopt"), 0).steps
@@ -73,17 +75,17 @@ def play(network: Network, seed: int, observe: Callable[[Observation], object] |
                 told += execution.write(asked, at)
                 name, writes = command(execution, chooser), {}
             elif kind == "sensor" and network.constants["SHOWS_EMPTY"] and chooser.random() < 0.3:
-                active_now = [i for i in range(3) if execution.value(f"valve[{i}]")]
+                active_now = [i for i in range(steps) if execution.value(f"valve[{i}]")]
                 name, writes = f"empty[{max(active_now, default=0)}]", {}
             elif kind == "tool":
                 unlocking = execution.value("changer") == UNLOCKING and chooser.random() < 0.7
                 level = 2 if unlocking else chooser.choice([1, 1, 1, 1, 1, 1, 2, 0, 3])
                 name, writes = f"tool_is[{level}]", {"tool": level}
             else:
-                active_now = [execution.value(f"valve[{i}]") for i in range(3)]
+                active_now = [execution.value(f"valve[{i}]") for i in range(steps)]
                 fits = [3 if on else 1 for on in active_now]
-                odd = [i for i in range(3) if execution.value(f"evidence[{i}]") != fits[i]]
-                index = chooser.choice(odd) if odd and chooser.random() < 0.7 else chooser.randrange(3)
+                odd = [i for i in range(steps) if execution.value(f"evidence[{i}]") != fits[i]]
+                index = chooser.choice(odd) if odd and chooser.random() < 0.7 else chooser.randrange(steps)
                 level = fits[index] if chooser.random() < fitting else chooser.choice((0, 0, 1, 2, 3))
                 if level == 0:
                     told += execution.write({f"evidence[{index}]": 0}, at)

@@ -1,0 +1,84 @@
+"""What is kept of judged mutants: of which edges it speaks, and that it is of the shipped automata."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.runtime import load_automata
+from end_effector_hal.verification.mutation import (
+    CHECKS,
+    MutantOutcome,
+    MutantVerdict,
+    kept_record,
+    mutation_record,
+    read_record,
+)
+from end_effector_hal.verification.proof import requirements_of
+from timed_automata import Network, Template
+from timed_automata.mutate import Mutant, mutants
+
+
+@pytest.fixture(scope="module")
+def network() -> Network:
+    return load_automata(load(profile_path()))
+
+
+def template_of(network: Network, name: str) -> Template:
+    return next(each for each in network.document.templates if each.name.content.strip() == name)
+
+
+def of_arming(network: Network) -> list[Mutant]:
+    return [each for each in mutants(network.document, ["Arming"]) if each.edge == 1]
+
+
+def test_an_edge_is_needed_by_what_noticed_an_edit_of_it(network: Network) -> None:
+    one, two, three, four = of_arming(network)[:4]
+    verdicts = [
+        MutantVerdict(one, MutantOutcome.CAUGHT, ("arm-stays", "time")),
+        MutantVerdict(two, MutantOutcome.CAUGHT, ("arm-stays",)),
+        MutantVerdict(three, MutantOutcome.INVALID),
+        MutantVerdict(four, MutantOutcome.SURVIVES),
+    ]
+    record = mutation_record(network.document, verdicts, of=57, seed=3)
+    read = read_record(json.dumps(record.document()), "record.json")
+    assert read == record
+    assert (record.judged, record.of, record.survivors) == (4, 57, (str(four),))
+    needs = record.of_edge(template_of(network, "Arming"), 1)
+    assert needs == (3, {"arm-stays": 2, "time": 1})
+    assert record.of_edge(template_of(network, "Arming"), 0) is None
+
+
+def test_of_an_edge_that_was_edited_since_nothing_is_known(network: Network) -> None:
+    edit = of_arming(network)[0]
+    record = mutation_record(
+        network.document, [MutantVerdict(edit, MutantOutcome.CAUGHT, ("arm-stays",))], of=1, seed=0
+    )
+    template = template_of(network, "Arming")
+    edge = template.edges[1]
+    moved = replace(template, edges=(template.edges[0], replace(edge, nails=()), *template.edges[2:]))
+    assert record.of_edge(moved, 1) is not None
+    edited = replace(template, edges=(template.edges[0], replace(edge, labels={}), *template.edges[2:]))
+    assert record.of_edge(edited, 1) is None
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"schema": 2}', '{"schema": 1, "judged": "many"}'])
+def test_what_is_no_record_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match=r"record\.json: This is no record of judged mutants"):
+        read_record(text, "record.json")
+
+
+def test_what_is_kept_is_of_the_shipped_automata(network: Network) -> None:
+    """An edge may have been edited since; most are those of the file."""
+    record = kept_record()
+    tool = load(profile_path())
+    templates = [template_of(network, name) for name in (*tool.automata.grip, *tool.automata.tool_change)]
+    known = [each for each in templates for number in range(len(each.edges)) if record.of_edge(each, number)]
+    assert len(known) > 0.8 * len(record.edges)
+    ids = {each.id for each in requirements_of(network)} | CHECKS.keys()
+    assert {id_ for each in record.edges.values() for id_ in each.needed_by} <= ids
+    assert sum(sum(counts.values()) for counts in record.outcomes.values()) == record.judged
