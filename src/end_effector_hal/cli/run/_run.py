@@ -85,6 +85,7 @@ def command(
     from end_effector_hal.runtime import EndEffector, read_script
     from end_effector_hal.wires import be_steady, now_us
 
+    from ._causes import Causes
     from ._session import Prompt, RunSession
     from ._simulation import simulated
     from ._voices import Changes, JsonLines, Words
@@ -117,8 +118,10 @@ def command(
                 click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
                 click.echo(f"Live in a browser: eehal page {loaded.source}", err=True)
                 progress("The tool is starting")
+            causes = Causes(loaded) if as_json else None
+            observe = None if causes is None else causes.take
             try:
-                tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits))
+                tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits, observe=observe))
             except ArbiterError as error:
                 if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):  # none runs
                     raise _with_commands(error, description) from error
@@ -128,7 +131,7 @@ def command(
             recording = Recording(record, loaded, scenario=played[0], seed=played[1], limits=limits)
             _record(tool, stack.enter_context(recording))
             stack.callback(tool.close)  # its last states are recorded
-        changes = Changes(loaded, voice)
+        changes = Changes(loaded, voice, causes)
         tool.subscribe(changes.status)
         tool.start()
         try:

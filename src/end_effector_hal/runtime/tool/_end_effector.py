@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -16,6 +17,7 @@ from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.arbiter import PredicatePublisher
+from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
@@ -45,6 +47,7 @@ class EndEffector(Closing):
         description: the tool.
         traces: the folder that gets the traces of both programs; None: nothing is recorded.
         limits: of that folder.
+        observe: gets each record of both programs: what they hear, what the automata do and decide.
 
     Example:
         >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
@@ -59,6 +62,7 @@ class EndEffector(Closing):
         *,
         traces: str | Path | None = None,
         limits: RecordingLimits | None = None,
+        observe: Observer | None = None,
     ) -> None:
         self.description = description
         self._audience = Audience(self._audience_changed)
@@ -67,13 +71,10 @@ class EndEffector(Closing):
         self._lock = threading.Lock()
         judge = FrameJudge()
         with ExitStack() as undo:
-            self._grip = open_program(
-                GripProgram, description, self._gripper_moved, traces=traces, limits=limits, judge=judge
-            )
+            open_one = partial(open_program, traces=traces, limits=limits, judge=judge, observe=observe)
+            self._grip = open_one(GripProgram, description, self._gripper_moved)
             undo.callback(self._grip.close)
-            self._change = open_program(
-                ChangerProgram, description, self._changer_moved, traces=traces, limits=limits, judge=judge
-            )
+            self._change = open_one(ChangerProgram, description, self._changer_moved)
             undo.callback(self._change.close)
             self._outputs = PlainOutputs(description)
             undo.callback(self._outputs.close)
