@@ -160,14 +160,17 @@ class EndEffector(Closing):
         self._audience.add_for_frames(listener, name)
 
     def wait_ready(self, timeout_s: float = 5.0) -> None:
-        """Wait until the tool has adopted its lines and its sensors are heard.
+        """Wait until the tool has adopted its lines, and its sensors speak against no command.
+
+        In STAND_BY everything is proven to be gone then, so that a grip is not refused for it (IL-07); in other states
+        every actuator is known. The lock of the tool changer (IL-05) and the supply (IL-06) are not waited for.
 
         Raises:
             NotReadyError: that took longer; it says what is missing. The tool goes on all the same: what its
                 sensors do not prove is refused with a reason, and what is held stays held.
         """
         until = now_us() + round(timeout_s * 1e6)
-        ready = self._grip.wait(gripper_ready, timeout_s) and self._change.wait(
+        ready = self._grip.wait(partial(gripper_ready, self.description), timeout_s) and self._change.wait(
             lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)
         )
         if not ready:
