@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 unexport PYTHONDONTWRITEBYTECODE
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -118,6 +118,9 @@ check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelli
 
 test-dist: $(UV) ## wheel and sdist: built, installed into fresh environments, used outside of the checkout; a minute
 	@deploy/test-dist.sh
+
+test-readme: $(UV) ## the README's shell commands word for word, in a clone and a home of its own; needs the network
+	@deploy/test-readme.sh
 
 # The runner needs no ROS: what is measured runs in the environments of both, in turns
 bench: setup ros2 ## measure it in turns, without ROS and through ROS 1 and 2: latencies against their floors, CPU, memory

@@ -4,7 +4,7 @@ from ._completion import completed, profiles, typed_tool
 from ._figures import figures
 from ._json_output import json_text, print_document
 from ._main import main
-from ._options import PathName, end_in_order
+from ._options import PathName, end_in_order, seed_option
 from ._progress import Progress
 
 __all__ = [
@@ -17,5 +17,6 @@ __all__ = [
     "main",
     "print_document",
     "profiles",
+    "seed_option",
     "typed_tool",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -12,12 +12,13 @@ from end_effector_hal.errors import MissingExtraError, UsageError
 from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
-    from end_effector_hal.recording import RunInfo, StatesLog
+    from end_effector_hal.recording import RunDifference, RunInfo, RunTables, StatesLog
     from timed_automata import Template
 
 GROUP = "end_effector_hal.figures"
 NAME = "lab"
 FORMATS = ("png", "svg")
+_NAMED = ("timeline", "overlay", "draw_template", "save")
 
 
 class Figures(Protocol):
@@ -25,6 +26,16 @@ class Figures(Protocol):
 
     def timeline(self, log: StatesLog, pressures: None, info: RunInfo) -> object:
         """The states of a run as lanes."""
+        ...
+
+    def overlay(
+        self,
+        first: RunTables,
+        second: RunTables,
+        differences: Sequence[RunDifference],
+        names: tuple[str, str],
+    ) -> object:
+        """Two runs over each other, their differences marked."""
         ...
 
     def draw_template(self, template: Template, constants: Mapping[str, object]) -> object:
@@ -37,8 +48,8 @@ class Figures(Protocol):
 
 
 def _checked(module: Any) -> Figures:
-    if not all(callable(getattr(module, name, None)) for name in ("timeline", "draw_template", "save")):
-        raise UsageError("it has not all of timeline, draw_template and save.")
+    if not all(callable(getattr(module, name, None)) for name in _NAMED):
+        raise UsageError(f"it has not all of {', '.join(_NAMED)}.")
     return cast(Figures, module)
 
 

@@ -17,6 +17,7 @@ from ._json_output import print_line
 GROUP = "end_effector_hal.commands"
 """Entry points of further commands; a command of this package wins over another one of its name."""
 _COMMANDS = {
+    "compare": "the differences of two recorded runs, as a list and as a figure",
     "completion": "what makes the shell complete commands and values",
     "check": "say everything that is wrong with a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
@@ -38,19 +39,19 @@ _AUDIENCES = {
         "init", "check", "schema", "listen", "testbench", "board", "export", "completion",
     ),
     "To prove, try out and judge it (researchers)": (
-        "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "report", "import",
+        "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "compare", "report", "import",
     ),
 }  # fmt: skip
 """Who uses a command, in the order in which it is needed; those that are not installed are left out."""
 _OTHERS = "Added by other distributions"
 _OTHER_NAMES = {
     "figure": "plot", "draw": "plot", "prove": "verify", "new": "init", "validate": "check", "lint": "check",
-    "simulate": "model simulate", "watch": "listen", "serve": "page",
+    "simulate": "model simulate", "diff": "compare", "watch": "listen", "serve": "page",
 }  # fmt: skip
 """What other programs call it."""
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
 """Modules that only commands with lines, ports or locks import."""
-_ROOMS = {"page": "recorded", "replay": "recorded", "report": "recorded"} | {
+_ROOMS = dict.fromkeys(("compare", "page", "replay", "report"), "recorded") | {
     name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")
 }
 """Commands that do not stand alone, and the folder in which they do."""

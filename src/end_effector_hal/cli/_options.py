@@ -6,13 +6,17 @@ import os
 import signal
 import stat
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
 from end_effector_hal.errors import UsageError
+
+Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+MOST_SEED = 2**32 - 1
 
 
 class PathName(click.Path):
@@ -39,6 +43,11 @@ class PathName(click.Path):
                 f"{click.format_filename(value)[:200]!r} cannot be reached: {error.strerror}.", param, ctx
             )
         return super().convert(value, param, ctx)
+
+
+def seed_option(*, default: int | None, help: str) -> Callable[[Decorated], Decorated]:
+    """``--seed N``: of what is drawn in a simulation."""
+    return click.option("--seed", default=default, metavar="N", type=click.IntRange(0, MOST_SEED), help=help)
 
 
 def end_in_order() -> None:

@@ -5,6 +5,7 @@ from ._recording import Recording, content_hash, hash_of, product_version, run_i
 from ._run import RunInfo, read_run
 from ._run_table import write_run_table
 from ._watched import Watched
+from .comparison import RunDifference, RunTables, Tolerances, compare_runs, read_tables
 from .story import (
     AttemptOutcome,
     Grip,
@@ -50,14 +51,18 @@ __all__ = [
     "Recording",
     "RecordingLimits",
     "ReleaseCause",
+    "RunDifference",
     "RunInfo",
+    "RunTables",
     "StatesLog",
     "StatesRow",
     "StatesWriter",
     "Story",
+    "Tolerances",
     "TraceFile",
     "TraceWriter",
     "Watched",
+    "compare_runs",
     "content_hash",
     "hash_of",
     "product_version",
@@ -67,6 +72,7 @@ __all__ = [
     "read_run",
     "read_states",
     "read_story",
+    "read_tables",
     "read_trace",
     "run_info",
     "write_run_table",

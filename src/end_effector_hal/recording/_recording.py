@@ -104,6 +104,7 @@ class Recording(Closing):
         folder: made if it is missing.
         tool: its description; or what is known of a tool without one: pressures are not recorded then.
         scenario: of the testbench; empty: that of a run.json that is in the folder already.
+        seed: of the testbench; None: that of a run.json that is in the folder already.
         ros: the generation of ROS that carries the states; 0: none does.
         limits: of the folder.
         started: when it begins, time of day; None: now.
@@ -119,6 +120,7 @@ class Recording(Closing):
         tool: Description | RunInfo,
         *,
         scenario: str = "",
+        seed: int | None = None,
         ros: int = 0,
         limits: RecordingLimits | None = None,
         started: datetime | None = None,
@@ -146,6 +148,7 @@ class Recording(Closing):
             self._info = replace(
                 known,
                 scenario=scenario or before.scenario,
+                seed=before.seed if seed is None else seed,
                 ros=bool(ros),
                 ros_generation=ros or None,
                 started=(begun or started).isoformat(),
@@ -291,7 +294,9 @@ class Recording(Closing):
         replace(self._info, start_us=self._start, gaps=gaps).write(self.folder)
 
 
-def run_info(description: Description, *, scenario: str = "", ros: int = 0) -> RunInfo:
+def run_info(
+    description: Description, *, scenario: str = "", seed: int | None = None, ros: int = 0
+) -> RunInfo:
     """What a recording says of the tool that made it; ``ros``: the generation that carries its states, 0: none."""
     return RunInfo(
         scenario=scenario,
@@ -303,6 +308,7 @@ def run_info(description: Description, *, scenario: str = "", ros: int = 0) -> R
         actuators={name: actuator.kind for name, actuator in description.ordered},
         limits={name: _limits(description, actuator) for name, actuator in description.ordered},
         simulated=description.lines.backend == "virtual",
+        seed=seed,
     )
 
 

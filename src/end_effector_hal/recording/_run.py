@@ -19,9 +19,8 @@ KINDS = {
     **dict.fromkeys(("scenario", "description", "hash", "version", "started", "violated", "because"), str),
     **dict.fromkeys(("ros", "simulated"), bool),
     **dict.fromkeys(("actuators", "limits"), dict),
-    "start_us": int,
+    **dict.fromkeys(("start_us", "seed", "ros_generation"), int),
     "violated_s": float,
-    "ros_generation": int,
     "gaps": list,
     "watched": list,
 }
@@ -47,6 +46,7 @@ class RunInfo:
         simulated: whether a testbench answered; None: when a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
         gaps: in words: rows that could not be written, and when.
+        seed: of the testbench's noise and dead times; None: not known, or nothing is simulated.
         violated: of a counterexample the requirement that does not hold; empty: it is none.
         violated_s: when that is shown, s.
         because: why it is violated, a sentence.
@@ -66,6 +66,7 @@ class RunInfo:
     ros_generation: int | None = None
     start_us: int | None = None
     gaps: tuple[str, ...] = ()
+    seed: int | None = None
     violated: str = ""
     violated_s: float = 0.0
     because: str = ""

@@ -31,7 +31,7 @@ SET = "set"
 """Switches a plain output: ``set lamp on``."""
 LEVELS = {"on": True, "off": False}
 SCENARIO = "scenario"
-"""What goes wrong on a simulated tool from now on: ``scenario leak:cylinder``."""
+"""What goes wrong on a simulated tool from now on: ``scenario leak:top_vacuum``."""
 WORDS = (*VERBS, ARM, RESET, *SHOWN, SET, WAIT, SCENARIO)
 LONGEST_WAIT_S = 86_400.0
 

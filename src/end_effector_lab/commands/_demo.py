@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli import PathName, completed, end_in_order, print_document
+from end_effector_hal.cli import PathName, completed, end_in_order, print_document, seed_option
 from end_effector_hal.description import did_you_mean
 from end_effector_hal.errors import UsageError
 
@@ -54,6 +54,10 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print the re
     is_flag=True,
     help="On the lines and the port of DESCRIPTION: a testbench at their other end plays the scenario.",
 )
+@seed_option(
+    default=None,
+    help="Seed of the random noise and dead times; run.json keeps it, so that a demo can be repeated.  [default: 0]",
+)
 @no_figures_option
 @click.option(
     "-o",
@@ -72,6 +76,7 @@ def command(
     everything: bool,
     only: tuple[str, ...],
     own_wires: bool,
+    seed: int | None,
     no_figures: bool,
     output: Path,
     as_json: bool,
@@ -100,6 +105,11 @@ def command(
         raise UsageError(
             "on its own wires one scenario of the testbench is played at a time.", todo="Give --only NAME."
         )
+    if own_wires and seed is not None:
+        raise UsageError(
+            "on its own wires nothing is drawn here.",
+            todo="Give --seed to the testbench at their other end.",
+        )
     progress = console(stderr=True)
     for name, why in unplayable(loaded).items() if everything and not only else ():
         progress.print(f"{name} is not played: {why}", highlight=False, soft_wrap=True)
@@ -112,6 +122,7 @@ def command(
             progress=console(stderr=True, quiet=as_json),
             own_wires=own_wires,
             figures=figures_wanted(no_figures, progress),
+            seed=seed or 0,
         )
     )
     tell(reports, as_json=as_json)

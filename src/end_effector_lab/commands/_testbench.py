@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.cli import PathName, completed, print_document, typed_tool
+from end_effector_hal.cli import PathName, completed, print_document, seed_option, typed_tool
 
 
 def _list_faults(*, as_json: bool) -> None:
@@ -37,7 +37,7 @@ def _faults(context: click.Context) -> Iterable[str]:
     help="What goes wrong; several with commas.",
 )
 @click.option("--list", "listed", is_flag=True, help="List the scenarios.")
-@click.option("--seed", default=0, metavar="N", help="Seed of the random noise and dead times.")
+@seed_option(default=0, help="Seed of the random noise and dead times.  [default: 0]")
 @click.option(
     "--lines",
     metavar="WHERE",

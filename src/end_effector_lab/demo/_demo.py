@@ -35,6 +35,7 @@ def run_demo(
     progress: Console,
     own_wires: bool = False,
     figures: bool = True,
+    seed: int = 0,
 ) -> Iterator[Report]:
     """Play scenarios one after the other; each report comes when its scenario is over and drawn.
 
@@ -46,6 +47,7 @@ def run_demo(
         progress: where the progress is shown.
         own_wires: on the lines and the port of the description; who stands at their other end plays the scenario.
         figures: draw them.
+        seed: of the noise and the dead times of the testbench; of no use on its own wires.
 
     Raises:
         RosError: ROS is asked for and not there.
@@ -55,11 +57,11 @@ def run_demo(
     for number, scenario in enumerate(scenarios, start=1):
         folder = fresh_folder(output / scenario.name)
         begun = time.monotonic()
-        info = run_info(description, scenario=scenario.bench, ros=drive.ros)
+        info = run_info(description, scenario=scenario.bench, seed=None if own_wires else seed, ros=drive.ros)
         title = f"[{number}/{len(scenarios)}] {scenario.name}"
         with (
             Progress(progress, title, folder / "states.csv", info),
-            World(description, scenario.bench, folder, own_wires=own_wires) as world,
+            World(description, scenario.bench, folder, own_wires=own_wires, seed=seed) as world,
         ):
             info.write(folder)
             drive.play(world, scenario.script, scenario.longest_s(world.description))

@@ -29,6 +29,7 @@ class World:
         own_wires: leave lines and link as they are; who stands at their other end plays the scenario.
         events: the testbench writes edges and frames into this file of the folder; empty: it does not.
         outlives_us: the line arbiter goes on when this process is killed.
+        seed: of the noise and the dead times of the testbench.
 
     Raises:
         UsageError: the tool cannot have this scenario.
@@ -51,10 +52,11 @@ class World:
         own_wires: bool = False,
         events: str = "",
         outlives_us: bool = True,
+        seed: int = 0,
     ) -> None:
         parse_scenario(bench, description)
         self.folder, self._bench, self._own_wires, self._events = folder, bench, own_wires, events
-        self._outlives_us = outlives_us
+        self._outlives_us, self._seed = outlives_us, seed
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
         self.chip = self.place / "chip"
@@ -100,7 +102,7 @@ class World:
             more = ["--events", str(self.folder / self._events)] if self._events else []
             self.testbench = start(
                 "testbench",
-                [*EEHAL, "testbench", path, "--scenario", self._bench, *more],
+                [*EEHAL, "testbench", path, "--scenario", self._bench, "--seed", str(self._seed), *more],
                 log=self.folder / "testbench.log",
                 failed=LinkError,
                 commands=True,

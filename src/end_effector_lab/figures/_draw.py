@@ -13,7 +13,9 @@ from end_effector_hal.recording import (
     ChangerRow,
     Moment,
     PressuresLog,
+    RunDifference,
     RunInfo,
+    RunTables,
     StatesLog,
     read_alarms,
     read_changer,
@@ -121,6 +123,20 @@ def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:
     from ._paper import draw
 
     return draw(log, info or RunInfo())
+
+
+def overlay(
+    first: RunTables, second: RunTables, differences: Sequence[RunDifference], names: tuple[str, str]
+) -> Figure:
+    """Two runs over each other, on the clock of the first one: each line twice, each pressure solid and dashed.
+
+    ``differences``: are marked; ``names``: of both. Raises UsageError for a recording without a row.
+    """
+    _need_rows(first.log)
+    _need_rows(second.log)
+    from ._overlay import draw
+
+    return draw(first, second, differences, names)
 
 
 def draw_template(template: Template, constants: Mapping[str, object] | None = None) -> Figure:

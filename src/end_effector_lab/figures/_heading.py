@@ -57,6 +57,7 @@ def sources(info: RunInfo) -> list[str]:
     simulated = bool(info.scenario) if info.simulated is None else info.simulated
     parts = [
         f"scenario {plain(info.scenario)}" if info.scenario else "",
+        "" if info.seed is None else f"seed {info.seed}",
         f"description {plain(info.description)} {plain(info.hash[:8])}"
         if info.description or info.hash
         else "",

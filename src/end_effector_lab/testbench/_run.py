@@ -63,10 +63,11 @@ def run_testbench(
 
         testbench = Testbench(description, inputs, ports, sensors, scenario=scenario, seed=seed, watcher=mail)
         with testbench as bench, FaultServer(description, bench, chosen) if for_pages else nullcontext():
-            said = [f"ready: {description.name}, scenario {scenario}, lines {inputs.text}"]
+            said = [f"ready: {description.name}, scenario {scenario}, seed {seed}, lines {inputs.text}"]
             fields: dict[str, Any] = {
                 "ready": description.name,
                 "scenario": scenario,
+                "seed": seed,
                 "lines": inputs.text,
             }
             for name, port in ports.items():

@@ -14,6 +14,7 @@ from tempfile import mkdtemp
 import pytest
 
 from end_effector_hal.description import profile_path
+from end_effector_hal.recording import read_run
 from end_effector_lab.processes import EEHAL
 from tests.support.patience import wait_until
 
@@ -70,7 +71,7 @@ def started(tmp_path: Path) -> Iterator[list[Started]]:
 
 @pytest.mark.alone  # a testbench that is late for 150 ms has a grip refused, as it should
 def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_path: Path) -> None:
-    tool = Started("--script", "lock; grip; drop", "--record", str(tmp_path / "recorded"))
+    tool = Started("--script", "lock; grip; drop", "--seed", "5", "--record", str(tmp_path / "recorded"))
     started.append(tool)
     out, err = tool.process.communicate(timeout=LONG_S)
     said, page = err.splitlines()
@@ -86,6 +87,8 @@ def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_pa
     ]
     assert (tool.others(), list(tool.temporary.iterdir())) == ([], [])
     assert (tmp_path / "recorded" / "states.csv").exists()
+    run = read_run(tmp_path / "recorded")
+    assert (run.scenario, run.seed, run.simulated) == ("nominal", 5, True)
 
 
 @pytest.mark.alone  # as above

@@ -26,6 +26,7 @@ ELSEWHERE = {
 }
 CALLS: dict[str, tuple[str, ...]] = {
     "check": (),
+    "compare": ("nothing", "nothing"),
     "doctor": ("--only", "python"),
     "init": ("new",),
     "model check": (),

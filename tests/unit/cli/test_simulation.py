@@ -49,6 +49,14 @@ def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
     return capsys.readouterr().err
 
 
+def test_what_is_not_simulated_has_no_seed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = refused(monkeypatch, capsys, "--seed", "3")
+    assert said == "A seed is for a simulated tool: nothing of a real one is drawn. Add --simulate.\n"
+    assert "-1 is not in the range" in refused(monkeypatch, capsys, "--simulate", "--seed", "-1")
+
+
 @pytest.mark.parametrize("options", [("--scenario", "nominal"), ("--script", "lock; scenario supply:300")])
 def test_what_is_not_simulated_has_no_scenario(
     options: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -70,6 +70,7 @@ def test_the_nominal_scenario_without_ros(
         tmp_path / "demo",
         drive=WithoutRos(),
         progress=Console(file=shown, width=120),
+        seed=7,
     )
     assert report.faults == ()
     assert report.verdict == "Nominal: GRIPPED, then dropped"
@@ -82,6 +83,8 @@ def test_the_nominal_scenario_without_ros(
     assert log.columns == ("time_s", "end_effector", "command", "bottom_vacuum", "cylinder", "top_vacuum")
     assert read_run(folder).scenario == "nominal"
     assert read_run(folder).ros is False
+    assert read_run(folder).seed == 7
+    assert "scenario nominal, seed 7, lines" in (folder / "testbench.log").read_text()
     bottom = [
         value for value in read_pressures(folder / "pressures.csv").curve("bottom") if value is not None
     ]
@@ -278,6 +281,13 @@ def test_all_and_json(played: Played) -> None:
     assert (played.asked["own_wires"], played.asked["figures"]) == (False, True)
 
 
+def test_the_seed_is_handed_on(played: Played) -> None:
+    assert CliRunner().invoke(command, ["--seed", "7"]).exit_code == 0
+    assert played.asked["seed"] == 7
+    assert CliRunner().invoke(command, []).exit_code == 0
+    assert played.asked["seed"] == 0
+
+
 def test_the_help_lists_the_scenarios(verdin: Description) -> None:
     names = ", ".join(scenario.name for scenario in scenarios(verdin, everything=True))
     text = CliRunner().invoke(command, ["--help"]).output
@@ -295,6 +305,10 @@ def test_one_scenario_on_its_own_wires(played: Played) -> None:
     ("options", "message"),
     [
         (["--only", "nominal", "--only", "x"], "there is no scenario x. There are: nominal, fails-once"),
+        (
+            ["--own-wires", "--only", "nominal", "--seed", "7"],
+            "nothing is drawn here. Give --seed to the testbench at their other end.",
+        ),
         (["--own-wires"], "one scenario of the testbench is played at a time. Give --only NAME."),
     ],
 )

@@ -34,6 +34,7 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
         "ros_generation",
         "start_us",
         "gaps",
+        "seed",
     ]
     assert list(content) == keys
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from end_effector_hal.cli._completion import completed, scenarios, session_words
-from end_effector_hal.cli._options import PathName, end_in_order
+from end_effector_hal.cli._options import PathName, end_in_order, seed_option
 from end_effector_hal.errors import ArbiterError, NotReadyError, UsageError
 
 if TYPE_CHECKING:
@@ -41,8 +41,9 @@ NOT_SIMULATED = "A scenario is for a simulated tool: nothing makes a real one fa
     "--scenario",
     metavar="S",
     shell_complete=completed(scenarios, separator=","),
-    help="With --simulate: what goes wrong, such as leak:cylinder; `eehal testbench --list` lists them.",
+    help="With --simulate: what goes wrong, such as leak:top_vacuum; `eehal testbench --list` lists them.",
 )
+@seed_option(default=None, help="With --simulate: seed of the random noise and dead times.  [default: 0]")
 @click.option("--record", type=PathName(), help="Folder for the recording of the run.")
 @click.option(
     "--segment-mb",
@@ -64,6 +65,7 @@ def command(
     script: str | None,
     simulate: bool,
     scenario: str | None,
+    seed: int | None,
     record: Path | None,
     segment_mb: float,
     keep_mb: float,
@@ -83,6 +85,7 @@ def command(
     from end_effector_hal.runtime import EndEffector, read_script
     from end_effector_hal.wires import be_steady, now_us
 
+    from ._causes import Causes
     from ._session import Prompt, RunSession
     from ._simulation import simulated
     from ._voices import Changes, JsonLines, Words
@@ -91,6 +94,10 @@ def command(
     orders = read_script(script) if script is not None else None
     if not simulate and (scenario is not None or any(order.scenario for order in orders or ())):
         raise UsageError(NOT_SIMULATED, todo="Add --simulate.")
+    if not simulate and seed is not None:
+        raise UsageError(
+            "A seed is for a simulated tool: nothing of a real one is drawn.", todo="Add --simulate."
+        )
     loaded, begun = load_tool(description), now_us()
     terminal = sys.stdout.isatty() and not as_json
     choose: Callable[[str], None] = _refuse_scenario
@@ -105,22 +112,26 @@ def command(
         )
         with progress:
             if simulate:
-                hardware = stack.enter_context(simulated(loaded, scenario or "nominal"))
+                hardware = stack.enter_context(simulated(loaded, scenario or "nominal", seed or 0))
                 loaded, choose = hardware.description, hardware.choose
                 progress.clear()
                 click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
                 click.echo(f"Live in a browser: eehal page {loaded.source}", err=True)
                 progress("The tool is starting")
+            causes = Causes(loaded) if as_json else None
+            observe = None if causes is None else causes.take
             try:
-                tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits))
+                tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits, observe=observe))
             except ArbiterError as error:
                 if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):  # none runs
                     raise _with_commands(error, description) from error
                 raise
         if record is not None:
-            _record(tool, stack.enter_context(Recording(record, loaded, limits=limits)))
+            played = (scenario or "nominal", seed or 0) if simulate else ("", None)
+            recording = Recording(record, loaded, scenario=played[0], seed=played[1], limits=limits)
+            _record(tool, stack.enter_context(recording))
             stack.callback(tool.close)  # its last states are recorded
-        changes = Changes(loaded, voice)
+        changes = Changes(loaded, voice, causes)
         tool.subscribe(changes.status)
         tool.start()
         try:

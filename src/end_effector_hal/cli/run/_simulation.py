@@ -35,9 +35,10 @@ class Simulation(Protocol):
     """What the entry point names: starts it on entering, ends every process of it on leaving."""
 
     def __call__(
-        self, description: Description, bench: str, folder: Path, *, outlives_us: bool
+        self, description: Description, bench: str, folder: Path, *, outlives_us: bool, seed: int
     ) -> AbstractContextManager[SimulatedHardware]:
-        """Args: the tool, a scenario of the testbench, a folder for the logs, whether the arbiter survives a kill.
+        """Args: the tool, a scenario of the testbench, a folder for the logs, whether the arbiter survives a kill,
+            the seed of noise and dead times.
 
         Raises:
             UsageError: the tool cannot have this scenario.
@@ -64,7 +65,7 @@ def possible_scenarios(description: Description) -> Iterable[str]:
 
 
 @contextmanager
-def simulated(description: Description, scenario: str) -> Iterator[SimulatedHardware]:
+def simulated(description: Description, scenario: str, seed: int = 0) -> Iterator[SimulatedHardware]:
     """The same tool on virtual lines, which run until it is left; nothing of them stays, no process and no file.
 
     Raises:
@@ -78,7 +79,7 @@ def simulated(description: Description, scenario: str) -> Iterator[SimulatedHard
         )
     start = _SIMULATION.get(NAME)
     with TemporaryDirectory(prefix="eehal-run-", ignore_cleanup_errors=True) as folder:
-        hardware = start(description, scenario, Path(folder), outlives_us=False)
+        hardware = start(description, scenario, Path(folder), outlives_us=False, seed=seed)
         try:
             with hardware as running:
                 try:

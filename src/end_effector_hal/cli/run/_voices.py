@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from typing import Any, Self
@@ -20,6 +20,8 @@ from end_effector_hal.nodes.process import PER_S, Allowance
 from end_effector_hal.runtime import Result
 from end_effector_hal.vocabulary import OVER, Command, display_name
 from end_effector_hal.wires import now_us
+
+from ._causes import Causes
 
 _ENDED = {
     Outcome.SUCCEEDED: "succeeded",
@@ -176,6 +178,11 @@ class JsonLines:
         """The same labels."""
         self._print("state", at, end_effector=ee, actuators=actuators)
 
+    def transition(self, entry: Mapping[str, Any]) -> None:
+        """What the automata did, and why: an entry of `Causes`."""
+        told = {name: value for name, value in entry.items() if name != "at"}
+        self._print("transition", entry["at"], **told)
+
     def event(self, at: int, text: str) -> None:
         """The same words."""
         self._print("log", at, text=text)
@@ -272,10 +279,11 @@ class Changes:
     Args:
         description: the tool.
         voice: tells them.
+        causes: what the automata did before each of them, for programs that read the lines; None: it is not told.
     """
 
-    def __init__(self, description: Description, voice: Voice) -> None:
-        self._description, self._voice = description, voice
+    def __init__(self, description: Description, voice: Voice, causes: Causes | None = None) -> None:
+        self._description, self._voice, self._causes = description, voice, causes
         self._lines = StatusLines(description)
         self._last: tuple[str, dict[str, str]] = ("", {})
         self._alarms: tuple[str, ...] = ()
@@ -285,6 +293,9 @@ class Changes:
 
     def status(self, status: Status) -> None:
         """One more."""
+        if self._causes is not None and isinstance(self._voice, JsonLines):
+            for entry in self._causes.new():
+                self._voice.transition(entry)
         for line in self._lines.of(status):
             self._voice.event(status.at, line)
         states = zip(self._description.ordered, status.actuators, strict=True)

@@ -2,7 +2,7 @@
 
 from ._open import DESCRIPTION, MODEL, open_recorder, open_stream
 from ._recorded_controller import AnyController, RecordedController, feed
-from ._recorder import NULL_RECORDER, Recorder
+from ._recorder import NULL_RECORDER, Observer, Recorder
 from ._records import (
     DECIDED,
     INPUTS,
@@ -33,6 +33,7 @@ __all__ = [
     "FrameTaken",
     "Header",
     "LinesWritten",
+    "Observer",
     "Published",
     "RecordedController",
     "Recorder",

@@ -15,6 +15,7 @@ from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, co
 from end_effector_hal.runtime.stream import PROGRAM_WORDS, RecordStream, program_socket
 from end_effector_hal.wires import now_us
 
+from ._recorded_controller import Put
 from ._recorder import Recorder
 from ._records import KINDS, Header
 
@@ -29,10 +30,12 @@ def open_recorder(
     at: int | None = None,
     limits: RecordingLimits | None = None,
     stream: RecordStream | None = None,
+    observe: Put | None = None,
 ) -> Recorder:
     """A recorder that writes ``<program>.mcap`` and its further segments into a folder; does not wait for the disk.
 
-    ``at``: the time of the run now, µs; by default that of the monotonic clock. ``stream``: gets the same records.
+    ``at``: the time of the run now, µs; by default that of the monotonic clock. ``stream`` and
+    ``observe`` get the same records.
     """
     at = now_us() if at is None else at
     model = description.automata_path.read_bytes()
@@ -52,6 +55,7 @@ def open_recorder(
     return Recorder(
         TraceWriter(folder, program, KINDS, now=at, attachments=attachments, header=header, limits=limits),
         stream,
+        observe,
     )
 
 

@@ -19,6 +19,10 @@ from ._recorded_controller import AnyController, Put, RecordedController
 from ._recorded_lines import RecordedLines
 from ._records import PUBLISHED, STATE, Published
 
+Observer = Callable[[str, str, int, object], None]
+"""Gets each record of a program: the program, the kind, when (µs), the content; called in the program's threads, where
+it must not wait."""
+
 _log = logging.getLogger("end_effector_hal.runtime")
 
 
@@ -30,10 +34,16 @@ class Recorder:
     Args:
         writer: of the trace; None: nothing is recorded.
         stream: for those who look on; None: nobody can.
+        observe: gets each record as well; what it raises is logged, once, and it is called no more.
     """
 
-    def __init__(self, writer: TraceWriter | None = None, stream: RecordStream | None = None) -> None:
-        self._writer, self._stream = writer, stream
+    def __init__(
+        self,
+        writer: TraceWriter | None = None,
+        stream: RecordStream | None = None,
+        observe: Put | None = None,
+    ) -> None:
+        self._writer, self._stream, self._observe = writer, stream, observe
         self._controller: RecordedController | None = None
         self._published: Published | None = None
         self._defect = ""
@@ -104,15 +114,24 @@ class Recorder:
     def _put(self) -> Put | None:
         """Takes each record."""
         sinks = [sink.put for sink in (self._writer, self._stream) if sink is not None]
+        sinks += [self._shown] if self._observe is not None else []
         if len(sinks) < 2:
             return sinks[0] if sinks else None
-        first, second = sinks
 
-        def both(kind: str, at: int, content: object) -> None:
-            first(kind, at, content)
-            second(kind, at, content)
+        def all_of_them(kind: str, at: int, content: object) -> None:
+            for put in sinks:
+                put(kind, at, content)
 
-        return both
+        return all_of_them
+
+    def _shown(self, kind: str, at: int, content: object) -> None:
+        if self._observe is None:
+            return
+        try:
+            self._observe(kind, at, content)
+        except Exception:  # noqa: BLE001 who looks on ends no program
+            _log.exception("who looked on at a program failed")
+            self._observe = None
 
     def _begin_segment(self, writer: TraceWriter) -> None:
         snapshot = self._controller.snapshot() if self._controller is not None else None

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.arbiter import connect_arbiter
-from end_effector_hal.runtime.boundary import Recorder, open_recorder, open_stream
+from end_effector_hal.runtime.boundary import Observer, Recorder, open_recorder, open_stream
 from end_effector_hal.sensing import FrameJudge
 
 from ._latest_status import Listener
@@ -26,6 +27,7 @@ def open_program(
     traces: str | Path | None = None,
     limits: RecordingLimits | None = None,
     judge: FrameJudge | None = None,
+    observe: Observer | None = None,
 ) -> P:
     """A program that is not started yet; it keeps its lease at the owner only while it works.
 
@@ -38,6 +40,7 @@ def open_program(
             full disk is no reason not to hold a part.
         limits: of that folder.
         judge: shared with all others in this process who get the same frames.
+        observe: gets each record of the program.
 
     Raises:
         ArbiterError: there is no line arbiter.
@@ -46,9 +49,12 @@ def open_program(
     lines = connect_arbiter(description, program.NAME, patience_s=patience_s)
     try:
         stream = open_stream(description, program.NAME)
-        recorder = Recorder(stream=stream)
+        shown = None if observe is None else partial(observe, program.NAME)
+        recorder = Recorder(stream=stream, observe=shown)
         if traces is not None:
-            recorder = open_recorder(traces, description, program.NAME, limits=limits, stream=stream)
+            recorder = open_recorder(
+                traces, description, program.NAME, limits=limits, stream=stream, observe=shown
+            )
         opened = program(description, lines, on_status, recorder, judge=judge)
         lines.attend(alive=lambda: opened.alive, on_lost=opened.arbiter_lost, on_faults=opened.faults_changed)
     except BaseException:  # Ctrl-C, too: who leaves in order has not died

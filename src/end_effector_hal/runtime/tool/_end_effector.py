@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -16,6 +17,7 @@ from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.arbiter import PredicatePublisher
+from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
@@ -45,6 +47,7 @@ class EndEffector(Closing):
         description: the tool.
         traces: the folder that gets the traces of both programs; None: nothing is recorded.
         limits: of that folder.
+        observe: gets each record of both programs: what they hear, what the automata do and decide.
 
     Example:
         >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
@@ -59,6 +62,7 @@ class EndEffector(Closing):
         *,
         traces: str | Path | None = None,
         limits: RecordingLimits | None = None,
+        observe: Observer | None = None,
     ) -> None:
         self.description = description
         self._audience = Audience(self._audience_changed)
@@ -67,13 +71,10 @@ class EndEffector(Closing):
         self._lock = threading.Lock()
         judge = FrameJudge()
         with ExitStack() as undo:
-            self._grip = open_program(
-                GripProgram, description, self._gripper_moved, traces=traces, limits=limits, judge=judge
-            )
+            open_one = partial(open_program, traces=traces, limits=limits, judge=judge, observe=observe)
+            self._grip = open_one(GripProgram, description, self._gripper_moved)
             undo.callback(self._grip.close)
-            self._change = open_program(
-                ChangerProgram, description, self._changer_moved, traces=traces, limits=limits, judge=judge
-            )
+            self._change = open_one(ChangerProgram, description, self._changer_moved)
             undo.callback(self._change.close)
             self._outputs = PlainOutputs(description)
             undo.callback(self._outputs.close)
@@ -159,14 +160,17 @@ class EndEffector(Closing):
         self._audience.add_for_frames(listener, name)
 
     def wait_ready(self, timeout_s: float = 5.0) -> None:
-        """Wait until the tool has adopted its lines and its sensors are heard.
+        """Wait until the tool has adopted its lines, and its sensors speak against no command.
+
+        In STAND_BY everything is proven to be gone then, so that a grip is not refused for it (IL-07); in other states
+        every actuator is known. The lock of the tool changer (IL-05) and the supply (IL-06) are not waited for.
 
         Raises:
             NotReadyError: that took longer; it says what is missing. The tool goes on all the same: what its
                 sensors do not prove is refused with a reason, and what is held stays held.
         """
         until = now_us() + round(timeout_s * 1e6)
-        ready = self._grip.wait(gripper_ready, timeout_s) and self._change.wait(
+        ready = self._grip.wait(partial(gripper_ready, self.description), timeout_s) and self._change.wait(
             lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)
         )
         if not ready:

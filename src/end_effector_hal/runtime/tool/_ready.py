@@ -1,4 +1,4 @@
-"""When a tool can be used: its lines adopted, its sensors heard."""
+"""When a tool can be used: its lines adopted, its sensors heard, and nothing shown that has a first grip refused."""
 
 from __future__ import annotations
 
@@ -7,15 +7,27 @@ from collections.abc import Iterator, Sequence
 from end_effector_hal.codecs import carrier_of, sources_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence, display_name
 from end_effector_hal.wires.link import LinkHealth, LinkState
 from end_effector_hal.wires.sensors import SensorHealth
 
 
-def gripper_ready(status: Status) -> bool:
-    """Whether the lines are adopted, frames come, and every actuator is known by its sensors."""
+def gripper_ready(description: Description, status: Status) -> bool:
+    """Whether the lines are adopted, frames come, and the sensors refuse no command: a grip in STAND_BY, else a Drop.
+
+    What is gone is proven a while after the first frame, and again after each silence: until then a grip is refused.
+    """
     adopted = status.ee != EndEffectorState.OFF
-    return adopted and status.link_up and Evidence.UNKNOWN not in status.evidence
+    known = adopted and status.link_up and Evidence.UNKNOWN not in status.evidence
+    return known and not _present(description, status)
+
+
+def _present(description: Description, status: Status) -> list[str]:
+    """The actuators that are not proven to be gone, where a grip needs that (IL-07)."""
+    if status.ee != EndEffectorState.STAND_BY or not description.interlocks.il_07:
+        return []
+    pairs = zip(description.sequence, status.evidence, strict=True)
+    return [name for name, level in pairs if level in (Evidence.PARTIAL, Evidence.CONFIRMED)]
 
 
 def changer_ready(description: Description, status: Status) -> bool:
@@ -49,6 +61,10 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
         pairs = zip(description.sequence, grip.evidence, strict=True)
         unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
         yield f"its sensors say nothing of {', '.join(unknown)}"
+    elif present := _present(description, grip):
+        names = ", ".join(map(display_name, present))
+        are = "is" if len(present) == 1 else "are"
+        yield f"a grip would be refused, since {names} {are} not proven to be gone (IL-07)"
     if not changer_ready(description, change):
         yield "its sensors do not say whether the tool is locked"
     told = (description.sensors, *map(description.link_name, description.named_links))

@@ -1,0 +1,94 @@
+"""Why something changed: the steps of the automata, with their guards and what the sensors said then."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.control import network_of
+from end_effector_hal.description import Description
+from end_effector_hal.page.view import EventLog
+from end_effector_hal.runtime.stream import PROGRAM_WORDS
+from end_effector_hal.sensing import Readings
+from end_effector_hal.signals import Frame, Value
+
+MOST_WAITING = 1_000
+_SHOWN = ("transition", "time-out")
+
+
+class Causes:
+    """Takes the records of both programs as they come, and makes entries of their steps later.
+
+    `take` is called in the threads of the programs and only puts aside; `new` in any other one.
+
+    Args:
+        description: the tool.
+    """
+
+    def __init__(self, description: Description) -> None:
+        self._log = EventLog(description, network_of(description).document)
+        self._readings = {name: Readings(description, carrier_of(description)) for name in PROGRAM_WORDS}
+        self._waiting: deque[tuple[str, Any, dict[str, Value | None]]] = deque(maxlen=MOST_WAITING)
+        self._told = 0
+        self._instants: dict[str, _Instant] = {}
+
+    def take(self, program: str, kind: str, at: int, record: Any) -> None:
+        """One record of a program, of ``at`` µs."""
+        if kind == "frame":
+            self._readings[program].take(Frame(record.stamp, record.seq, record.device_ms, record.values))
+        elif kind == "step":
+            now = self._readings[program]
+            self._waiting.append((program, record, {name: now.get(name, at) for name in now.carried}))
+
+    def new(self) -> Iterator[dict[str, Any]]:
+        """The steps since the last call that show: ``at`` (µs), ``program``, ``text``, ``kind``, and what is behind it.
+
+        ``cause``: the event that began the instant in which it was taken, None: time had passed; ``edges``: those that
+        led from there to it, and its own. Readings are in kPa gauge, bits as they are.
+        """
+        while self._waiting:
+            program, step, readings = self._waiting.popleft()
+            kpa = {
+                name: value if value is None or isinstance(value, bool) else value / 1000
+                for name, value in readings.items()
+            }
+            self._log.take(program, "step", step, kpa)
+        for entry in self._log.since(self._told):
+            yield from self._with_cause(entry)
+        self._told = self._log.newest
+
+    def _with_cause(self, entry: dict[str, Any]) -> Iterator[dict[str, Any]]:
+        """The entry with the event that began the instant in which its program took it, and the steps in between."""
+        program, at, detail = entry["who"], entry["at"], entry["detail"]
+        if detail is None:
+            return
+        instant = self._instants.get(program)
+        if instant is None or instant.at != at or detail["received"] is not None:
+            instant = self._instants[program] = _Instant(at, detail["received"])
+        if entry["kind"] not in _SHOWN:
+            instant.through += detail["edges"]
+            return
+        through, instant.through = instant.through, []
+        yield {
+            "at": at,
+            "program": program,
+            "text": entry["text"],
+            "kind": entry["kind"],
+            "cause": instant.event,
+            "edges": [*through, *detail["edges"]],
+            "changes": detail["changes"],
+            "late_ms": detail["late_ms"],
+            "readings": detail["readings"],
+        }
+
+
+@dataclass
+class _Instant:
+    """What began it, and the edges that were taken in it since the last step that shows."""
+
+    at: int
+    event: str | None
+    through: list[dict[str, Any]] = field(default_factory=list)

@@ -1,0 +1,135 @@
+"""Where the pressures of two recordings differ."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from math import inf
+
+from end_effector_hal.recording.comparison._run_difference import RunDifference
+from end_effector_hal.recording.tables import PressuresLog
+
+LEAST_APART_S = 0.5
+"""Stretches that are nearer to each other are told as one."""
+STEADY_S = 1.5
+"""A steady pressure is written twice a second: what is further apart has nothing between."""
+
+
+@dataclass
+class Shifts:
+    """What is to be added to a time of the first recording to get that of the second one, from when on."""
+
+    start_s: float
+    _from: list[float] = field(default_factory=list)
+    _by: list[float] = field(default_factory=list)
+
+    @property
+    def latest_s(self) -> float:
+        return self._by[-1] if self._by else self.start_s
+
+    def add(self, first_s: float, by_s: float) -> None:
+        """From ``first_s`` on; later than all that were added."""
+        self._from.append(first_s)
+        self._by.append(by_s)
+
+    def second_s(self, first_s: float) -> float:
+        index = bisect_right(self._from, first_s)
+        return first_s + (self._by[index - 1] if index else self.start_s)
+
+    def first_s(self, second_s: float) -> float | None:
+        """None: where only the second recording goes on."""
+        starts = [-inf, *self._from, inf]
+        for start, end, by in zip(starts, starts[1:], [self.start_s, *self._by], strict=False):
+            if start <= second_s - by < end:
+                return second_s - by
+        return None
+
+
+@dataclass
+class _Stretch:
+    """From when to when one pressure is apart from the other, on the first clock; ``kpa``: the most, signed."""
+
+    start_s: float
+    end_s: float
+    kpa: float
+
+
+def pressure_differences(
+    first: PressuresLog | None,
+    second: PressuresLog | None,
+    shifts: Shifts,
+    within_s: float,
+    within_kpa: float,
+) -> Iterator[RunDifference]:
+    """One for each stretch of each channel that both have; those of one only are told without a time."""
+    names = [] if first is None else first.channels
+    others = [] if second is None else second.channels
+    for name in dict.fromkeys((*names, *others)):
+        if first is None or second is None or name not in names or name not in others:
+            which = "first" if name in names else "second"
+            yield RunDifference(name, f"only the {which} recording has this pressure", None, None)
+            continue
+        for each in _stretches(_Curve.of(first, name), _Curve.of(second, name), shifts, within_s, within_kpa):
+            side = "higher" if each.kpa > 0 else "lower"
+            length = each.end_s - each.start_s
+            text = f"up to {abs(each.kpa):.1f} kPa {side} in the second, for {length:.2f} s"
+            yield RunDifference(name, text, each.start_s, shifts.second_s(each.start_s))
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """The values of one channel, and when; invalid ones are left out."""
+
+    times_s: Sequence[float]
+    kpa: Sequence[float]
+
+    @classmethod
+    def of(cls, log: PressuresLog, channel: str) -> _Curve:
+        valid = [
+            (at, value)
+            for at, value in zip(log.times_s, log.curve(channel), strict=True)
+            if value is not None
+        ]
+        return cls([at for at, _ in valid], [value for _, value in valid])
+
+    def near(self, at_s: float, within_s: float) -> tuple[float, float] | None:
+        """The least and the greatest value from ``within_s`` before to ``within_s`` after; None: it has none there."""
+        times, kpa = self.times_s, self.kpa
+        low, high = bisect_left(times, at_s - within_s), bisect_right(times, at_s + within_s)
+        values = list(kpa[low:high])
+        for edge, index in ((at_s - within_s, low), (at_s + within_s, high)):
+            if 0 < index < len(times) and times[index] - times[index - 1] <= STEADY_S:
+                share = (edge - times[index - 1]) / ((times[index] - times[index - 1]) or 1.0)
+                values.append(kpa[index - 1] + min(max(share, 0.0), 1.0) * (kpa[index] - kpa[index - 1]))
+        return (min(values), max(values)) if values else None
+
+
+def _stretches(
+    first: _Curve, second: _Curve, shifts: Shifts, within_s: float, within_kpa: float
+) -> list[_Stretch]:
+    points = [
+        (at, -_beyond(value, second.near(shifts.second_s(at), within_s)))
+        for at, value in zip(first.times_s, first.kpa, strict=True)
+    ]
+    for at, value in zip(second.times_s, second.kpa, strict=True):
+        if (back := shifts.first_s(at)) is not None:
+            points.append((back, _beyond(value, first.near(back, within_s))))
+    found: list[_Stretch] = []
+    for at, apart in sorted(points):
+        if abs(apart) <= within_kpa:
+            continue
+        last = found[-1] if found else None
+        if last is not None and at - last.end_s < LEAST_APART_S and (last.kpa > 0) == (apart > 0):
+            last.end_s, last.kpa = at, max(last.kpa, apart, key=abs)
+        else:
+            found.append(_Stretch(at, at, apart))
+    return found
+
+
+def _beyond(value: float, others: tuple[float, float] | None) -> float:
+    """How far a value is above or below a range, kPa; 0 within it, and where the other recording has nothing."""
+    if others is None:
+        return 0.0
+    low, high = others
+    return value - high if value > high else value - low if value < low else 0.0

@@ -1,0 +1,164 @@
+"""Two runs over each other: the lanes of both, their pressures in one plot, and where they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from end_effector_hal.recording import Moment, RunDifference, RunTables
+from end_effector_hal.vocabulary import display_name
+
+from ._events import FOOT_IN, ROW_IN, draw_events, line_of, lined, place_events
+from ._heading import Heading, draw_heading, sources
+from ._labels import packed, wrapped
+from ._lanes import GAP_IN, Lane, all_lanes_of, draw_lane, write_lane
+from ._page import EDGE_IN, WIDTH_IN, Page, page_of
+from ._panels import Panel, draw_panel, labels_width, panels_of
+from ._save import DPI
+from ._style import RULE, drawing, plain
+
+_PANEL_GAP_IN, _AXIS_IN = 0.16, 0.62
+_PAIR_GAP_IN = 0.12
+_SECOND = (0, (4, 1.6))
+_MOST_MARKED = 24
+"""Further differences are in the list only."""
+
+
+def draw(
+    first: RunTables, second: RunTables, differences: Sequence[RunDifference], names: tuple[str, str]
+) -> Figure:
+    """Measure everything, then draw it; see `end_effector_lab.figures.overlay`."""
+    with drawing():
+        shift_s = first.first_command_s - second.first_command_s
+        second = second.later(shift_s)
+        panels, others = _panels(first), _panels(second)
+        page = _page(first, second, labels_width(panels))
+        lanes = _pairs(_lanes(first, page), _lanes(second, page))
+        moments = [_moment(each, shift_s) for each in differences if _is_marked(each, lanes)][:_MOST_MARKED]
+        events = place_events(sorted(moments, key=lambda each: each.time_s), page.x, page.width + EDGE_IN)
+        crossed = [page.x(event.moment.time_s) for event in events]
+        for lane in lanes:
+            write_lane(lane, page.x, page.width, crossed)
+        heading = _heading(first, second, differences, names, WIDTH_IN - page.left - EDGE_IN)
+        lanes_at = heading.height_in + (1 + max((event.row for event in events), default=0)) * ROW_IN
+        lanes_end = lanes_at + FOOT_IN + sum(lane.height_in for lane in lanes) + _PAIR_GAP_IN * len(lanes) / 2
+        height = lanes_end + sum(panel.height_in + _PANEL_GAP_IN for panel in panels) + _AXIS_IN
+        figure = Figure(figsize=(WIDTH_IN, height), facecolor="white", dpi=DPI)
+
+        def axes(y0: float, y1: float) -> Axes:
+            place = (page.left / WIDTH_IN, 1 - y1 / height, page.width / WIDTH_IN, (y1 - y0) / height)
+            found = figure.add_axes(place)
+            found.set_xlim(page.start_s, page.end_s)
+            found.patch.set_visible(False)
+            return found
+
+        draw_heading(figure, heading, page.left)
+        above = axes(heading.height_in, lanes_end)
+        above.set_ylim(lanes_end - lanes_at, heading.height_in - lanes_at)
+        above.axis("off")
+        draw_events(above, page, events)
+        below = FOOT_IN
+        for index, lane in enumerate(lanes):
+            draw_lane(above, page, lane, below)
+            below += lane.height_in
+            if index % 2:
+                below += _PAIR_GAP_IN
+                above.axhline(below - (GAP_IN + _PAIR_GAP_IN) / 2, color=RULE, linewidth=0.6, zorder=1)
+        for event in lined(events):
+            start = -(event.row + 0.1) * ROW_IN if event.row else FOOT_IN * 0.4
+            above.plot([event.moment.time_s] * 2, [start, below], zorder=3, **line_of(event))
+        last = above
+        for panel in panels:
+            last = axes(lanes_end + _PANEL_GAP_IN, lanes_end + _PANEL_GAP_IN + panel.height_in)
+            lanes_end += _PANEL_GAP_IN + panel.height_in
+            _draw_both(last, panel, others)
+            for event in lined(events):
+                last.axvline(event.moment.time_s, zorder=1, **line_of(event))
+            last.tick_params(labelsize=9.5, labelbottom=panel is panels[-1], bottom=panel is panels[-1])
+            last.spines["bottom"].set_visible(panel is panels[-1])
+            last.yaxis.set_label_coords(-0.62 / page.width, 0.5)
+        if not panels:
+            last = axes(lanes_end, lanes_end + 0.02)
+            last.set_yticks([])
+            last.spines[["left", "top", "right"]].set_visible(False)
+        last.set_xlabel(f"time since start of {plain(names[0])} [s]", fontsize=10)
+        return figure
+
+
+def _is_marked(difference: RunDifference, lanes: Sequence[Lane]) -> bool:
+    """Those of states: the curves show the others, and alarms are long."""
+    timed = difference.first_s is not None or difference.second_s is not None
+    return timed and any(lane.name == difference.line for lane in lanes)
+
+
+def _moment(difference: RunDifference, shift_s: float) -> Moment:
+    """On the clock of the first recording."""
+    at = difference.first_s if difference.first_s is not None else (difference.second_s or 0.0) + shift_s
+    return Moment(at, "missed", f"{display_name(difference.line)}: {plain(difference.text, 48)}")
+
+
+def _heading(
+    first: RunTables,
+    second: RunTables,
+    differences: Sequence[RunDifference],
+    names: tuple[str, str],
+    width: float,
+) -> Heading:
+    one, other = (plain(name) for name in names)
+    number = len(differences)
+    title = (
+        f"{one} and {other}: {f'{number} difference' + 's' * (number != 1) if number else 'no difference'}"
+    )
+    said = [f"{one}, the upper lanes and solid: {', '.join(sources(first.info)[:3])}"]
+    said += [f"{other}, the lower lanes and dashed: {', '.join(sources(second.info)[:3])}"]
+    return Heading(wrapped(title, 13.5, "bold", width), [], packed(said, "  ·  ", 9.5, "normal", width))
+
+
+def _page(first: RunTables, second: RunTables, words_in: float) -> Page:
+    """The whole time of both."""
+    pages = [page_of(each.log, each.pressures, words_in) for each in (first, second)]
+    start = min(each.log.rows[0].time_s for each in (first, second))
+    return Page(
+        min(start, *(each.start_s for each in pages)),
+        max(each.end_s for each in pages),
+        max(each.left for each in pages),
+        min(each.width for each in pages),
+    )
+
+
+def _lanes(run: RunTables, page: Page) -> list[Lane]:
+    end_s = max(
+        run.log.rows[-1].time_s, run.pressures.times_s[-1] if run.pressures and run.pressures.samples else 0.0
+    )
+    return all_lanes_of(run.log, run.info, min(end_s, page.end_s), run.pressures, run.changer)
+
+
+def _pairs(lanes: list[Lane], others: list[Lane]) -> list[Lane]:
+    """Those of the first above those of the second; a lane of one only stands above or below an empty one."""
+    by_name, second = {lane.name: lane for lane in lanes}, {lane.name: lane for lane in others}
+    found = []
+    for name in dict.fromkeys([*by_name, *second]):
+        title = (by_name.get(name) or second[name]).title
+        found += [
+            replace(by_name.get(name) or Lane(name, title, []), title=title),
+            replace(second.get(name) or Lane(name, title, []), title="the second"),
+        ]
+    return found
+
+
+def _panels(run: RunTables) -> list[Panel]:
+    return panels_of(run.pressures, run.info, run.log.actuators)
+
+
+def _draw_both(axes: Axes, panel: Panel, others: Sequence[Panel]) -> None:
+    """The panel of the first run, and the curves of the second dashed over it."""
+    draw_panel(axes, panel)
+    for other in others:
+        for curve in other.curves if other.below == panel.below else ():
+            axes.plot(
+                curve.times_s, curve.kpa, color=curve.colour, linestyle=_SECOND, linewidth=1.3,
+                label=f"{curve.title} of the second",
+            )  # fmt: skip
