@@ -13,6 +13,7 @@ from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo, StatesLog
+    from end_effector_hal.verification.whatif import WhatIf
     from timed_automata import Template
 
 GROUP = "end_effector_hal.figures"
@@ -27,6 +28,10 @@ class Figures(Protocol):
         """The states of a run as lanes."""
         ...
 
+    def what_if(self, told: WhatIf) -> object:
+        """A recorded run and what another description would have made of it."""
+        ...
+
     def draw_template(self, template: Template, constants: Mapping[str, object]) -> object:
         """A template as UPPAAL shows it."""
         ...
@@ -36,9 +41,12 @@ class Figures(Protocol):
         ...
 
 
+_DRAWS = ("timeline", "what_if", "draw_template", "save")
+
+
 def _checked(module: Any) -> Figures:
-    if not all(callable(getattr(module, name, None)) for name in ("timeline", "draw_template", "save")):
-        raise UsageError("it has not all of timeline, draw_template and save.")
+    if not all(callable(getattr(module, name, None)) for name in _DRAWS):
+        raise UsageError(f"it has not all of {', '.join(_DRAWS[:-1])} and {_DRAWS[-1]}.")
     return cast(Figures, module)
 
 

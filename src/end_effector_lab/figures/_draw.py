@@ -23,6 +23,7 @@ from end_effector_hal.recording import (
     write_run_table,
 )
 from end_effector_hal.verification.replay import missed_moments
+from end_effector_hal.verification.whatif import WhatIf
 from timed_automata import Template
 
 if TYPE_CHECKING:
@@ -121,6 +122,16 @@ def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:
     from ._paper import draw
 
     return draw(log, info or RunInfo())
+
+
+def what_if(told: WhatIf) -> Figure:
+    """A recorded run and what another description would have made of it: lanes above each other, one axis of time.
+
+    Raises UsageError where one of them holds no state.
+    """
+    from ._what_if import draw
+
+    return draw(told)
 
 
 def draw_template(template: Template, constants: Mapping[str, object] | None = None) -> Figure:

@@ -15,8 +15,9 @@ from end_effector_hal.page.view import ToolView
 from end_effector_hal.recording import product_version, run_info
 from end_effector_hal.runtime.boundary import PUBLISHED, Published
 from end_effector_hal.verification.proof import kept_verdict
+from end_effector_hal.verification.replay import Entry
 
-from ._files import TOLD, Entry, RecordingFiles
+from ._files import TOLD, RecordingFiles
 from ._samples import Samples
 from ._summary import Summary
 from ._tables import RecordedTables
