@@ -13,6 +13,7 @@ from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo, StatesLog
+    from end_effector_hal.verification.tune import Tuning
     from end_effector_hal.verification.whatif import WhatIf
     from timed_automata import Template
 
@@ -32,6 +33,10 @@ class Figures(Protocol):
         """A recorded run and what another description would have made of it."""
         ...
 
+    def tuning(self, found: Tuning) -> object:
+        """What recorded grips would have become, over the value of each number."""
+        ...
+
     def draw_template(self, template: Template, constants: Mapping[str, object]) -> object:
         """A template as UPPAAL shows it."""
         ...
@@ -41,7 +46,7 @@ class Figures(Protocol):
         ...
 
 
-_DRAWS = ("timeline", "what_if", "draw_template", "save")
+_DRAWS = ("timeline", "what_if", "tuning", "draw_template", "save")
 
 
 def _checked(module: Any) -> Figures:

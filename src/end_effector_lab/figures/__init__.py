@@ -1,5 +1,5 @@
 """The figures of runs and of automata; matplotlib is imported only when one is drawn."""
 
-from ._draw import STYLES, RecordedRun, draw_template, paper, save, timeline, what_if
+from ._draw import STYLES, RecordedRun, draw_template, paper, save, timeline, tuning, what_if
 
-__all__ = ["STYLES", "RecordedRun", "draw_template", "paper", "save", "timeline", "what_if"]
+__all__ = ["STYLES", "RecordedRun", "draw_template", "paper", "save", "timeline", "tuning", "what_if"]

@@ -23,6 +23,7 @@ from end_effector_hal.recording import (
     write_run_table,
 )
 from end_effector_hal.verification.replay import missed_moments
+from end_effector_hal.verification.tune import Tuning
 from end_effector_hal.verification.whatif import WhatIf
 from timed_automata import Template
 
@@ -132,6 +133,16 @@ def what_if(told: WhatIf) -> Figure:
     from ._what_if import draw
 
     return draw(told)
+
+
+def tuning(found: Tuning) -> Figure:
+    """How many recorded grips would have gone otherwise, over the value of each number that changes anything.
+
+    Raises UsageError where none does.
+    """
+    from ._tuning import draw
+
+    return draw(found)
 
 
 def draw_template(template: Template, constants: Mapping[str, object] | None = None) -> Figure:
