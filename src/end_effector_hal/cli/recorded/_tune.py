@@ -20,7 +20,7 @@ from ._recordings import open_recordings
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
-    from end_effector_hal.page.recorded import RecordedTables, RecordingFiles
+    from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles
     from end_effector_hal.verification.tune import GripCollector, Tried, Tuning
 
 MOST_RECORDINGS = 2000
@@ -154,7 +154,7 @@ def _runs(paths: tuple[Path, ...]) -> Iterator[Path]:
     yield from found
 
 
-def _opened(path: Path, description: Path | None) -> RecordingFiles | RecordedTables:
+def _opened(path: Path, description: Path | None) -> RecordingFiles | OtherFiles | RecordedTables:
     """With the tool that was recorded, if it is there."""
     try:
         (found,) = open_recordings([path], None)
@@ -186,8 +186,8 @@ def _print(found: Tuning, read: _Read, *, every: bool) -> None:
             f"{number} of them are not counted for {display_name(name)}: the readings do not show what was recorded."
         )
     table = Table("number", box=None, pad_edge=False)
-    table.add_column("today", justify="right")
-    for column in ("nothing changes", "today", "below that", "above that"):
+    table.add_column("today's value", justify="right")
+    for column in ("nothing changes", "grips today", "below that", "above that"):
         table.add_column(column)
     for each in (one for one in found.tried if one.changes):
         below = [(value, counts) for value, counts in reversed(each.values) if value < each.same_from]

@@ -19,6 +19,8 @@ from ._spans import ApartSpan, OutputLevels, apart, at_rest
 
 _PEER = {"grip": "tool_change", "tool_change": "grip"}
 MISSING = "Records of the run are missing here"
+GUESS, GUESS_OVER = "guess", "guess_over"
+"""Kinds of entries that are in no trace: the readings answer other outputs from here on (a sentence), or no longer."""
 
 
 class OtherRun:
@@ -112,8 +114,8 @@ class OtherRun:
             source=str(self.description.source),
         )
         self._out.append(Entry(entry.at, side.program, "header", header))
-        if entry.record.gap is not None and side.controller is not None and self._since is None:
-            self._since = entry.at, f"{MISSING}."
+        if entry.record.gap is not None and side.controller is not None:
+            self._part(entry.at, f"{MISSING}.")
 
     def _begun(self, side: _Side) -> RecordedController:
         def put(kind: str, at: int, content: object) -> None:
@@ -167,7 +169,7 @@ class OtherRun:
         side.controller, side.over = None, True
         begun = self._begin or at
         self.notes.append(f"At {(at - begun) / 1e6:.3f} s the {side.program} program ends, for {why}")
-        self._since = self._since or (at, f"The {side.program} program is not played any further.")
+        self._part(at, f"The {side.program} program is not played any further.")
 
     def _until(self, at: int, ahead: _Ahead) -> None:
         """What the other controller does by itself before the next input."""
@@ -226,13 +228,19 @@ class OtherRun:
         levels = self._levels.of({each.program: each.status for each in known})
         recorded = self._recorded_levels.of({each.program: each.recorded for each in known})
         found = apart(recorded, levels, self._names) if levels != recorded else ""
-        if found and self._since is None:
-            self._since = at, f"{found}."
+        if found:
+            self._part(at, f"{found}.")
         elif not found and self._since is not None and self._rest_again():
             self.spans.append(ApartSpan(self._since[0], at, self._since[1]))
             self._since = None
+            self._out.append(Entry(at, "grip", GUESS_OVER, "Both tools are at rest: no guess any more."))
             for side in self._sides.values():
                 side.apart = False
+
+    def _part(self, at: int, why: str) -> None:
+        if self._since is None:
+            self._since = at, why
+            self._out.append(Entry(at, "grip", GUESS, f"From here on a guess: {why}"))
 
     def _rest_again(self) -> bool:
         """Whether both tools stand where nothing depends on what happened before."""
