@@ -46,8 +46,12 @@ def draw_what_if(told: WhatIf, output: Path) -> Path:
 
 def print_what_if(told: WhatIf) -> None:
     """Both verdicts, each grip, the lines of both in one order of time, and from where on the other one is a guess."""
+    from end_effector_hal.verification.whatif import changes
+
     ours, theirs = told.recorded, told.other
     click.echo(f"  what if, with {theirs.description.source.name} ({theirs.info.hash}):")
+    for change in changes(ours.description, theirs.description):
+        click.echo(f"    {change}")
     click.echo(f"    recorded  {ours.story.verdict}")
     click.echo(f"    other     {theirs.story.verdict}")
     if told.same:

@@ -11,7 +11,7 @@ from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.recording import content_hash
 from end_effector_hal.verification.replay import Entry
-from end_effector_hal.verification.whatif import ApartSpan, OtherRun
+from end_effector_hal.verification.whatif import NAME, ApartSpan, OtherRun, changes
 
 from ._files import RecordingFiles
 
@@ -30,7 +30,8 @@ class OtherFiles:
     def __init__(self, files: RecordingFiles, description: Description) -> None:
         self._files, self.description = files, description
         self.path: Path = files.path
-        self.name = f"what if: {description.source.name}"
+        typed = description.source.name == NAME
+        self.name = "what if" if typed else f"what if: {description.source.name}"
         self.begin, self.end, self.whole = files.begin, files.end, files.whole
         self.spans: tuple[ApartSpan, ...] = ()
         self.notes: list[str] = []
@@ -59,7 +60,9 @@ class OtherFiles:
         """Every record that the other controller would have made, in the order of time."""
         run = OtherRun(self.description, self._files.description)
         yield from run.play(self._files.entries())
-        self.spans, self.notes = tuple(run.spans), list(run.notes)
+        other = changes(self._files.description, self.description)
+        self.spans = tuple(run.spans)
+        self.notes = [f"Other values than recorded: {'; '.join(other) or 'none'}.", *run.notes]
         if run.spans:
             first = (run.spans[0].since - self.begin) / 1e6
             self.notes.append(

@@ -148,7 +148,8 @@ class Player {
     if (this.recordings.length < 2) return;
     byId("compare").hidden = byId("first-name").hidden = byId("second-name").hidden = byId("second").hidden = false;
     put("first-name", this.main.content.recording.name);
-    put("second-name", this.recordings[1].content.recording.name);
+    const { name, guesses } = this.recordings[1].content.recording;
+    put("second-name", `${name}${guesses.length ? " (hatched, from a red line on: a guess)" : ""}`);
     byId("shown").replaceChildren(...this.recordings.map((each, index) => make("option", { value: index, textContent: each.content.recording.name })));
     byId("shown").onchange = (event) => this.show(Number(event.target.value));
     byId("shift").oninput = (event) => this.shiftTo(Number(event.target.value) || 0);

@@ -210,8 +210,6 @@ export class TimeLine {
     pen.restore();
     pen.fillStyle = colour("--bad");
     pen.fillRect(from - 1, 16, 2, height - 20);
-    pen.font = `bold 11px ${getComputedStyle(document.documentElement).getPropertyValue("--font")}`;
-    if (pen.measureText("a guess from here").width < to - from) pen.fillText("a guess from here", from + 4, 8);
   }
 
   click(event) {

@@ -1,6 +1,6 @@
 """What another description would have made of a recorded run: its whole story beside the recorded one."""
 
-from ._changed import MOST_TEXT, changed_description, in_short
+from ._changed import MOST_TEXT, NAME, changed_description, changes, in_short
 from ._other_run import GUESS, GUESS_OVER, OtherRun
 from ._run_story import RunStory, StoryLine
 from ._spans import ApartSpan
@@ -10,6 +10,7 @@ __all__ = [
     "GUESS",
     "GUESS_OVER",
     "MOST_TEXT",
+    "NAME",
     "ApartSpan",
     "GripPair",
     "LinePair",
@@ -18,6 +19,7 @@ __all__ = [
     "StoryLine",
     "WhatIf",
     "changed_description",
+    "changes",
     "in_short",
     "paired_lines",
     "what_if",

@@ -6,6 +6,7 @@ import atexit
 import json
 import re
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -18,6 +19,7 @@ from end_effector_hal.runtime.boundary import MODEL, whole
 MOST_TEXT = 200_000
 """Bytes; a description has some thousand."""
 NAME = "what-if.yaml"
+MOST_CHANGES = 20
 _VALUE = re.compile(r"([A-Za-z_]\w*(?:\.\w+)+)\s*[:=]\s*(\S.*)")
 _TODO = "Write a line for each value, such as `actuators.cylinder.timeout_s: 2`, or a whole description."
 
@@ -58,6 +60,33 @@ def changed_description(text: str, recorded: Description) -> Description:
             todo="`eehal replay --description FILE` takes a description with automata of its own.",
         )
     return description
+
+
+def changes(recorded: Description, other: Description) -> tuple[str, ...]:
+    """Values that differ, such as ``actuators.cylinder.timeout_s: 5.0 → 2.0``, without how the wires are reached."""
+    ours, theirs = (dict(_leaves(each.model_dump(mode="json", by_alias=True))) for each in (recorded, other))
+    found = [
+        f"{key}: {_said(ours.get(key))} → {_said(theirs.get(key))}"
+        for key in dict.fromkeys((*ours, *theirs))
+        if ours.get(key) != theirs.get(key) and not key.startswith(("lines.", "link.port", "automata.file"))
+    ]
+    return (
+        *found[:MOST_CHANGES],
+        *([f"and {len(found) - MOST_CHANGES} more"] if len(found) > MOST_CHANGES else []),
+    )
+
+
+def _leaves(tree: Any, path: str = "") -> Iterator[tuple[str, object]]:
+    items = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else None
+    if items is None:
+        yield path, tree
+        return
+    for key, value in items:
+        yield from _leaves(value, f"{path}.{key}" if path else str(key))
+
+
+def _said(value: object) -> str:
+    return "none" if value is None else str(value)[:60]
 
 
 def in_short(error: ReportedError) -> str:

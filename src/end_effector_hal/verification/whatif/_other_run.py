@@ -167,7 +167,7 @@ class OtherRun:
 
     def _end(self, side: _Side, at: int, why: str) -> None:
         side.controller, side.over = None, True
-        begun = self._begin or at
+        begun = at if self._begin is None else self._begin
         self.notes.append(f"At {(at - begun) / 1e6:.3f} s the {side.program} program ends, for {why}")
         self._part(at, f"The {side.program} program is not played any further.")
 

@@ -12,6 +12,7 @@ from end_effector_hal.recording import Grip, PressuresLog, pressure_channels
 from end_effector_hal.runtime.boundary import FrameTaken
 from end_effector_hal.verification.replay import Entry
 
+from ._changed import changes
 from ._other_run import OtherRun
 from ._run_story import RunStory, StoryLine
 from ._spans import ApartSpan
@@ -103,6 +104,7 @@ class WhatIf:
         """For programs; times in seconds since the recording began."""
         return {
             "same": self.same,
+            "changes": list(changes(self.recorded.description, self.other.description)),
             "recorded": self._side(self.recorded),
             "other": self._side(self.other),
             "apart": [
