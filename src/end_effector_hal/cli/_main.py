@@ -31,12 +31,13 @@ _COMMANDS = {
     "report": "a recorded run as one HTML file",
     "run": "one tool in this terminal, without ROS",
     "schema": "the JSON Schema of a description, for editors",
+    "tune": "what recorded grips would have become with other thresholds and time-outs",
     "verify": "prove what the automata promise, or show a counterexample",
 }
 _AUDIENCES = {
     "To run a tool and look at it (operators)": ("run", "page", "arbiter", "doctor"),
     "To describe a tool and connect it (integrators)": (
-        "init", "check", "schema", "listen", "testbench", "board", "export", "completion",
+        "init", "check", "schema", "listen", "tune", "testbench", "board", "export", "completion",
     ),
     "To prove, try out and judge it (researchers)": (
         "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "compare", "report", "import",
@@ -51,7 +52,7 @@ _OTHER_NAMES = {
 """What other programs call it."""
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
 """Modules that only commands with lines, ports or locks import."""
-_ROOMS = dict.fromkeys(("compare", "page", "replay", "report"), "recorded") | {
+_ROOMS = dict.fromkeys(("compare", "page", "replay", "report", "tune"), "recorded") | {
     name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")
 }
 """Commands that do not stand alone, and the folder in which they do."""

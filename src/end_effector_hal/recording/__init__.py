@@ -1,7 +1,7 @@
 """Records of a run: written as it happens, read back, and told in words."""
 
 from ._limits import RecordingLimits
-from ._recording import Recording, content_hash, hash_of, product_version, run_info
+from ._recording import Recording, content_hash, hash_of, pressure_channels, product_version, run_info
 from ._run import RunInfo, read_run
 from ._run_table import write_run_table
 from ._watched import Watched
@@ -65,6 +65,7 @@ __all__ = [
     "compare_runs",
     "content_hash",
     "hash_of",
+    "pressure_channels",
     "product_version",
     "read_alarms",
     "read_changer",

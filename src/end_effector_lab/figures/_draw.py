@@ -25,6 +25,8 @@ from end_effector_hal.recording import (
     write_run_table,
 )
 from end_effector_hal.verification.replay import missed_moments
+from end_effector_hal.verification.tune import Tuning
+from end_effector_hal.verification.whatif import WhatIf
 from timed_automata import Template
 
 if TYPE_CHECKING:
@@ -137,6 +139,26 @@ def overlay(
     from ._overlay import draw
 
     return draw(first, second, differences, names)
+
+
+def what_if(told: WhatIf) -> Figure:
+    """A recorded run and what another description would have made of it: lanes above each other, one axis of time.
+
+    Raises UsageError where one of them holds no state.
+    """
+    from ._what_if import draw
+
+    return draw(told)
+
+
+def tuning(found: Tuning) -> Figure:
+    """How many recorded grips would have gone otherwise, over the value of each number that changes anything.
+
+    Raises UsageError where none does.
+    """
+    from ._tuning import draw
+
+    return draw(found)
 
 
 def draw_template(template: Template, constants: Mapping[str, object] | None = None) -> Figure:

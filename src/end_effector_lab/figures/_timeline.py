@@ -30,7 +30,7 @@ from ._save import DPI
 from ._style import RULE, WRONG, drawing
 from ._watched import CLOCK_IN, clock_labels_width, draw_clock, watched_clocks, watched_lanes
 
-_PANEL_GAP_IN, _AXIS_IN = 0.16, 0.62
+PANEL_GAP_IN, AXIS_IN = 0.16, 0.62
 _DEADLINE: dict[str, Any] = {
     "color": WRONG,
     "linewidth": 1.4,
@@ -40,7 +40,7 @@ _DEADLINE: dict[str, Any] = {
 
 
 @dataclass(frozen=True)
-class _Sheet:
+class FigureSheet:
     """A figure of a known height; places are given in inches from its upper edge."""
 
     figure: Figure
@@ -84,27 +84,27 @@ def draw(
         lanes_at = heading.height_in + (1 + max((event.row for event in events), default=0)) * ROW_IN
         lanes_end = lanes_at + FOOT_IN + sum(lane.height_in for lane in lanes)
         heights = [*(panel.height_in for panel in panels), *(CLOCK_IN for _ in clocks)]
-        panels_end = lanes_end + sum(height + _PANEL_GAP_IN for height in heights)
-        height = panels_end + _AXIS_IN
-        sheet = _Sheet(Figure(figsize=(WIDTH_IN, height), facecolor="white", dpi=DPI), page, height)
+        panels_end = lanes_end + sum(height + PANEL_GAP_IN for height in heights)
+        height = panels_end + AXIS_IN
+        sheet = FigureSheet(Figure(figsize=(WIDTH_IN, height), facecolor="white", dpi=DPI), page, height)
         draw_heading(sheet.figure, heading, page.left)
         deadlines = [each.deadline_s for each in clocks if each.deadline_s is not None]
-        _draw_lanes(sheet, lanes, events, (heading.height_in, lanes_at, lanes_end), deadlines)
+        draw_lanes(sheet, lanes, events, (heading.height_in, lanes_at, lanes_end), deadlines)
         plots = [
             *(partial(draw_panel, panel=each) for each in panels),
             *(partial(draw_clock, clock=each) for each in clocks),
         ]
-        _draw_plots(sheet, list(zip(heights, plots, strict=True)), events, lanes_end, deadlines)
+        draw_plots(sheet, list(zip(heights, plots, strict=True)), events, lanes_end, deadlines)
         return sheet.figure
 
 
-def _draw_lanes(
-    sheet: _Sheet,
+def draw_lanes(
+    sheet: FigureSheet,
     lanes: Sequence[Lane],
     events: Sequence[Event],
     places: tuple[float, float, float],
-    deadlines: Sequence[float],
-) -> None:
+    deadlines: Sequence[float] = (),
+) -> Axes:
     """Events and lanes share one axes: inches downwards, zero at the foot of the lowest row of events."""
     top, foot, end = places
     axes = sheet.axes(top, end)
@@ -122,14 +122,15 @@ def _draw_lanes(
         axes.plot([event.moment.time_s] * 2, [start, below], zorder=3, **line_of(event))
     for at in deadlines:
         axes.plot([at] * 2, [FOOT_IN * 0.4, below], zorder=3, **_DEADLINE)
+    return axes
 
 
-def _draw_plots(
-    sheet: _Sheet,
+def draw_plots(
+    sheet: FigureSheet,
     plots: Sequence[tuple[float, Callable[[Axes], None]]],
     events: Sequence[Event],
     top: float,
-    deadlines: Sequence[float],
+    deadlines: Sequence[float] = (),
 ) -> None:
     """Plots of a height each, and the axis of time below the last of them, or below the lanes where there are none."""
     if not plots:
@@ -139,7 +140,7 @@ def _draw_plots(
         axes.tick_params(labelsize=9.5)
         _label_time(axes)
     for number, (height, plot) in enumerate(plots, start=1):
-        top += _PANEL_GAP_IN
+        top += PANEL_GAP_IN
         axes = sheet.axes(top, top + height)
         top += height
         plot(axes)

@@ -19,7 +19,7 @@ from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
-    from end_effector_hal.page.recorded import RecordedTables, RecordingFiles, RecordingPart
+    from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles, RecordingPart
 
 TRACE, BAGS = ".mcap", (".bag", ".active", ".db3")
 GROUP, NAME = "end_effector_hal.bags", "lab"
@@ -29,7 +29,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def recording_options(command: Command) -> Command:
-    """``--description``, ``--from`` and ``--to``, as ``description``, ``since`` and ``until``."""
+    """``--description``, ``--what-if``, ``--from`` and ``--to``: ``description``, ``other``, ``since``, ``until``."""
     seconds = click.FloatRange(min=0)
     for option in (
         click.option("--to", "until", metavar="SECONDS", type=seconds, help="Of a recording: end there."),
@@ -39,6 +39,13 @@ def recording_options(command: Command) -> Command:
             metavar="FILE",
             type=PathName(),
             help="Of a bag, which holds none; or another tool.",
+        ),
+        click.option(
+            "--what-if",
+            "other",
+            metavar="FILE",
+            type=PathName(),
+            help="Of a recording with traces: beside it, what this description would have made of it.",
         ),
     ):
         command = option(command)
@@ -60,11 +67,16 @@ def is_recording(path: Path) -> bool:
     return path.is_dir() or path.suffix in (TRACE, *BAGS)
 
 
-def open_recordings(paths: Sequence[Path], description: Path | None) -> list[RecordingFiles | RecordedTables]:
+def open_recordings(
+    paths: Sequence[Path], description: Path | None, other: Path | None = None
+) -> list[RecordingFiles | OtherFiles | RecordedTables]:
     """Those of one page; raises UsageError for what is none, and for more than two."""
-    if len(paths) > 2:
-        raise UsageError(f"{len(paths)} recordings cannot be compared.", todo="Name one, or two.")
-    return [_open(each, description) for each in paths]
+    if len(paths) + (other is not None) > 2:
+        raise UsageError(
+            f"{len(paths) + (other is not None)} recordings cannot be compared.", todo="Name one, or two."
+        )
+    opened = [_open(each, description) for each in paths]
+    return [*opened, _played(opened[0], other)] if other is not None else [*opened]
 
 
 def part_of(since_s: float | None, until_s: float | None) -> RecordingPart:
@@ -94,6 +106,19 @@ def _open(path: Path, description: Path | None) -> RecordingFiles | RecordedTabl
             todo = f"{error.todo} A bag of ROS is shown with --description FILE.".strip()
             raise UsageError(error.what, where=error.where, todo=todo) from None
         raise
+
+
+def _played(files: RecordingFiles | RecordedTables, other: Path) -> OtherFiles:
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.page.recorded import OtherFiles, RecordingFiles
+
+    if not isinstance(files, RecordingFiles):
+        raise UsageError(
+            "Without traces there are no inputs that another description could be played on.",
+            where=str(files.path),
+            todo="`eehal run --record` and the nodes write traces.",
+        )
+    return OtherFiles(files, load_tool(other))
 
 
 def _tool(path: Path, description: Path | None) -> Description:

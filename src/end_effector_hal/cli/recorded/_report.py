@@ -23,6 +23,7 @@ def command(
     recordings: tuple[Path, ...],
     output: Path | None,
     description: Path | None,
+    other: Path | None,
     since: float | None,
     until: float | None,
     as_json: bool,
@@ -37,7 +38,7 @@ def command(
     from end_effector_hal.page import report_html
     from end_effector_hal.page.recorded import judge_recording, read_recording
 
-    files = open_recordings(recordings, description)
+    files = open_recordings(recordings, description, other)
     part = part_of(since, until)
     contents, verdicts = [], []
     for each in files:

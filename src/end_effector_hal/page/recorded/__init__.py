@@ -7,9 +7,11 @@ and `eehal report` writes it into a file.
 from ._document import Progress, RecordingPart, read_recording
 from ._files import RecordingFiles
 from ._judged import judge_recording
+from ._other_files import OtherFiles
 from ._tables import RecordedTables
 
 __all__ = [
+    "OtherFiles",
     "Progress",
     "RecordedTables",
     "RecordingFiles",

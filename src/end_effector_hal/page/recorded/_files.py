@@ -6,14 +6,14 @@ import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from end_effector_hal.control import PROGRAMS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import Header
-from end_effector_hal.verification.replay import ProgramTrace, load_trace, traces_of
+from end_effector_hal.verification.replay import Entry, ProgramTrace, load_trace, traces_of
 
 MOST_BYTES = 512_000_000
 """Of one trace: it is read as a whole; a segment has 64 MB unless somebody asked for more."""
@@ -22,15 +22,6 @@ MOST_BYTES = 512_000_000
 KEPT_BYTES = 100_000_000
 TOLD = "told"
 """Of an entry that is in no trace: changes of variables, for the log."""
-
-
-class Entry(NamedTuple):
-    """One record of a program, at its place in the order of all; ``record`` None: its trace cannot be read on."""
-
-    at: int
-    program: str
-    kind: str
-    record: Any
 
 
 @dataclass(frozen=True, slots=True)

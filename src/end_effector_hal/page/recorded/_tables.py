@@ -24,9 +24,10 @@ from end_effector_hal.recording import (
     read_states,
 )
 from end_effector_hal.runtime.boundary import PUBLISHED, FrameTaken, Header, Published
+from end_effector_hal.verification.replay import Entry
 from end_effector_hal.vocabulary import ACTIVE, PENDING, Evidence
 
-from ._files import TOLD, Entry
+from ._files import TOLD
 
 BEGUN = "begun"
 STATES, PRESSURES, ALARMS = "states.csv", "pressures.csv", "alarms.csv"

@@ -1,6 +1,6 @@
 """The boundary of a program: what goes in and what comes out, recorded as it happens."""
 
-from ._open import DESCRIPTION, MODEL, open_recorder, open_stream
+from ._open import DESCRIPTION, MODEL, open_recorder, open_stream, whole
 from ._recorded_controller import AnyController, RecordedController, feed
 from ._recorder import NULL_RECORDER, Observer, Recorder
 from ._records import (
@@ -41,4 +41,5 @@ __all__ = [
     "feed",
     "open_recorder",
     "open_stream",
+    "whole",
 ]

@@ -2,6 +2,7 @@
 
 from ._chain import SegmentEnd
 from ._differs import Difference
+from ._entry import Entry
 from ._load import ProgramTrace, load_trace, runs_of, traces_of
 from ._missed import missed_moments
 from ._replay import Replay, replay
@@ -9,6 +10,7 @@ from ._review import Review, review
 
 __all__ = [
     "Difference",
+    "Entry",
     "ProgramTrace",
     "Replay",
     "Review",

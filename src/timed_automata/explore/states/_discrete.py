@@ -99,7 +99,9 @@ class DiscreteState:
 
     def __init__(self, space: DiscreteSpace, vector: LocationVector, packed: bytes) -> None:
         self._space, self.vector, self.packed = space, vector, packed
-        self._arcs: tuple[Any, ...] | None = None  # side by side, as a tuple for each takes more than the states
+        self._arcs: tuple[Any, ...] | None = (
+            None  # side by side, as a tuple for each takes more than the states
+        )
         self.invariant = (
             vector.invariant if vector.invariant is not None else space.invariant(self.state, vector)
         )

@@ -1,0 +1,222 @@
+"""From the records of runs to the attempts of their grips: what each actuator's sensors showed while it was active."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.runtime.boundary import PUBLISHED, FrameTaken
+from end_effector_hal.sensing import SensorState
+from end_effector_hal.signals import Frame, Kind
+from end_effector_hal.verification.replay import Entry
+from end_effector_hal.vocabulary import ACTIVE, EndEffectorState
+
+MOST_READINGS = 300_000
+"""Of all recordings together: 100 minutes of grips at 50 frames a second; what bounds memory."""
+MOST_GRIPS = 10_000
+AFTER_US = 30_000_000
+"""So long after its deactivation an actuator is watched at most."""
+THINNED_US, REPEAT_US = 600_000, 20_000
+"""Tables leave out steady pressures for half a second: they are repeated there."""
+
+
+class ReadingsThen:
+    """What the channels showed at one instant, as a detector asks for it; what was stale or invalid is absent.
+
+    Attributes:
+        at: µs.
+        carried: the channels of the codec.
+    """
+
+    __slots__ = ("_arrived", "_values", "at", "carried")
+
+    def __init__(
+        self, at: int, carried: Mapping[str, Kind], values: Mapping[str, int | bool], arrived: frozenset[str]
+    ) -> None:
+        self.at, self.carried = at, carried
+        self._values, self._arrived = values, arrived
+
+    def get(self, channel: str | None, at: int) -> int | bool | None:
+        """Gauge Pa or a bit; None: there was none."""
+        return None if channel is None else self._values.get(channel)
+
+    def arrived(self, channel: str) -> bool:
+        """Whether a frame brought it then."""
+        return channel in self._arrived
+
+
+@dataclass(slots=True)
+class Activation:
+    """One activation of an actuator within a grip; µs.
+
+    Attributes:
+        since: it became active.
+        until: it became inactive; None: it was active to the end of the recording.
+        confirmed: when the recorded tool took it for confirmed; None: it did not.
+        readings: from ``since`` until it is active again, or `AFTER_US` after it was deactivated.
+        seen_until: the last of them.
+    """
+
+    since: int
+    until: int | None = None
+    confirmed: int | None = None
+    readings: list[ReadingsThen] = field(default_factory=list)
+    seen_until: int = 0
+
+
+@dataclass(slots=True)
+class RecordedGrip:
+    """A grip that was recorded, with what came of it until the next one.
+
+    Attributes:
+        recording: which of the recordings, by its number.
+        since: µs, when GRIPPING began.
+        activations: by actuator, in order of time.
+    """
+
+    recording: int
+    since: int
+    activations: dict[str, list[Activation]] = field(default_factory=dict)
+
+
+class GripCollector:
+    """Collects the grips of several recordings.
+
+    Args:
+        description: with which readings are judged to be fresh and plausible.
+
+    Attributes:
+        grips: in the order of the recordings and of time.
+        full: there are more than memory is bounded to.
+    """
+
+    def __init__(self, description: Description) -> None:
+        self._description, self._carrier = description, carrier_of(description)
+        self._names = description.sequence
+        self._readings = 0
+        self.grips: list[RecordedGrip] = []
+        self.full = False
+
+    def collect(self, entries: Iterable[Entry], recording: int) -> int:
+        """Take the records of one recording; returns how many grips were in it, until it was full."""
+        before = len(self.grips)
+        one = _OneRecording(self._description, self._carrier.channels, recording)
+        for entry in entries:
+            if entry.program != "grip" or entry.record is None:
+                continue
+            if entry.kind == "start":
+                one.restart(entry.at)
+            elif entry.kind == "frame":
+                self._readings += one.frame(entry.record)
+            elif entry.kind in ("status", PUBLISHED):
+                status = entry.record.status if entry.kind == PUBLISHED else entry.record
+                if (grip := one.status(status)) is not None:
+                    if len(self.grips) >= MOST_GRIPS:
+                        self.full = True
+                        break
+                    self.grips.append(grip)
+            if self._readings > MOST_READINGS:
+                self.full = True
+                break
+        return len(self.grips) - before
+
+
+class _OneRecording:
+    """Follows one run: its sensors, and which actuators are active."""
+
+    def __init__(self, description: Description, carried: Mapping[str, Kind], recording: int) -> None:
+        self._description, self._recording, self._carried = description, recording, carried
+        self._carrier = carrier_of(description)
+        self._names = description.sequence
+        self._open: dict[str, Activation] = {}
+        self._grip: RecordedGrip | None = None
+        self._before: Status | None = None
+        self._sensors = SensorState(description, self._carrier)
+        self._last: FrameTaken | None = None
+        self._seen_at = 0
+
+    def restart(self, at: int) -> None:
+        """A program begins, or begins again: what was active is unknown from here on."""
+        self._open.clear()
+        self._grip = self._before = None
+        self._sensors, self._last = SensorState(self._description, self._carrier), None
+
+    def frame(self, record: FrameTaken) -> int:
+        """Readings of a frame; how many were kept."""
+        kept, last = 0, self._last
+        if record.stamp > record.at or (last is not None and record.stamp <= last.stamp):
+            return 0  # its stamp is impossible: the tool did not count it either
+        if last is not None and record.seq is None and record.device_ms is None:
+            gap = record.stamp - last.stamp
+            if 3 * REPEAT_US < gap <= THINNED_US and last.seq is None:
+                for at in range(last.stamp + REPEAT_US, record.stamp - REPEAT_US // 2, REPEAT_US):
+                    kept += self._see(Frame(at, None, None, last.values))
+        self._last = record
+        return kept + self._see(Frame(record.stamp, record.seq, record.device_ms, record.values))
+
+    def status(self, status: Status) -> RecordedGrip | None:
+        """What was decided; a grip that begins with it."""
+        before, self._before = self._before, status
+        begun: RecordedGrip | None = None
+        if before is None or len(status.outputs) != len(self._names):
+            return None
+        if status.ee is EndEffectorState.GRIPPING is not before.ee:
+            begun = self._grip = RecordedGrip(self._recording, status.at)
+            self._open.clear()
+        for index, name in enumerate(self._names):
+            is_on, was_on = status.outputs[index], before.outputs[index]
+            if is_on and not was_on:
+                self._activated(name, status)
+            elif was_on and not is_on and (found := self._open.get(name)):
+                found.until = status.at
+            found = self._open.get(name)
+            if (
+                found
+                and found.until is None
+                and found.confirmed is None
+                and status.actuators[index] == ACTIVE
+            ):
+                found.confirmed = status.at
+        return begun
+
+    def _activated(self, name: str, status: Status) -> None:
+        self._open.pop(name, None)
+        if self._grip is not None and status.ee is EndEffectorState.GRIPPING:
+            self._open[name] = Activation(status.at, seen_until=status.at)
+            self._grip.activations.setdefault(name, []).append(self._open[name])
+
+    def _see(self, frame: Frame) -> int:
+        kept, sensors, last = 0, self._sensors, self._seen_at
+        while (due := sensors.deadline(last)) is not None and due < frame.at:
+            sensors.wait(due)
+            kept += self._keep(due)
+            last = due
+        for _ in sensors.take(frame):
+            kept += self._keep(frame.at)
+        return kept
+
+    def _keep(self, at: int) -> int:
+        self._seen_at = at
+        done = [
+            name for name, each in self._open.items() if each.until is not None and at > each.until + AFTER_US
+        ]
+        for name in done:
+            del self._open[name]
+        if not self._open:
+            return 0
+        readings, carried = self._sensors.readings, self._carried
+        values: dict[str, Any] = {}
+        for channel in carried:
+            value = readings.get(channel, at)
+            if value is not None:
+                values[channel] = value
+        arrived = frozenset(channel for channel in values if readings.arrived(channel))
+        then = ReadingsThen(at, carried, values, arrived)
+        for each in self._open.values():
+            each.readings.append(then)
+            each.seen_until = at
+        return 1

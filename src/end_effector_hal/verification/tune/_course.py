@@ -1,0 +1,108 @@
+"""What a detector with other values makes of an activation, and what would have become of the grip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from end_effector_hal.kinds import detector_of
+from end_effector_hal.kinds.stanza import Actuator, Supply
+from end_effector_hal.vocabulary import Evidence, to_us
+
+from ._attempts import Activation
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """When an activation was confirmed, lost and gone; µs after its beginning, or after its end.
+
+    Attributes:
+        confirmed: the first time, while it was active; None: never.
+        lost: the first time after that, while it was active.
+        gone: the first time after it was deactivated.
+    """
+
+    confirmed: int | None = None
+    lost: int | None = None
+    gone: int | None = None
+
+
+def course_of(part: Actuator, supply: Supply, activation: Activation) -> Course:
+    """Sample every reading of an activation with a new detector of ``part``."""
+    detector = detector_of(part, supply)
+    confirmed = lost = gone = None
+    since, until = activation.since, activation.until
+    for readings in activation.readings:
+        at = readings.at
+        level = detector.sample(readings, at)
+        if until is not None and at >= until:
+            if level is Evidence.GONE:
+                gone = at - until
+                break
+        elif level is Evidence.CONFIRMED:
+            confirmed = at - since if confirmed is None else confirmed
+        elif confirmed is not None and lost is None and level in (Evidence.GONE, Evidence.PARTIAL):
+            lost = at - since
+    return Course(confirmed, lost, gone)
+
+
+@dataclass(frozen=True, slots=True)
+class GripOutcome:
+    """What would have become of one actuator in a grip.
+
+    Attributes:
+        failed: none of the recorded attempts would have been confirmed within the time-out.
+        lost: confirmed, and lost while it was still active.
+        stuck: still there when the wait of the release was over.
+        undecided: the recording ends that attempt, or the release, before it is known.
+        attempt: the one that is confirmed, from 1; 0: none.
+        after_us: from the first activation to the confirmation; None: none.
+    """
+
+    failed: bool = False
+    lost: bool = False
+    stuck: bool = False
+    undecided: bool = False
+    attempt: int = 0
+    after_us: int | None = None
+
+
+def outcome_of(part: Actuator, activations: Sequence[Activation], courses: Sequence[Course]) -> GripOutcome:
+    """What the attempts of one grip come to with the time-outs of ``part``.
+
+    Args:
+        part: the actuator.
+        activations: its recorded attempts.
+        courses: of each, with the thresholds of ``part``.
+    """
+    timeout_us = to_us(part.timeout_s)
+    failed, lost, undecided, attempt = True, False, False, 0
+    after_us: int | None = None
+    for number, (each, course) in enumerate(zip(activations, courses, strict=True), start=1):
+        if number > part.attempts:
+            break
+        if course.confirmed is not None and course.confirmed <= timeout_us:
+            failed, attempt, lost = False, number, course.lost is not None
+            after_us = each.since - activations[0].since + course.confirmed
+            break
+        ended = each.until if each.until is not None else each.seen_until
+        if ended - each.since < timeout_us - SLACK_US:
+            failed, undecided = False, True
+            break
+    stuck, unknown = _release(part, activations[-1], courses[-1])
+    return GripOutcome(failed, lost, stuck, undecided or unknown, attempt, after_us)
+
+
+SLACK_US = 100_000
+"""A time-out that was recorded is this much shorter or longer than declared: two periods of a usual link."""
+
+
+def _release(part: Actuator, last: Activation, course: Course) -> tuple[bool, bool]:
+    """Whether its feedback stays too long, and whether that is not known."""
+    if last.until is None:
+        return False, False
+    limit_us = to_us(part.release_s)
+    if course.gone is not None:
+        return course.gone > limit_us, False
+    known = last.seen_until - last.until >= limit_us
+    return known, not known

@@ -1,0 +1,161 @@
+"""Which numbers of a description can be tried on recorded grips, which values of them make sense, and which cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import ValidationError
+
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Actuator, Supply
+
+WAITS = ("timeout_s", "release_s", "attempts")
+"""Keys of every actuator that bound a wait, and change nothing of what the sensors prove."""
+UNITS = {"_kpa": "kPa", "_s": "s", "_ms": "ms", "_samples": "samples", "_fraction": ""}
+STEPS = 24
+LEAST, MOST = 0.2, 2.0
+"""Values from a fifth of today's to twice as much are tried; of waits from a fiftieth on, in equal ratios."""
+LEAST_WAIT = 0.02
+_WARNS = "it only warns: no grip succeeds or fails by it"
+_OTHER_PAUSE = "what another pause would have changed is in no recording"
+_FROZEN = "it says which readings count, and no grip was decided by it alone"
+_NOT_BY_GRIPS = "no recorded grip was decided by it"
+
+Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of one actuator.
+
+    Attributes:
+        actuator: its name.
+        path: of keys within its stanza.
+        today: its value.
+        whole: only whole numbers make sense.
+    """
+
+    actuator: str
+    path: Path
+    today: float
+    whole: bool
+
+    @property
+    def key(self) -> str:
+        """``actuators.cylinder.timeout_s``."""
+        return ".".join(map(str, ("actuators", self.actuator, *self.path)))
+
+    @property
+    def unit(self) -> str:
+        """Of its value; empty: none."""
+        return next((unit for end, unit in UNITS.items() if str(self.path[-1]).endswith(end)), "")
+
+    @property
+    def waits(self) -> bool:
+        """Whether it bounds a wait."""
+        return self.path[0] in WAITS
+
+    def with_value(self, part: Actuator, supply: Supply, value: float) -> Actuator | None:
+        """The actuator with another value; None: alone it makes no sense there."""
+        tree = part.model_dump(by_alias=True)
+        place: Any = tree
+        for key in self.path[:-1]:
+            place = place[key]
+        place[self.path[-1]] = int(value) if self.whole else value
+        try:
+            found = type(part).model_validate(tree)
+        except (ValidationError, ValueError):
+            return None
+        return found if _consistent(found, supply) else None
+
+    def grid(self) -> list[float]:
+        """Values to be tried, today's among them, in order; more attempts than were made are in no recording."""
+        if self.path == ("attempts",):
+            return [float(number) for number in range(1, int(self.today) + 1)]
+        low, high = sorted((LEAST * self.today, MOST * self.today))
+        shares = [index / STEPS for index in range(STEPS + 1)]
+        values = {low + (high - low) * share for share in shares} | {self.today}
+        if self.waits:
+            values |= {high * (LEAST_WAIT / MOST) ** share for share in shares}
+        if self.whole:
+            values = {float(round(value)) for value in values} | {self.today}
+        return sorted({_short(value, self.today) for value in values})
+
+
+def parameters_of(description: Description) -> Iterator[Parameter]:
+    """Thresholds and time-outs of all actuators, in the order of a grip."""
+    for name, part in description.ordered:
+        for key in WAITS:
+            yield Parameter(name, (key,), float(getattr(part, key)), whole=key == "attempts")
+        if part.evidence is not None:
+            tree = part.evidence.model_dump(by_alias=True)
+            for path, value in _numbers(tree):
+                yield Parameter(name, ("evidence", *path), float(value), isinstance(value, int))
+            continue
+        for key, value in _own(part):
+            if not key.startswith("secure"):
+                yield Parameter(name, (key,), float(value), isinstance(value, int))
+
+
+def not_tried(description: Description) -> Iterator[tuple[str, str]]:
+    """Keys of times and thresholds that no recorded grip can judge, and why."""
+    for name, part in description.ordered:
+        yield f"actuators.{name}.reset_s", _OTHER_PAUSE
+        if part.frozen_s is not None:
+            yield f"actuators.{name}.frozen_s", _FROZEN
+        for key, _ in _own(part):
+            if key.startswith("secure"):
+                yield f"actuators.{name}.{key}", _WARNS
+    yield "hold.*", _WARNS
+    yield "supply.*", _NOT_BY_GRIPS
+    yield "link.*", _FROZEN
+    if description.tool_changer is not None:
+        yield "tool_changer.*", _NOT_BY_GRIPS
+
+
+def _own(part: Actuator) -> Iterator[tuple[str, float]]:
+    """Numbers that the kind has beside those of every actuator."""
+    for key in type(part).model_fields:
+        value = getattr(part, key)
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if number and key not in Actuator.model_fields and key.endswith(tuple(UNITS)):
+            yield key, value
+
+
+def _numbers(tree: Any, path: Path = ()) -> Iterator[tuple[Path, float]]:
+    """Thresholds and times of declared conditions."""
+    items = (
+        tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list | tuple) else ()
+    )
+    for key, value in items:
+        if isinstance(value, dict | list | tuple):
+            yield from _numbers(value, (*path, key))
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield (*path, key), value
+
+
+def _consistent(part: Actuator, supply: Supply) -> bool:
+    """Whether its numbers stand in their order, as `eehal check` asks."""
+    kind = kind_of(part)
+    for low, relation, high in kind.orders:
+        less, more = getattr(part, low), getattr(part, high)
+        if less is not None and more is not None and not (less < more or (relation == "<=" and less == more)):
+            return False
+    for rule in kind.joint_rules:
+        numbers = {
+            key: getattr(supply, key.removeprefix("supply."))
+            if key.startswith("supply.")
+            else getattr(part, key)
+            for key in rule.keys
+        }
+        if None not in numbers.values() and rule.fault("", numbers, lambda key: key):
+            return False
+    return True
+
+
+def _short(value: float, today: float) -> float:
+    """Three digits are enough for a value that is tried; today's stays what it is."""
+    return value if value == today else float(f"{value:.3g}")

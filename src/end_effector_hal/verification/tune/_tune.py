@@ -1,0 +1,250 @@
+"""How many recorded grips would have gone otherwise, for each threshold and time-out, by its value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from end_effector_hal.description import Description
+from end_effector_hal.kinds.stanza import Actuator
+
+from ._attempts import Activation, RecordedGrip
+from ._course import Course, GripOutcome, course_of, outcome_of
+from ._parameters import Parameter, not_tried, parameters_of
+
+NARROWINGS = 8
+"""So often the edge of what changes nothing is halved between two values that were tried."""
+SAMPLE_US = 20_000
+"""Of the usual link."""
+Report = Callable[[float], None]
+
+
+class Counts(NamedTuple):
+    """How many grips: of those in which the actuator was activated, with one value.
+
+    Attributes:
+        failed: none of the recorded attempts would have been confirmed within the time-out.
+        late: confirmed on a later attempt, or later than today by more than the reaction bound.
+        lost: confirmed, and lost within the same hold.
+        stuck: still there when the wait of the release was over.
+        undecided: the recording ends before it is known.
+    """
+
+    failed: int = 0
+    late: int = 0
+    lost: int = 0
+    stuck: int = 0
+    undecided: int = 0
+
+    def __str__(self) -> str:
+        """``3 failed, 1 late``."""
+        return ", ".join(f"{number} {word}" for word, number in self._asdict().items() if number) or "none"
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One number of the description, over the values that were tried.
+
+    Attributes:
+        parameter: which.
+        grips: how many it was tried on.
+        values: with what came of them, in order of the values; today's is among them.
+        same_from, same_to: the range around today's value in which nothing changes, as far as it was tried.
+        ends_below, ends_above: whether that range ends there because something changes; else nothing beyond was tried.
+    """
+
+    parameter: Parameter
+    grips: int
+    values: tuple[tuple[float, Counts], ...]
+    same_from: float
+    same_to: float
+    ends_below: bool
+    ends_above: bool
+
+    @property
+    def today(self) -> Counts:
+        """What comes of today's value."""
+        return dict(self.values)[self.parameter.today]
+
+    @property
+    def changes(self) -> bool:
+        """Whether any value that was tried changes anything."""
+        return self.ends_below or self.ends_above
+
+    def as_json(self) -> dict[str, Any]:
+        """For programs."""
+        return {
+            "key": self.parameter.key,
+            "unit": self.parameter.unit,
+            "today": self.parameter.today,
+            "grips": self.grips,
+            "same_from": self.same_from,
+            "same_to": self.same_to,
+            "ends_below": self.ends_below,
+            "ends_above": self.ends_above,
+            "values": [{"value": value, **counts._asdict()} for value, counts in self.values],
+        }
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """What recorded grips say of a description's thresholds and time-outs.
+
+    Attributes:
+        description: whose values are today's.
+        grips: how many were recorded.
+        set_aside: grips of which the readings do not show what was recorded: by actuator.
+        tried: in the order of a grip.
+        not_tried: keys that no recorded grip can judge, and why.
+    """
+
+    description: Description
+    grips: int
+    set_aside: dict[str, int]
+    tried: tuple[Tried, ...]
+    not_tried: tuple[tuple[str, str], ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """For programs."""
+        return {
+            "description": self.description.name,
+            "grips": self.grips,
+            "set_aside": self.set_aside,
+            "parameters": [each.as_json() for each in self.tried],
+            "not_tried": [{"key": key, "why": why} for key, why in self.not_tried],
+        }
+
+
+def tune(
+    grips: Sequence[RecordedGrip],
+    description: Description,
+    recorded: Sequence[Description] = (),
+    report: Report = lambda _: None,
+) -> Tuning:
+    """Try values of every threshold and time-out on recorded grips.
+
+    An attempt is judged from its own activation on, which the tool has seen; so each number is tried alone, on readings
+    that answer what the recorded tool did.
+
+    Args:
+        grips: of one tool, as `GripCollector` has them.
+        description: whose values are today's.
+        recorded: the tool of each recording: where its own thresholds do not make of the readings what was recorded,
+            a grip is set aside; default: ``description``.
+        report: gets the share that is done, 0 to 1.
+    """
+    by_actuator: dict[str, list[list[Activation]]] = {}
+    aside: dict[str, int] = {}
+    for name in description.sequence:
+        found = [grip for grip in grips if grip.activations.get(name)]
+        by_actuator[name] = [
+            grip.activations[name]
+            for grip in found
+            if _as_recorded(
+                grip.activations[name], name, recorded[grip.recording] if recorded else description
+            )
+        ]
+        if len(by_actuator[name]) < len(found):
+            aside[name] = len(found) - len(by_actuator[name])
+    parameters, tried = list(parameters_of(description)), list[Tried]()
+    trials: dict[str, _Trial] = {}
+    for number, parameter in enumerate(parameters):
+        report(number / len(parameters))
+        name = parameter.actuator
+        if name not in trials:
+            trials[name] = _Trial(description, name, by_actuator.get(name, []))
+        if trials[name].grips:
+            tried.append(trials[name].run(parameter))
+    return Tuning(description, len(grips), aside, tuple(tried), tuple(not_tried(description)))
+
+
+def _as_recorded(activations: Sequence[Activation], name: str, recorded: Description) -> bool:
+    """Whether the thresholds that were recorded make of the readings what the tool did then."""
+    part = recorded.actuators[name]
+    slack_us = max(recorded.bounds.reaction_ms * 1000, 2 * SAMPLE_US)
+    for each in activations:
+        found = course_of(part, recorded.supply, each).confirmed
+        if each.confirmed is None:
+            # what is confirmed as the time-out passes may be decided either way
+            if found is not None and each.since + found < (each.until or each.seen_until) - slack_us:
+                return False
+        elif found is None or abs(each.since + found - each.confirmed) > slack_us:
+            return False
+    return True
+
+
+class _Trial:
+    """One actuator: its recorded attempts, and what values of its numbers make of them."""
+
+    def __init__(self, description: Description, name: str, grips: list[list[Activation]]) -> None:
+        self._description, self._part, self.grips = description, description.actuators[name], grips
+        self._late_us = description.bounds.reaction_ms * 1000
+        self._courses = self._follow(self._part)
+        self._today = self._outcomes(self._part, self._courses)
+
+    def run(self, parameter: Parameter) -> Tried:
+        """Every value of the grid, then the edges of what changes nothing."""
+        found: dict[float, Counts] = {}
+        for value in parameter.grid():
+            if (counts := self._counts(parameter, value)) is not None:
+                found[value] = counts
+        today = found.setdefault(parameter.today, self._count(self._today))
+        edges = []
+        for way in (-1, 1):
+            values = sorted(found, reverse=way < 0)
+            values = values[values.index(parameter.today) :]
+            same, other = _edge(values, found, today)
+            for _ in range(NARROWINGS if other is not None else 0):
+                middle = float(f"{(same + (other or same)) / 2:.4g}")
+                middle = float(round(middle)) if parameter.whole else middle
+                counts = None if middle in (same, other) else self._counts(parameter, middle)
+                if counts is None:
+                    break
+                found[middle] = counts
+                same, other = (middle, other) if counts == today else (same, middle)
+            edges.append((same, other is not None))
+        (low, below), (high, above) = edges
+        return Tried(parameter, len(self.grips), tuple(sorted(found.items())), low, high, below, above)
+
+    def _counts(self, parameter: Parameter, value: float) -> Counts | None:
+        """None: the value alone makes no sense."""
+        if value == parameter.today:
+            return self._count(self._today)
+        part = parameter.with_value(self._part, self._description.supply, value)
+        if part is None:
+            return None
+        courses = self._courses if parameter.waits else self._follow(part)
+        return self._count(self._outcomes(part, courses))
+
+    def _follow(self, part: Actuator) -> list[list[Course]]:
+        return [[course_of(part, self._description.supply, each) for each in grip] for grip in self.grips]
+
+    def _outcomes(self, part: Actuator, courses: list[list[Course]]) -> list[GripOutcome]:
+        return [outcome_of(part, grip, each) for grip, each in zip(self.grips, courses, strict=True)]
+
+    def _count(self, outcomes: Sequence[GripOutcome]) -> Counts:
+        pairs = list(zip(outcomes, self._today, strict=True))
+        return Counts(
+            failed=sum(each.failed for each in outcomes),
+            late=sum(self._late(each, today) for each, today in pairs),
+            lost=sum(each.lost for each in outcomes),
+            stuck=sum(each.stuck for each in outcomes),
+            undecided=sum(each.undecided for each in outcomes),
+        )
+
+    def _late(self, outcome: GripOutcome, today: GripOutcome) -> bool:
+        if outcome.after_us is None:
+            return False
+        later = today.after_us is not None and outcome.after_us > today.after_us + self._late_us
+        return outcome.attempt > 1 or later
+
+
+def _edge(values: Sequence[float], found: dict[float, Counts], today: Counts) -> tuple[float, float | None]:
+    """The last value in a row that changes nothing, and the first that does; None: none does."""
+    same = values[0]
+    for value in values[1:]:
+        if found[value] != today:
+            return same, value
+        same = value
+    return same, None

@@ -1,0 +1,34 @@
+"""Recorded runs of the virtual tool, and descriptions that differ from its own in one value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.page.recorded import RecordingFiles
+
+Other = Callable[..., Description]
+
+
+@pytest.fixture
+def files(gripped_twice: Path) -> RecordingFiles:
+    return RecordingFiles(gripped_twice)
+
+
+@pytest.fixture
+def other(tmp_path: Path) -> Other:
+    """The shipped tool with some of its text exchanged."""
+
+    def make(*changes: tuple[str, str]) -> Description:
+        text = profile_path().read_text()
+        for old, new in changes:
+            assert old in text, old
+            text = text.replace(old, new)
+        path = tmp_path / "other.yaml"
+        path.write_text(text)
+        return load(path)
+
+    return make
