@@ -44,7 +44,7 @@ def command(
     ${XDG_CACHE_HOME:-~/.cache}/end-effector-hal/board; nothing is installed and no root is needed. Its clock counts
     what it executes: a busy machine makes it slower, and changes nothing in its recordings.
 
-    DESCRIPTION: default is the shipped tool. Exit code 1: a scenario did not run as expected; 3: something is missing.
+    Without DESCRIPTION: the shipped tool. Exit code 1: a scenario did not run as expected; 3: something is missing.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path

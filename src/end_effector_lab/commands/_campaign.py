@@ -71,7 +71,7 @@ def command(
     edge of the automata, or an edge with a fault, for the first time are kept, and later ones are mutants of them.
 
     FOLDER gets runs.jsonl, unreached.json and, in failures/, the smallest case of each kind of failure, which --play
-    plays. TOOL: default is the shipped one. Exit code 4: a run has failed; with --processes: what was played there
+    plays. Without TOOL: the shipped one. Exit code 4: a run has failed; with --processes: what was played there
     ended otherwise than in virtual time.
     """
     from end_effector_hal.codecs import load_tool

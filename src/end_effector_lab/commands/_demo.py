@@ -85,7 +85,7 @@ def command(
 
     For each of them a virtual chip, the line arbiter and the testbench are started, and with ROS the nodes, the
     DataLogger and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
-    the tool itself) is at their other end already. DESCRIPTION: default is the shipped tool. Exit code 1: a
+    the tool itself) is at their other end already. Without DESCRIPTION: the shipped tool. Exit code 1: a
     scenario did not run as expected, or a time-out or reset was not within 100 ms after its nominal time.
     """
     from end_effector_hal.codecs import load_tool

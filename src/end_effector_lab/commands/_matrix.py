@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     default=1,
     show_default=True,
     metavar="N",
-    help="Play each Nth cell only; the others are counted as left out.",
+    help="Play one cell of N, spread over all faults, moments and commands; the others are counted as left out.",
 )
 @click.option("--only", default="", metavar="TEXT", help="Play the cells whose id has this text only.")
 @click.option("--cell", metavar="ID", help="Play this cell only, with its recording and its figure.")
@@ -57,21 +57,22 @@ def command(
     tool; the monitor judges it besides. FOLDER gets report.html, report.json, cells.jsonl and fmea.csv, the failure
     modes and effects of the tool, with severity and occurrence left to whoever signs it.
 
-    A cell's id is "FAULT @ MOMENT + COMMAND". TOOL: default is the shipped one. Exit code 4: a part was dropped, or
+    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was dropped, or
     something is not explained.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
-    from end_effector_lab.matrix import cells_of, moments
+    from end_effector_lab.matrix import cells_of, moments, thinned
 
     description = load_tool(tool or profile_path())
     with Progress("Playing the run without a fault", shown=not as_json):
         whole = list(cells_of(description, moments(description)))
     if cell is not None:
         raise SystemExit(_one(description, whole, cell, output, as_json=as_json))
-    cells = [each for each in whole if only in each.id][::every]
-    if not cells:
+    chosen = [each for each in whole if only in each.id]
+    if not chosen:
         raise UsageError(f"No cell has {only!r} in its id.", todo="--list prints them.")
+    cells = thinned(chosen, every)
     if listed:
         click.echo("\n".join(each.id for each in cells))
         return

@@ -1,6 +1,6 @@
 """Every fault of the testbench at every moment of a run, with every command: what becomes of a tool, and what may."""
 
-from ._cells import COMMANDS, Cell, cells_of, faults_of
+from ._cells import COMMANDS, Cell, cells_of, faults_of, thinned
 from ._expected import LYING, ExpectedOutcome, expected
 from ._fmea import fmea
 from ._judging import AT_REST, Monitors, is_still, not_gripping
@@ -42,4 +42,5 @@ __all__ = [
     "record",
     "summary",
     "switchings",
+    "thinned",
 ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
+from math import ceil, gcd, sqrt
 
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
@@ -11,6 +13,7 @@ from end_effector_lab.testbench import offered_faults
 
 from ._script import Moment
 
+GOLDEN = (1 + sqrt(5)) / 2
 NOTHING, BOTH = "none", "kill both"
 COMMANDS = (
     NOTHING, "cancel", "drop", "lock", "unlock", "kill grip", "kill tool_change", "kill hal", "kill arbiter", BOTH,
@@ -75,6 +78,17 @@ def cells_of(description: Description, when: Sequence[Moment]) -> Iterator[Cell]
         for moment in when:
             for command in COMMANDS:
                 yield Cell(fault, moment, command)
+
+
+def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
+    """One cell of so many, spread over faults, moments and commands alike, in the order of the matrix.
+
+    A plain stride shares factors with the ten commands and meets one of them only. The step of the golden ratio,
+    coprime to the number of cells, meets each of them once in any ten (Kronecker's sequence).
+    """
+    total = len(cells)
+    step = next(step for step in count(round(total / GOLDEN) or 1) if gcd(step, total) == 1)
+    return [cells[at] for at in sorted(number * step % total for number in range(ceil(total / every)))]
 
 
 def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections import Counter
 from functools import cache
 from io import StringIO
 from pathlib import Path
@@ -15,7 +16,7 @@ from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.kinds.cylinder._detector import CylinderDetector
 from end_effector_hal.runtime.outputs import GripOutputs
 from end_effector_lab.commands._matrix import command
-from end_effector_lab.matrix import COMMANDS, Cell, Outcome, cells_of, expected, fmea, moments, play
+from end_effector_lab.matrix import COMMANDS, Cell, Outcome, cells_of, expected, fmea, moments, play, thinned
 from tests.support.declared import declared
 from tests.support.nightly import NIGHTLY
 
@@ -42,6 +43,18 @@ def test_every_combination_is_a_cell_once() -> None:
         "grip cylinder on +1ms",
         "grip cylinder on, between",
     } <= when
+
+
+@pytest.mark.parametrize("every", [2, 7, 50, 400])
+def test_a_thinned_matrix_has_each_command_and_all_kinds_of_the_rest(every: int) -> None:
+    cells = thinned(list(all_cells().values()), every)
+    assert len(set(cells)) == len(cells) == -(-len(all_cells()) // every)
+    of_each = Counter(cell.command for cell in cells)
+    assert of_each.keys() == set(COMMANDS)
+    assert max(of_each.values()) - min(of_each.values()) <= 1
+    enough = len(cells) >= 100
+    assert not enough or {cell.moment.name for cell in cells} == {c.moment.name for c in all_cells().values()}
+    assert not enough or {cell.name for cell in cells} == {cell.name for cell in all_cells().values()}
 
 
 def test_moments_say_what_the_tool_is_doing() -> None:
