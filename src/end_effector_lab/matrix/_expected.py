@@ -214,7 +214,8 @@ class _Rules:
         if cell.name in SILENCING and self._is_of_link(name):
             return ANYTHING if self._keeps_its_level(name) else BLIND
         if cell.name in DAMAGING:
-            rare = (cell.number or 0.0) <= 0.001
+            frames = [link.frame for link in self._description.links.values() if link.frame]
+            rare = (cell.number or 0.0) <= 0.001 and all(frame.checked for frame in frames)
             return SensorView(_YES, frozenset({YES, UNKNOWN}), _YES) if rare else ANYTHING
         if cell.name == "supply":
             return SensorView(frozenset({YES, NO}), frozenset({YES, LOST}), _YES)

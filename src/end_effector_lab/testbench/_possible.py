@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from end_effector_hal.description import Description
 from end_effector_hal.faults import FaultNumber, FaultOffer
 
-from ._scenario import FAULTS, Fault, Number, traits_of, links_that_ask
+from ._scenario import FAULTS, Fault, Number, links_that_ask, traits_of
 
 
 def possible_faults(description: Description) -> Iterator[str]:
