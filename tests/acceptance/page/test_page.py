@@ -14,7 +14,9 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.stream import program_of, program_socket
+from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.wires import now_us
 from tests.acceptance.page.conftest import Live
 from tests.support.patience import wait_until
@@ -174,10 +176,15 @@ def test_an_edge_shows_the_requirements_that_need_it_and_that_speak_of_it(
     page.locator("#automata .spoken li", has_text="order-step").wait_for()
     page.locator("#automata").scroll_into_view_if_needed()
     shot(page, "requirements")
-    page.locator("#automata-tabs button", has_text="Bottom vacuum").click()
-    page.select_option("#automata-edge", label="12. On → Off")
-    page.locator("#automata .needed li", has_text="outputs").wait_for()
-    assert "Needed by" in page.locator("#automata .spoken-title").first.inner_text()
+    gripper = load_automata(nominal.world.description).document.templates[0]
+    needed = [kept_record().of_edge(gripper, edge) for edge in range(len(gripper.edges))]
+    number = next(edge for edge, needs in enumerate(needed) if needs and needs.needed_by)
+    page.select_option("#automata-edge", value=str(number))
+    page.locator("#automata .spoken-title", has_text="Needed by").wait_for()
+    first = needed[number]
+    assert first is not None
+    shown = page.locator("#automata .needed li b").all_inner_texts()
+    assert shown == [*first.needed_by]
     assert not page.faults
     page.context.close()
 
