@@ -1,5 +1,14 @@
-"""The figures of runs and of automata; matplotlib is imported only when one is drawn."""
+"""The figures of runs, of automata and of grids of numbers; matplotlib is imported only when one is drawn."""
 
-from ._draw import STYLES, RecordedRun, draw_template, paper, save, timeline
+from ._draw import STYLES, HeatMapCell, RecordedRun, draw_template, heat_map, paper, save, timeline
 
-__all__ = ["STYLES", "RecordedRun", "draw_template", "paper", "save", "timeline"]
+__all__ = [
+    "STYLES",
+    "HeatMapCell",
+    "RecordedRun",
+    "draw_template",
+    "heat_map",
+    "paper",
+    "save",
+    "timeline",
+]
