@@ -12,7 +12,7 @@ from typing import Any
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import product_version
-from end_effector_lab.workers import Workers
+from end_effector_lab.workers import ShippedAutomata, Workers
 
 from ._cells import Cell
 from ._play import play
@@ -46,7 +46,8 @@ def play_all(
     todo = [cell for cell in cells if cell.id not in done]
     on_progress(len(cells) - len(todo), len(cells))
     with kept.open("a", encoding="utf-8") as file:
-        for number, (cell, played) in enumerate(workers.each(_play, description, todo), start=1):
+        shared = description, ShippedAutomata(description)
+        for number, (cell, played) in enumerate(workers.each(_play, shared, todo), start=1):
             done[cell.id] = played
             file.write(json.dumps(played) + "\n")
             file.flush()
@@ -64,9 +65,10 @@ def no_log() -> Iterator[None]:
         logging.disable(logging.NOTSET)
 
 
-def _play(description: Description, cell: Cell) -> dict[str, Any]:
+def _play(shared: tuple[Description, ShippedAutomata], cell: Cell) -> dict[str, Any]:
+    description, automata = shared
     with no_log():
-        return play(description, cell).as_json()
+        return play(automata.of(description), cell).as_json()
 
 
 def _open(folder: Path, description: Description) -> Path:

@@ -4,10 +4,34 @@ from __future__ import annotations
 
 import os
 
+from end_effector_hal.errors import UsageError
+
 from ._local import local_workers
 from ._workers import Workers
 
 
-def open_workers(jobs: int | None) -> Workers:
-    """Processes of this machine; None: one for each processor."""
-    return local_workers(jobs or len(os.sched_getaffinity(0)))
+def cluster_workers(address: str) -> Workers:
+    """The workers of a cluster of dask.distributed.
+
+    Entering it raises WorkersError when the scheduler cannot be reached, has no worker, or one of them does not fit.
+
+    Args:
+        address: of its scheduler, such as ``tcp://10.0.0.1:8786``.
+
+    Raises:
+        ModuleNotFoundError: dask.distributed, the extra `cluster`, is not installed.
+    """
+    from ._cluster import ClusterWorkers
+
+    return ClusterWorkers(address)
+
+
+def open_workers(scheduler: str | None, jobs: int | None) -> Workers:
+    """The cluster of a scheduler, or processes of this machine; no jobs given: one for each processor.
+
+    Raises:
+        UsageError: both are given.
+    """
+    if scheduler and jobs:
+        raise UsageError("A cluster has its own processes.", todo="Leave --jobs out, or --scheduler.")
+    return cluster_workers(scheduler) if scheduler else local_workers(jobs or len(os.sched_getaffinity(0)))
