@@ -8,16 +8,15 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import product_version
-from end_effector_lab.matrix import no_log
+from end_effector_lab.matrix import kept_file, no_log, read_kept
 from end_effector_lab.workers import Workers
 
 from ._case import Case, case_from_json
@@ -77,7 +76,7 @@ class Campaign:
     _sizes: list[int] = field(default_factory=list)
     """Of ``kept`` at the end of each batch."""
 
-    def add(self, found: dict[str, Any], description: Description) -> None:
+    def add(self, found: Mapping[str, Any], description: Description) -> None:
         """Add the next run, as it is kept in the file."""
         case = case_from_json(found["case"], description) if "case" in found else None
         if case is not None and "new" in found:
@@ -149,8 +148,8 @@ def run_campaign(
     known, source = CoverageMap(description), CaseSource(description)
     campaign = Campaign(seed, known)
     campaign.reached.locations |= known.initial
-    kept = _open(folder, description, seed)
-    for found in _read(kept):
+    kept = kept_file(folder, HEADER, KEPT, description, "campaign", seed=seed)
+    for found in read_kept(kept):
         campaign.add(found, description)
     on_progress(campaign)
     shared = description, known
@@ -234,7 +233,6 @@ def _write_failures(campaign: Campaign, folder: Path, description: Description, 
     if not todo:
         return
     folder.mkdir(exist_ok=True)
-    first = len(done)
     shared = description, campaign.known
     numbers = {kind: number for number, kind in enumerate(campaign.kinds)}
     for (kind, _), (case, log) in workers.each(_shrink, shared, todo):
@@ -244,7 +242,7 @@ def _write_failures(campaign: Campaign, folder: Path, description: Description, 
             "kind": kind, "run": failed.run, "campaign_seed": campaign.seed,
             **case.as_json(), "words": case.words, "log": log,
         }  # fmt: skip
-        path = folder / f"{max(first, 0) + numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
+        path = folder / f"{numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
         path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
@@ -258,33 +256,3 @@ def read_failures(folder: Path) -> list[dict[str, Any]]:
             continue
         found.append(document | {"file": str(path)})
     return found
-
-
-def _open(folder: Path, description: Description, seed: int) -> Path:
-    """The file of what was played."""
-    mark = {
-        "tool": description.name, "description": description.fingerprint(), "version": product_version(),
-        "seed": seed,
-    }  # fmt: skip
-    header = folder / HEADER
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if header.exists() and json.loads(header.read_text(encoding="utf-8")) != mark:
-            raise UsageError(
-                "This folder has the campaign of another tool, of another version, or of another seed.",
-                where=str(folder), todo="Name another folder.",
-            )  # fmt: skip
-        header.write_text(json.dumps(mark) + "\n", encoding="utf-8")
-        (folder / KEPT).touch()
-    except (OSError, ValueError) as error:
-        raise UsageError(f"The folder cannot be used: {error}.", where=str(folder)) from None
-    return folder / KEPT
-
-
-def _read(kept: Path) -> Iterable[dict[str, Any]]:
-    """What was played; a last line that was cut off by a kill is played again."""
-    text = kept.read_text(encoding="utf-8")
-    whole, _, torn = text.rpartition("\n")
-    if torn:
-        kept.write_text(whole + "\n" if whole else "", encoding="utf-8")
-    return map(json.loads, whole.splitlines())

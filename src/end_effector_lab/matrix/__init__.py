@@ -4,6 +4,7 @@ from ._cells import COMMANDS, Cell, cells_of, faults_of
 from ._expected import LYING, ExpectedOutcome, expected
 from ._fmea import fmea
 from ._judging import AT_REST, Monitors, is_still, not_gripping
+from ._kept_lines import kept_file, read_kept
 from ._outcome import Outcome
 from ._play import Played, play
 from ._report import page, summary
@@ -28,12 +29,14 @@ __all__ = [
     "faults_of",
     "fmea",
     "is_still",
+    "kept_file",
     "moments",
     "no_log",
     "not_gripping",
     "page",
     "play",
     "play_all",
+    "read_kept",
     "record",
     "summary",
     "switchings",
