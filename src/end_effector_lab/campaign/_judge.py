@@ -1,7 +1,6 @@
 """What must hold whatever happens, by the description and by what the simulated devices really do.
 
-Nothing here is shared with the controller or the line arbiter, and nothing was observed: each rule is one of the
-contract (`docs/reference/interlocks.md`, `docs/explanation/`).
+Nothing here is shared with the controller or the line arbiter, and nothing was observed.
 
 Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip goes inactive
     (IL-09).
