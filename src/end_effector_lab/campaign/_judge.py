@@ -202,14 +202,10 @@ class Judge:
             self._changed_at[edge.line] = edge.at
             if edge.line == self._changer:
                 self._unlock(edge)
-        for each in switchings(self._description, edges):
-            if self._active.get(each.name) == each.active:
-                continue
-            if each.active:
-                self._activated(each)
-            else:
-                self._deactivated(each)
-            self._active[each.name] = each.active
+            for each in switchings(self._description, [edge]):
+                if self._active[each.name] != each.active:
+                    (self._activated if each.active else self._deactivated)(each)
+                    self._active[each.name] = each.active
 
     def _unlock(self, edge: Edge) -> None:
         self._unlocked_since = edge.at if edge.level else None

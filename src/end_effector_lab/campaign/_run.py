@@ -1,13 +1,14 @@
 """A campaign: cases by chance, guided by what they reach; kept as it goes, so that it goes on where it was stopped.
 
-Run n is drawn from the seed, n, and what the runs of the batches before n's, but for the last `LAG` of them, have
-reached. So the same seed gives the same runs, however many workers there are, and in whatever order they end.
+Run n is drawn from the seed, n, and what the first three quarters of the runs before it have reached (`drawn_from`). So
+the same seed gives the same runs, however many workers there are, and in whatever order they end.
 """
 
 from __future__ import annotations
 
 import json
 import re
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,7 +27,8 @@ from ._play import play_case
 from ._shrink import shrunk
 
 KEPT, HEADER, FAILURES = "runs.jsonl", "campaign.json", "failures"
-BATCH, LAG = 64, 4
+LEAST_AHEAD = 16
+"""So many runs are under way at least before one of them must be over."""
 MOST_MOMENTS = 60
 MOST_KINDS = 40
 """Kinds of failures that are shrunk."""
@@ -38,11 +40,13 @@ class KeptCase(NamedTuple):
     Attributes:
         case, moments: with µs at which something moved in it.
         edge: whether an edge or a location was new, not only one with a fault.
+        run: in which it did.
     """
 
     case: Case
     moments: tuple[int, ...]
     edge: bool
+    run: int
 
 
 class FailedRun(NamedTuple):
@@ -73,33 +77,28 @@ class Campaign:
     seconds: float = 0.0
     kept: list[KeptCase] = field(default_factory=list)
     failed: list[FailedRun] = field(default_factory=list)
-    _sizes: list[int] = field(default_factory=list)
-    """Of ``kept`` at the end of each batch."""
 
     def add(self, found: Mapping[str, Any], description: Description) -> None:
         """Add the next run, as it is kept in the file."""
         case = case_from_json(found["case"], description) if "case" in found else None
         if case is not None and "new" in found:
             new = self.reached.add(Reached.from_json(found["new"]))
-            self.kept.append(KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations)))
+            self.kept.append(
+                KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations), self.runs)
+            )
         if case is not None and "failures" in found:
             self.failed.append(FailedRun(found["run"], case, found["failures"]))
-        self.runs, self.grips, self.seconds = (
-            self.runs + 1,
-            self.grips + found["grips"],
-            self.seconds + found["s"],
-        )
-        if self.runs % BATCH == 0:
-            self._sizes.append(len(self.kept))
+        self.runs += 1
+        self.grips += found["grips"]
+        self.seconds += found["s"]
 
     def may_draw(self, run: int) -> bool:
         """Whether all that this run is drawn from is there."""
-        return run // BATCH < len(self._sizes) + LAG
+        return drawn_from(run) <= self.runs
 
     def draw(self, run: int, source: CaseSource) -> Case:
         """The case of a run."""
-        batch = run // BATCH - LAG
-        kept = self.kept[: self._sizes[batch]] if batch >= 0 else []
+        kept = self.kept[: bisect_left(self.kept, drawn_from(run), key=lambda each: each.run)]
         random = Random(f"{self.seed} {run}")
         if not kept or random.random() < 0.3:
             return source.fresh(random)
@@ -115,6 +114,11 @@ class Campaign:
             for what in failed.failures.values():
                 found.setdefault(kind_of_failure(what), failed)
         return found
+
+
+def drawn_from(run: int) -> int:
+    """From how many of the first runs a run is drawn."""
+    return max(0, run - max(LEAST_AHEAD, run // 4))
 
 
 def kind_of_failure(what: str) -> str:
