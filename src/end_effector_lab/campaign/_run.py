@@ -16,6 +16,7 @@ from random import Random
 from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import product_version
 from end_effector_lab.matrix import kept_file, no_log, read_kept
 from end_effector_lab.workers import Workers
@@ -50,11 +51,10 @@ class KeptCase(NamedTuple):
 
 
 class FailedRun(NamedTuple):
-    """A run that broke rules: sentences by rule."""
+    """The first run of a kind of failure."""
 
     run: int
     case: Case
-    failures: dict[str, str]
 
 
 @dataclass
@@ -66,7 +66,8 @@ class Campaign:
         known: what can be reached, and ``reached`` what was.
         runs, grips, seconds: how many runs, successful grips, and seconds of virtual time.
         kept: the cases that are mutated.
-        failed: the runs that broke a rule.
+        failures: how many runs broke a rule.
+        kinds: the first run of each kind of failure.
     """
 
     seed: int
@@ -76,7 +77,8 @@ class Campaign:
     grips: int = 0
     seconds: float = 0.0
     kept: list[KeptCase] = field(default_factory=list)
-    failed: list[FailedRun] = field(default_factory=list)
+    failures: int = 0
+    kinds: dict[str, FailedRun] = field(default_factory=dict)
 
     def add(self, found: Mapping[str, Any], description: Description) -> None:
         """Add the next run, as it is kept in the file."""
@@ -86,8 +88,11 @@ class Campaign:
             self.kept.append(
                 KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations), self.runs)
             )
-        if case is not None and "failures" in found:
-            self.failed.append(FailedRun(found["run"], case, found["failures"]))
+        if "failures" in found:
+            self.failures += 1
+        if case is not None:
+            for what in found.get("failures", {}).values():
+                self.kinds.setdefault(kind_of_failure(what), FailedRun(found["run"], case))
         self.runs += 1
         self.grips += found["grips"]
         self.seconds += found["s"]
@@ -105,15 +110,6 @@ class Campaign:
         best = [each for each in kept if each.edge]
         one = random.choice(best if best and random.random() < 0.4 else kept)
         return source.mutant(random, one.case, one.moments, random.choice(kept).case)
-
-    @property
-    def kinds(self) -> dict[str, FailedRun]:
-        """The first run of each kind of failure."""
-        found: dict[str, FailedRun] = {}
-        for failed in self.failed:
-            for what in failed.failures.values():
-                found.setdefault(kind_of_failure(what), failed)
-        return found
 
 
 def drawn_from(run: int) -> int:
@@ -154,7 +150,14 @@ def run_campaign(
     campaign.reached.locations |= known.initial
     kept = kept_file(folder, HEADER, KEPT, description, "campaign", seed=seed)
     for found in read_kept(kept):
-        campaign.add(found, description)
+        try:
+            campaign.add(found, description)
+        except (AttributeError, KeyError, TypeError):
+            raise UsageError(
+                f"Line {campaign.runs + 1} is not that of a run.",
+                where=str(kept),
+                todo="Name another folder.",
+            ) from None
     on_progress(campaign)
     shared = description, known
     with kept.open("a", encoding="utf-8") as file:
@@ -207,11 +210,12 @@ def _play(shared: tuple[Description, CoverageMap], item: tuple[int, Case]) -> di
 
 
 def _shortened(found: dict[str, Any], campaign: Campaign) -> dict[str, Any]:
-    """What is kept of a run: its case only if it failed or reached something new."""
+    """What is kept of a run: its case only if it failed in a new way or reached something new."""
     reached, seen = Reached.from_json(found["new"]), campaign.reached
     new = Reached(reached.edges - seen.edges, reached.locations - seen.locations, reached.pairs - seen.pairs)
     line: dict[str, Any] = {"run": found["run"], "grips": found["grips"], "s": found["s"]}
-    if new or found["failures"]:
+    kinds = map(kind_of_failure, found["failures"].values())
+    if new or any(kind not in campaign.kinds for kind in kinds):
         line["case"] = found["case"]
     if new:
         line |= {"moments": found["moments"], "new": new.as_json()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -45,14 +45,17 @@ def kept_file(
     return folder / kept
 
 
-def read_kept(kept: Path) -> list[Mapping[str, Any]]:
+def read_kept(kept: Path) -> Iterator[Mapping[str, Any]]:
     """The lines, without a last one that was cut off by a kill, which goes; raises UsageError."""
+    whole = 0
     try:
-        text = kept.read_text(encoding="utf-8")
-        whole, _, torn = text.rpartition("\n")
-        if torn:
-            kept.write_text(whole + "\n" if whole else "", encoding="utf-8")
-        return [json.loads(line) for line in whole.splitlines()]
+        with kept.open("r+b") as file:
+            for line in file:
+                if not line.endswith(b"\n"):
+                    file.truncate(whole)
+                    return
+                whole += len(line)
+                yield json.loads(line)
     except (OSError, ValueError, RecursionError) as error:
         raise UsageError(
             f"What was played cannot be read: {error}.", where=str(kept), todo="Name another folder."

@@ -26,6 +26,7 @@ from end_effector_lab.campaign import (
     run_campaign,
 )
 from end_effector_lab.commands._campaign import command
+from end_effector_lab.matrix import read_kept
 from end_effector_lab.workers import local_workers
 from tests.support.nightly import NIGHTLY
 from tests.unit.campaign.mutants import MUTANTS
@@ -65,9 +66,9 @@ def test_a_campaign_finds_a_mutant_and_shrinks_it(
         tmp_path,
         local_workers(1),
         seed=seed,
-        go_on=lambda so_far, run: run < most and not so_far.failed,
+        go_on=lambda so_far, run: run < most and not so_far.failures,
     )
-    assert campaign.failed
+    assert campaign.failures
     found = read_failures(tmp_path / "failures")
     kinds = {each["kind"].partition(":")[0]: each for each in found}
     assert MUTANTS[name].kind in kinds
@@ -170,6 +171,28 @@ def test_a_folder_of_another_seed_is_refused(tmp_path: Path) -> None:
     (tmp_path / "campaign.json").write_text('{"tool": "another"}')
     result = CliRunner().invoke(command, ["--runs", "1", "-o", str(tmp_path)])
     assert "another tool" in str(result.exception)
+
+
+def test_a_file_of_runs_that_is_damaged_is_refused(tmp_path: Path) -> None:
+    kept = tmp_path / "runs.jsonl"
+    kept.write_bytes(b'{"run": 0}\n\xff\n')
+    with pytest.raises(UsageError, match="cannot be read"):
+        list(read_kept(kept))
+    kept.write_bytes(b'{"run": 0}\n{"run')
+    assert list(read_kept(kept)) == [{"run": 0}]
+    assert kept.read_bytes() == b'{"run": 0}\n'
+
+
+def test_a_line_that_is_of_no_run_is_refused(tmp_path: Path) -> None:
+    for number, line in enumerate(['{"another": 1}', "[]"]):
+        with pytest.raises(UsageError, match="Line 1 is not that of a run"):
+            _campaign_over(tmp_path / str(number), line)
+
+
+def _campaign_over(folder: Path, line: str) -> None:
+    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
+    (folder / "runs.jsonl").write_text(line + "\n")
+    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
 
 
 def test_the_command_plays_a_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
