@@ -82,6 +82,7 @@ class Campaign:
 
     def add(self, found: Mapping[str, Any], description: Description) -> None:
         """Add the next run, as it is kept in the file."""
+        grips, seconds = int(found["grips"]), float(found["s"])
         case = case_from_json(found["case"], description) if "case" in found else None
         if case is not None and "new" in found:
             new = self.reached.add(Reached.from_json(found["new"]))
@@ -94,8 +95,8 @@ class Campaign:
             for what in found.get("failures", {}).values():
                 self.kinds.setdefault(kind_of_failure(what), FailedRun(found["run"], case))
         self.runs += 1
-        self.grips += found["grips"]
-        self.seconds += found["s"]
+        self.grips += grips
+        self.seconds += seconds
 
     def may_draw(self, run: int) -> bool:
         """Whether all that this run is drawn from is there."""
@@ -152,7 +153,7 @@ def run_campaign(
     for found in read_kept(kept):
         try:
             campaign.add(found, description)
-        except (AttributeError, KeyError, TypeError):
+        except (AttributeError, KeyError, TypeError, ValueError):
             raise UsageError(
                 f"Line {campaign.runs + 1} is not that of a run.",
                 where=str(kept),
