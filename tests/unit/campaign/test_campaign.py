@@ -26,6 +26,7 @@ from end_effector_lab.campaign import (
     run_campaign,
 )
 from end_effector_lab.commands._campaign import command
+from end_effector_lab.matrix import read_kept
 from end_effector_lab.workers import local_workers
 from tests.support.nightly import NIGHTLY
 from tests.unit.campaign.mutants import MUTANTS
@@ -52,7 +53,7 @@ def test_a_mutant_fails(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("name", "seed", "most"),
     [
-        ("a last will that drops what is held", 8, 2),
+        ("a last will that drops what is held", 19, 2),
         *((name, 0, 400) for name in MUTANTS if NIGHTLY),
     ],
 )
@@ -65,9 +66,9 @@ def test_a_campaign_finds_a_mutant_and_shrinks_it(
         tmp_path,
         local_workers(1),
         seed=seed,
-        go_on=lambda so_far, run: run < most and not so_far.failed,
+        go_on=lambda so_far, run: run < most and not so_far.failures,
     )
-    assert campaign.failed
+    assert campaign.failures
     found = read_failures(tmp_path / "failures")
     kinds = {each["kind"].partition(":")[0]: each for each in found}
     assert MUTANTS[name].kind in kinds
@@ -116,13 +117,13 @@ def test_cases_are_drawn_from_what_was_kept() -> None:
     line = {"grips": 1, "s": 1.0, "case": kept.as_json(), "moments": [77_000], "new": {
         "edges": [1], "locations": [2], "pairs": [3],
     }}  # fmt: skip
-    assert campaign.may_draw(255)
-    assert not campaign.may_draw(256)
-    before = campaign.draw(0, source)
+    assert campaign.may_draw(16)
+    assert not campaign.may_draw(17)
+    before = campaign.draw(16, source)
     for run in range(64):
         campaign.add(({} if run else line) | {"run": run, "grips": 1, "s": 1.0}, SHIPPED)
-    assert campaign.draw(0, source) == before  # its batch has seen nothing yet
-    drawn = [campaign.draw(256 + run, source) for run in range(64)]
+    assert campaign.draw(16, source) == before  # it is drawn from what was there for it
+    drawn = [campaign.draw(run, source) for run in range(17, 80)]
     assert sum(any(each.what == "kill grip" for each in case.happenings) for case in drawn) > 15
     times = {each.at for case in drawn for each in case.happenings}
     assert {76_000, 77_000, 78_000} & times
@@ -170,6 +171,28 @@ def test_a_folder_of_another_seed_is_refused(tmp_path: Path) -> None:
     (tmp_path / "campaign.json").write_text('{"tool": "another"}')
     result = CliRunner().invoke(command, ["--runs", "1", "-o", str(tmp_path)])
     assert "another tool" in str(result.exception)
+
+
+def test_a_file_of_runs_that_is_damaged_is_refused(tmp_path: Path) -> None:
+    kept = tmp_path / "runs.jsonl"
+    kept.write_bytes(b'{"run": 0}\n\xff\n')
+    with pytest.raises(UsageError, match="cannot be read"):
+        list(read_kept(kept))
+    kept.write_bytes(b'{"run": 0}\n{"run')
+    assert list(read_kept(kept)) == [{"run": 0}]
+    assert kept.read_bytes() == b'{"run": 0}\n'
+
+
+def test_a_line_that_is_of_no_run_is_refused(tmp_path: Path) -> None:
+    for number, line in enumerate(['{"another": 1}', "[]"]):
+        with pytest.raises(UsageError, match="Line 1 is not that of a run"):
+            _campaign_over(tmp_path / str(number), line)
+
+
+def _campaign_over(folder: Path, line: str) -> None:
+    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
+    (folder / "runs.jsonl").write_text(line + "\n")
+    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
 
 
 def test_the_command_plays_a_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
