@@ -39,7 +39,7 @@ from timed_automata.explore.states import (
 )
 from timed_automata.explore.zones import Limit, Limits, QueryLimits, limits_of, tested_clocks
 from timed_automata.language import ast
-from timed_automata.network import Network
+from timed_automata.network import Network, State
 from timed_automata.queries import (
     ConditionFilter,
     Data,
@@ -122,7 +122,8 @@ class _Exploration:
         reaction: ReactionBound | None = None,
     ) -> None:
         self.network, self.queries = network, queries
-        self._unseen: dict[tuple[int, bool], Formula] = {}  # number of the query; False: only its premise
+        self._unseen: dict[tuple[int, bool], Data] = {}  # number of the query; False: only its premise
+        self._expected: dict[tuple[int, bool], Data] = {}  # those that should happen, and did not yet
         self._cases: dict[int, ZoneCondition] = {}
         self._bounded: dict[int, BoundedResponse] = {}
         self._responses: dict[int, LeadsTo] = {}
@@ -170,21 +171,27 @@ class _Exploration:
                 self._about_deadlock.add(number)
             return limits_of(wanted)
         self._unseen[number, True] = wanted
-        if invariance and isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
-            self._unseen[number, False] = compile_formula(self.network, query.condition.left)
+        if not invariance:
+            self._expected[number, True] = wanted
+        elif isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
+            premise = compile_formula(self.network, query.condition.left)
+            assert isinstance(premise, Data), "what is asked whole has no clocks"
+            self._unseen[number, False] = self._expected[number, False] = premise
         return {}
 
     def run(self, *, stop: bool, most_states: int | None = None) -> None:
         """Explore."""
-        concern, unseen = ConditionFilter(self.network, self._premises), self._filter_unseen()
+        concern, refuted = ConditionFilter(self.network, self._premises), self._filter_refuted()
         for count, node in enumerate(self.search.nodes(), start=1):
             record = node.record
             concerned: tuple[int, ...] | None = record.note
             if concerned is None:
                 state = record.discrete.state
-                if happened := unseen(state):
+                if self._expected:
+                    self._look_for_expected(state)
+                if happened := refuted(state):
                     self._happened.update(happened)
-                    unseen = self._filter_unseen()
+                    refuted = self._filter_refuted()
                 concerned = record.note = concern(state)
                 self._room.add(record)
                 if not self._deadlocks.ruled_out(record):
@@ -197,10 +204,24 @@ class _Exploration:
                 self._ended = True
                 return
 
-    def _filter_unseen(self) -> ConditionFilter[tuple[int, bool]]:
-        """Of the conditions on data, those that did not hold yet."""
-        unseen = {key: formula for key, formula in self._unseen.items() if key not in self._happened}
-        return ConditionFilter(self.network, unseen)
+    def _look_for_expected(self, state: State) -> None:
+        """Note the conditions on data that hold for the first time; one by one, as most do so soon."""
+        locations, values = state
+        happened = [
+            key for key, data in self._expected.items() if bool(data.holds(values, locations)) is data.wanted
+        ]
+        for key in happened:
+            del self._expected[key]
+        self._happened.update(happened)
+
+    def _filter_refuted(self) -> ConditionFilter[tuple[int, bool]]:
+        """Of the conditions on data that must not hold, those that did not yet: one expression for all of them."""
+        refuting = {
+            (number, whole): data
+            for (number, whole), data in self._unseen.items()
+            if whole and self.queries[number].kind == "A[]" and (number, True) not in self._happened
+        }
+        return ConditionFilter(self.network, refuting)
 
     @property
     def _refuted(self) -> bool:
