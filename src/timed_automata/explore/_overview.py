@@ -6,7 +6,7 @@ hold is to be asked of :class:`Explorer`, which finds the shortest run.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from timed_automata.explore.properties import (
@@ -39,7 +39,7 @@ from timed_automata.explore.states import (
 )
 from timed_automata.explore.zones import Limit, Limits, QueryLimits, limits_of, tested_clocks
 from timed_automata.language import ast
-from timed_automata.network import Network, State
+from timed_automata.network import Network
 from timed_automata.queries import (
     ConditionFilter,
     Data,
@@ -123,7 +123,7 @@ class _Exploration:
     ) -> None:
         self.network, self.queries = network, queries
         self._unseen: dict[tuple[int, bool], Data] = {}  # number of the query; False: only its premise
-        self._expected: dict[tuple[int, bool], Data] = {}  # those that should happen, and did not yet
+        self._expected: set[tuple[int, bool]] = set()  # those that should happen
         self._cases: dict[int, ZoneCondition] = {}
         self._bounded: dict[int, BoundedResponse] = {}
         self._responses: dict[int, LeadsTo] = {}
@@ -172,23 +172,30 @@ class _Exploration:
             return limits_of(wanted)
         self._unseen[number, True] = wanted
         if not invariance:
-            self._expected[number, True] = wanted
+            self._expected.add((number, True))
         elif isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
             premise = compile_formula(self.network, query.condition.left)
             assert isinstance(premise, Data), "what is asked whole has no clocks"
-            self._unseen[number, False] = self._expected[number, False] = premise
+            self._unseen[number, False] = premise
+            self._expected.add((number, False))
         return {}
 
     def run(self, *, stop: bool, most_states: int | None = None) -> None:
         """Explore."""
         concern, refuted = ConditionFilter(self.network, self._premises), self._filter_refuted()
+        left = set(self._expected)
+        # compiled again only when half of them have happened: that takes longer than to ask for some in vain
+        expected, fewer = self._filter(left), len(left) // 2
         for count, node in enumerate(self.search.nodes(), start=1):
             record = node.record
             concerned: tuple[int, ...] | None = record.note
             if concerned is None:
                 state = record.discrete.state
-                if self._expected:
-                    self._look_for_expected(state)
+                if left and (happened := expected(state)):
+                    left.difference_update(happened)
+                    self._happened.update(happened)
+                    if len(left) <= fewer:
+                        expected, fewer = self._filter(left), len(left) // 2
                 if happened := refuted(state):
                     self._happened.update(happened)
                     refuted = self._filter_refuted()
@@ -204,24 +211,12 @@ class _Exploration:
                 self._ended = True
                 return
 
-    def _look_for_expected(self, state: State) -> None:
-        """Note the conditions on data that hold for the first time; one by one, as most do so soon."""
-        locations, values = state
-        happened = [
-            key for key, data in self._expected.items() if bool(data.holds(values, locations)) is data.wanted
-        ]
-        for key in happened:
-            del self._expected[key]
-        self._happened.update(happened)
+    def _filter(self, keys: Collection[tuple[int, bool]]) -> ConditionFilter[tuple[int, bool]]:
+        return ConditionFilter(self.network, {key: self._unseen[key] for key in keys})
 
     def _filter_refuted(self) -> ConditionFilter[tuple[int, bool]]:
         """Of the conditions on data that must not hold, those that did not yet: one expression for all of them."""
-        refuting = {
-            (number, whole): data
-            for (number, whole), data in self._unseen.items()
-            if whole and self.queries[number].kind == "A[]" and (number, True) not in self._happened
-        }
-        return ConditionFilter(self.network, refuting)
+        return self._filter(self._unseen.keys() - self._expected - self._happened)
 
     @property
     def _refuted(self) -> bool:

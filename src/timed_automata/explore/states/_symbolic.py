@@ -49,7 +49,18 @@ class Form:
     """
 
     __slots__ = (
-        *("arriving", "clocks", "delays", "entry", "index", "invariant", "leaving", "limits", "n", "widening"),
+        *(
+            "arriving",
+            "clocks",
+            "delays",
+            "entry",
+            "index",
+            "invariant",
+            "leaving",
+            "limits",
+            "n",
+            "widening",
+        ),
         "zones",
     )
 
