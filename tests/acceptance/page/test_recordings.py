@@ -158,6 +158,7 @@ def test_a_link_leads_to_a_moment_and_to_an_event(chromium: Any, report: Path) -
     page = opened(chromium, f"file://{report}#t=5.2")
     shows(page, "moment", "5.200 s")
     shows(page, "state-word", "GRIPPING")
+    shot(page, "page-recording")
     page.locator("#log button", has_text="State GRIPPING").first.click()
     link = page.get_attribute("#link", "href")
     assert link.startswith("#e=")

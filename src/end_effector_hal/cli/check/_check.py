@@ -264,8 +264,8 @@ def _rest(description: Description) -> Iterator[str]:
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
     for name, link in description.links.items():
         codec = codec_of(description, name)
-        baudrate, parity = line_of(link, codec)
-        own = f" 8{parity}1" if link.frame or link.parity else ""
+        baudrate, parity, stopbits = line_of(link, codec)
+        own = f" 8{parity}{stopbits}" if link.frame or link.parity or link.stopbits else ""
         called = f"{name}: " if name else ""
         yield f"link      {called}{link.port}, {codec.name}, {baudrate} baud{own}"
     if inputs := board_inputs(description):
