@@ -41,6 +41,21 @@ def test_the_same_description_tells_the_same_story(files: RecordingFiles) -> Non
     assert len(told.lines) > 30
 
 
+def test_a_program_that_stood_still_is_as_late_in_the_other_story(tmp_path: Path) -> None:
+    """Far beyond its bound: nobody decided anything meanwhile, whatever the description."""
+    tool = RecordedTool(tmp_path / "run")
+    tool.run(1.0)
+    tool.command("grip")
+    tool.run(0.2)
+    tool.at += 400_000  # the readings have become stale in between
+    tool.run(3.0)
+    tool.close()
+    files = RecordingFiles(tool.folder)
+    told = played(files, files.description)
+    assert told.same
+    assert any("No valid reading" in line.text for line in told.lines)
+
+
 def test_a_time_out_that_nothing_reaches_changes_nothing_but_the_deadline(
     files: RecordingFiles, other: Other
 ) -> None:
