@@ -122,7 +122,8 @@ class OtherRun:
 
     def _begun(self, side: _Side) -> RecordedController:
         def put(kind: str, at: int, content: object) -> None:
-            self._out.append(Entry(at, side.program, kind, content))
+            side.at = max(side.at, at)  # what is late is told after what it is late for, as in a recording
+            self._out.append(Entry(side.at, side.program, kind, content))
             if isinstance(content, Status):
                 side.status = content
 
@@ -157,7 +158,9 @@ class OtherRun:
             self._unasked += 1
             return
         if kind == "tell":
-            record = self._peer_says(side, record)
+            if self._sides[_PEER[side.program]].apart:
+                return  # it is told by `_pass_on` then
+            side.heard |= record.values
         try:
             feed(side.controller, kind, record)
         except Exception as error:  # noqa: BLE001 what was damaged, or fits no other tool, ends no command
@@ -195,16 +198,6 @@ class OtherRun:
             side.controller.advance(deadline)
             self._pass_on(side, deadline)
             self._compare(deadline)
-
-    def _peer_says(self, side: _Side, record: Any) -> Any:
-        """What a program is told: as recorded, or what the other one would say."""
-        peer = self._sides[_PEER[side.program]]
-        if not peer.apart or peer.status is None:
-            side.heard |= record.values
-            return record
-        values = {name: value for name, value in peer.says(peer.status).items() if name in record.values}
-        side.heard |= values
-        return replace(record, values={**record.values, **values})
 
     def _pass_on(self, side: _Side, at: int) -> None:
         """Tell the peer what has changed, once it is no longer what was recorded."""
@@ -268,6 +261,7 @@ class _Side:
         self.recorded: Status | None = None
         self.heard: dict[str, int] = {}
         self.apart = self.over = False
+        self.at = 0
 
     def overdue(self, at: int) -> bool:
         """Whether the recorded program had something to do then, or before, and had not done it."""

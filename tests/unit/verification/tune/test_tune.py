@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page.recorded import RecordingFiles
+from end_effector_hal.recording import Recording
 from end_effector_hal.verification.tune import (
     GripCollector,
     Parameter,
@@ -199,6 +201,35 @@ def test_the_command(nominal: Path, gripped_twice: Path, tmp_path: Path) -> None
     keys = [each["key"] for each in content["parameters"]]
     assert "actuators.top_vacuum.lost_kpa" in keys
     assert "actuators.cylinder.reset_s" in [each["key"] for each in content["not_tried"]]
+
+
+def test_one_of_many_that_cannot_be_read_is_left_out(nominal: Path, tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        (tmp_path / "runs" / name).mkdir(parents=True)
+    (tmp_path / "runs" / "a" / "grip.mcap").write_bytes(b"nothing")
+    shutil.copy(nominal / "grip.mcap", tmp_path / "runs" / "b")
+    content = json.loads(command(tmp_path / "runs", "--json").stdout)
+    assert content["grips"] == 1
+    (note,) = [each for each in content["notes"] if "left out" in each]
+    assert "no MCAP file" in note
+    assert isinstance(command(tmp_path / "runs" / "a").exception, UsageError)
+
+
+def test_tables_have_pressures_and_no_bits(nominal: Path, tmp_path: Path) -> None:
+    """What its bit decided is set aside; the rest is as of the trace."""
+    files = RecordingFiles(nominal)
+    with Recording(tmp_path / "run", TOOL, now=lambda: files.begin) as recording:
+        for at, program, kind, record in files.entries():
+            if (program, kind) == ("grip", "status"):
+                recording.state(at, record.ee, record.command, record.actuators)
+            elif (program, kind) == ("grip", "frame"):
+                recording.values(record.stamp, record.values)
+    content = json.loads(command(tmp_path / "run", "--description", profile_path(), "--json").stdout)
+    assert content["set_aside"] == {"cylinder": 1}
+    (wait,) = [each for each in content["parameters"] if each["key"] == "actuators.bottom_vacuum.timeout_s"]
+    assert wait["same_from"] == pytest.approx(
+        of(tuned(nominal), "bottom_vacuum.timeout_s").same_from, abs=0.021
+    )
 
 
 def test_a_recording_without_a_grip_is_refused(tmp_path: Path) -> None:
