@@ -18,7 +18,7 @@ from end_effector_hal.page.recorded import RecordingFiles
 from end_effector_hal.recording import Recording
 from end_effector_hal.verification.tune import (
     GripCollector,
-    Parameter,
+    TunableKey,
     Tuning,
     course_of,
     parameters_of,
@@ -176,7 +176,7 @@ def test_memory_is_bounded(nominal: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_values_that_make_no_sense_alone_are_not_tried() -> None:
-    lost = Parameter("bottom_vacuum", ("lost_kpa",), 50.0, whole=False)
+    lost = TunableKey("bottom_vacuum", ("lost_kpa",), 50.0, whole=False)
     part = TOOL.actuators["bottom_vacuum"]
     assert lost.with_value(part, TOOL.supply, 56.0) is None  # confirmed at 55
     assert lost.with_value(part, TOOL.supply, 150.0) is None
