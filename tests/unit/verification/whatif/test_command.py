@@ -17,6 +17,7 @@ from end_effector_hal.page.recorded import OtherFiles, RecordingFiles, judge_rec
 from end_effector_hal.verification.whatif import changed_description, what_if
 from end_effector_lab.figures import what_if as draw
 from tests.unit.figures.figure_facts import overlaps, texts
+from tests.unit.verification.whatif.conftest import ReadOnce
 
 Other = Callable[..., Description]
 SHORT = ("timeout_s: 5.0", "timeout_s: 0.25")
@@ -87,8 +88,7 @@ def test_the_figure_marks_where_the_runs_differ_and_where_it_is_a_guess(
     assert len({axes.get_xlim() for axes in figure.axes}) == 1  # one axis of time
 
 
-def test_the_same_story_has_no_mark(gripped_twice: Path) -> None:
-    files = RecordingFiles(gripped_twice)
+def test_the_same_story_has_no_mark(files: ReadOnce) -> None:
     figure = draw(what_if(files.entries(), files.description, files.description))
     labels = {str(each.get_label()) for axes in figure.axes for each in (*axes.lines, *axes.patches)}
     assert not labels & {"apart", "guess", "differs"}
