@@ -113,10 +113,11 @@ def _ratios(found: dict[str, object]) -> dict[str, float]:
     here = found["here_s"]
     assert isinstance(here, float)
     return {
-        "cells_per_core_second": round(cells / sum(one["workers_s"]), 2),
+        "cells_per_core_second": round(cells / sum(two["workers_s"]), 2),
         "cells_per_core_second_here": round(cells / here, 2),
         "cells_per_core_hour": round(3600 * cells / sum(two["workers_s"])),
-        "speed_of_two_over_one": round(sum(one["workers_s"]) / max(two["workers_s"]), 2),
+        "speed_of_two_over_one_wall": round(one["wall_s"] / two["wall_s"], 2),
+        "speed_of_two_on_processors_of_their_own": round(sum(two["workers_s"]) / max(two["workers_s"]), 2),
         "scheduler_ms_per_cell": round(two["scheduler_s"] / cells * 1e3, 2),
         "client_ms_per_cell": round(two["client_s"] / cells * 1e3, 2),
     }
