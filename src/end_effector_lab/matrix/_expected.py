@@ -227,8 +227,12 @@ class _Rules:
             case "never-confirms":
                 return SensorView(_YES if engaged and self._phase == GRIP else frozenset({NO}))
             case "fails-once" | "fails":
-                fails = (cell.number or 1.0) >= part.attempts and not (engaged and self._phase == GRIP)
-                return SensorView(frozenset({NO}) if fails else _YES)
+                number, pending = cell.number or 1.0, engaged and self._phase == GRIP
+                # an activation that comes while the line arbiter is dead costs an attempt more
+                more = cell.command == "kill arbiter" and self._phase == GRIP
+                if number >= part.attempts and not pending:
+                    return SensorView(frozenset({NO}))
+                return SensorView(frozenset({YES, NO}) if number + more >= part.attempts else _YES)
             case "stuck-release" if self._phase == RELEASE and not engaged:
                 return NORMAL  # it was deactivated before
             case "stuck-release" | "sticks":
