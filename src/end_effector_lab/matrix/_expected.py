@@ -232,7 +232,9 @@ class _Rules:
                 more = cell.command == "kill arbiter" and self._phase == GRIP
                 if number >= part.attempts and not pending:
                     return SensorView(frozenset({NO}))
-                return SensorView(frozenset({YES, NO}) if number + more >= part.attempts else _YES)
+                return SensorView(
+                    frozenset({YES, NO}) if number + more >= part.attempts and not pending else _YES
+                )
             case "stuck-release" if self._phase == RELEASE and not engaged:
                 return NORMAL  # it was deactivated before
             case "stuck-release" | "sticks":
