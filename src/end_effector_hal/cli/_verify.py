@@ -77,7 +77,7 @@ def command(
     flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
     steps it takes some twenty times as long; all some hundred times, and 1.3 GB.
     """
-    from end_effector_hal.recording import content_hash
+    from end_effector_hal.recording import check_replaceable, content_hash
     from end_effector_hal.verification.coils import prove_tool
     from end_effector_hal.verification.proof import prove
 
@@ -89,6 +89,8 @@ def command(
     content = content_hash(source.description) if source.description is not None else ""
     if output is not None and is_figure(output):
         figures()  # without what draws them nothing is proven
+    elif output is not None:
+        check_replaceable(output)
     with Progress("Proving", shown=not as_json) as progress:
 
         def tell(what: str, states: int) -> None:
