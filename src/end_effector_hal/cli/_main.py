@@ -132,7 +132,7 @@ def main() -> None:
     """Entry point; every expected error is one sentence on stderr, or with ``--json`` an object on stdout."""
     stdout = sys.stdout
     if stdout is not None and any(each in _JUDGING for each in sys.argv[1:2]):
-        sys.stdout = _Pipe(stdout)  # type: ignore[assignment]
+        sys.stdout = _Pipe(stdout)
     try:
         _main()
     except OSError as error:

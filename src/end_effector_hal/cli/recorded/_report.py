@@ -11,11 +11,9 @@ import click
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, refuse_inputs, write_whole
 from end_effector_hal.cli._progress import Progress
-
 from end_effector_hal.errors import UsageError
 
 from ._recordings import open_recordings, part_of, recording_options
-
 
 SUFFIXES = (".html", ".htm")
 
@@ -83,7 +81,9 @@ def _check_name(output: Path, recordings: Sequence[Path], others: Sequence[Path]
     """Raises UsageError when a report would replace something else."""
     plain = output.is_file() or not output.exists()  # else a pipe, or a terminal
     if plain and output.suffix.lower() not in SUFFIXES:
-        raise UsageError("A report is an HTML file.", where=str(output), todo="Name a file that ends with .html.")
+        raise UsageError(
+            "A report is an HTML file.", where=str(output), todo="Name a file that ends with .html."
+        )
     within = [each for folder in recordings if folder.is_dir() for each in folder.rglob("*")]
     recorded = [each for each in (*recordings, *within) if each.suffix.lower() not in SUFFIXES]
     refuse_inputs(output, (*recorded, *others))
