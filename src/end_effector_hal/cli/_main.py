@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
+import os
 import sys
 from difflib import get_close_matches
+from typing import Any, TextIO
 
 import click
 
@@ -52,6 +55,11 @@ _OTHER_NAMES = {
 """What other programs call it."""
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
 """Modules that only commands with lines, ports or locks import."""
+_JUDGING = (
+    "campaign", "check", "compare", "doctor", "import", "matrix", "model", "replay", "report", "verify",
+)  # fmt: skip
+"""Commands that end by themselves, and whose exit code says what they found."""
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _ROOMS = dict.fromkeys(("compare", "page", "replay", "report", "tune"), "recorded") | {
     name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")
 }
@@ -122,6 +130,55 @@ def eehal() -> None:
 
 def main() -> None:
     """Entry point; every expected error is one sentence on stderr, or with ``--json`` an object on stdout."""
+    stdout = sys.stdout
+    if stdout is not None and any(each in _JUDGING for each in sys.argv[1:2]):
+        sys.stdout = _Pipe(stdout)
+    try:
+        _main()
+    except OSError as error:
+        # an error of a file that was opened names it, and is reported by whoever opened it
+        if error.errno not in _NO_ROOM or error.filename is not None:
+            raise
+        click.echo(f"The output cannot be written: {error.strerror}.", err=True)
+        _discard(stdout)
+        sys.exit(UsageError.exit_code)
+    finally:
+        sys.stdout = stdout
+
+
+class _Pipe:
+    """Standard output whose reader may leave, as ``head`` does: the rest is discarded, and the exit code is right."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write, or nothing."""
+        try:
+            return self._stream.write(text)
+        except BrokenPipeError:
+            _discard(self._stream)
+            return len(text)
+
+    def flush(self) -> None:
+        """Flush, or nothing."""
+        try:
+            self._stream.flush()
+        except BrokenPipeError:
+            _discard(self._stream)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def _discard(stream: TextIO) -> None:
+    """What is still buffered must not fail again when the interpreter ends."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
+
+
+def _main() -> None:
     try:
         # click hands back what a command gave to ctx.exit
         sys.exit(eehal(standalone_mode=False) or 0)

@@ -6,7 +6,8 @@ import os
 import signal
 import stat
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any, TypeVar
@@ -69,8 +70,23 @@ def the_folder(path: Path) -> Path:
     return path
 
 
-def write_or_print(output: Path | None, text: str) -> None:
-    """Write a text to a file, whole, and say where it is; without one print it."""
+def refuse_inputs(output: Path, inputs: Iterable[Path]) -> None:
+    """Raises UsageError when one of the files that a command reads is what it would write, by whatever name."""
+    for each in inputs:
+        with suppress(OSError):  # one of them does not exist
+            if output.samefile(each):
+                what = f"The command reads this file ({each}), and would replace it."
+                raise UsageError(what, where=str(output), todo="Name another file with -o.")
+
+
+def write_or_print(output: Path | None, text: str, inputs: Iterable[Path]) -> None:
+    """Write a text to a file, whole, and say where it is; without one print it.
+
+    Raises:
+        UsageError: it cannot be written, or is one of the ``inputs``.
+    """
+    if output is not None:
+        refuse_inputs(output, inputs)
     if output is None:
         click.echo(text, nl=False)
     else:

@@ -95,7 +95,7 @@ def command(
     worst case; FILE.png: of the grip. The exit code is 4 when no combination holds. No verdict is kept.
     """
     from end_effector_hal.description import profile_path
-    from end_effector_hal.recording import content_hash
+    from end_effector_hal.recording import check_replaceable, content_hash
     from end_effector_hal.verification.coils import prove_tool
     from end_effector_hal.verification.proof import prove
 
@@ -114,6 +114,8 @@ def command(
     content = content_hash(source.description) if source.description is not None else ""
     if output is not None and is_figure(output):
         figures()  # without what draws them nothing is proven
+    elif output is not None:
+        check_replaceable(output)
     with Progress("Proving", shown=not as_json) as progress:
 
         def tell(what: str, states: int) -> None:

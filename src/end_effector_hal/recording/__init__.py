@@ -1,6 +1,7 @@
 """Records of a run: written as it happens, read back, and told in words."""
 
 from ._limits import RecordingLimits
+from ._of_model import COUNTEREXAMPLE, MODEL_RUN, check_replaceable
 from ._recording import Recording, content_hash, hash_of, pressure_channels, product_version, run_info
 from ._run import RunInfo, read_run
 from ._run_table import write_run_table
@@ -35,6 +36,8 @@ from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 
 __all__ = [
     "BEGUN",
+    "COUNTEREXAMPLE",
+    "MODEL_RUN",
     "AlarmRow",
     "AlarmsWriter",
     "AttemptOutcome",
@@ -62,6 +65,7 @@ __all__ = [
     "TraceFile",
     "TraceWriter",
     "Watched",
+    "check_replaceable",
     "compare_runs",
     "content_hash",
     "hash_of",

@@ -82,7 +82,10 @@ class Expressions:
         Raises:
             ModelError: it is something else, or not well-formed.
         """
-        term = self.term(node)
+        try:
+            term = self.term(node)
+        except RecursionError:  # of each level until one has room for the sentence
+            raise fault(node.span, "This is nested too deeply.", "Break it into parts.") from None
         if isinstance(term, Value):
             return term
         if isinstance(term, IndexedTerm):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -15,6 +16,7 @@ from timed_automata.queries import Data, compile_formula
 from timed_automata.simulate._machine import US_PER_UNIT, Option
 
 _TIMED = re.compile(r"(?P<what>.*?)(?:(?P<sign>[@+])\s*(?P<ms>\d+(?:\.\d+)?)\s*(?:ms)?)?", re.DOTALL)
+_LONGEST_US = 10**13
 _NAME = re.compile(r"\w+(\s*\[.*\])?", re.DOTALL)
 _Holds = Callable[[State], bool]
 
@@ -74,9 +76,13 @@ def _choice(network: Network, text: str) -> Choice:
         raise UsageError(
             f"'{text}' does not end with a time in ms.", todo="Write for instance 'grip @ 1000'."
         )
-    us = Fraction(found["ms"]) * US_PER_UNIT if sign else Fraction(0)
+    # so many digits Python refuses to read
+    us = Fraction(found["ms"][: sys.int_info.default_max_str_digits]) * US_PER_UNIT if sign else Fraction(0)
+    if us > _LONGEST_US:
+        todo = f"A run has at most {_LONGEST_US // US_PER_UNIT} ms."
+        raise UsageError(f"The time in '{text[:80]}' is too long.", todo=todo)
     if us.denominator != 1:
-        raise UsageError(f"The time in '{text}' is finer than a microsecond.")
+        raise UsageError(f"The time in '{text[:80]}' is finer than a microsecond.")
     at, after = (int(us) if sign == "@" else None), (int(us) if sign == "+" else None)
     channel = _channel(network, what)
     if channel is not None:

@@ -124,7 +124,7 @@ def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
 def test_faults_as_json(check: Check) -> None:
     result = check("--json", replace={"timeout_s: 5.0": "timeout_s: 5000"})
     assert (result.exit_code, result.stderr) == (2, "")
-    message = "'timeout_s' is out of range (5000), expected more than 0 and at most 600 s; "
+    message = "'timeout_s' is out of range (5000), expected at least 0.001 and at most 600 s; "
     assert json.loads(result.stdout) == {
         "schema_version": 1,
         "ok": False,
@@ -554,3 +554,17 @@ def test_a_frame_without_a_checksum_and_a_channel_that_nothing_uses_are_told(tmp
     assert unused.endswith("nothing uses the channel q")
     path.write_text("schema: 2\nname: tool\n" + frame % ", checksum: xor8" + rest)
     assert _check.check(path).hints == (unused,)
+
+
+@pytest.mark.parametrize("key", ["timeout_s: 5.0", "release_s: 2.0", "reset_s: 1.0"])
+def test_a_time_below_the_units_of_the_model_is_refused(check: Check, key: str) -> None:
+    result = check(replace={key: f"{key.split(':')[0]}: 1e-300"})
+    assert result.exit_code == 2
+    assert "is out of range (1e-300), expected at least 0.001 and at most 600 s" in result.stderr
+
+
+def test_a_sequence_of_numbers_is_not_called_empty(check: Check) -> None:
+    result = check(replace={"sequence: [bottom_vacuum, cylinder, top_vacuum]": "sequence: [1, 2]"})
+    assert result.exit_code == 2
+    assert "'sequence[0]' is of the wrong type (1), expected text" in result.stderr
+    assert "is empty" not in result.stderr

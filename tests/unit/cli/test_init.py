@@ -37,6 +37,16 @@ def test_what_is_there_is_not_touched(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["end_effector.schema.json"]
 
 
+def test_a_link_that_leads_nowhere_is_there_already(tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere.yaml"
+    (tmp_path / "tool").mkdir()
+    (tmp_path / "tool" / "end_effector.yaml").symlink_to(elsewhere)
+    result = CliRunner().invoke(command, [str(tmp_path / "tool")])
+    assert isinstance(result.exception, UsageError)
+    assert "end_effector.yaml: This file is there already." in str(result.exception)
+    assert not elsewhere.exists()
+
+
 @pytest.mark.parametrize("name", ["file", "file/below"])
 def test_what_is_no_folder_is_a_sentence(tmp_path: Path, name: str) -> None:
     (tmp_path / "file").touch()

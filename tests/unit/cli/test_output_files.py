@@ -9,6 +9,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from end_effector_hal.cli._main import eehal
+from end_effector_hal.description import profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording import RunInfo, StatesWriter, read_run
 from tests.support.refuted import REFUTED
 
 SECOND = "<query><formula>A[] not P.B</formula><comment>[never] Never B.</comment></query></queries>"
@@ -62,3 +65,80 @@ def test_a_folder_called_so_stays_one() -> None:
     Path("x.svg").mkdir()
     assert run("model", "show", "--template", "Gripper", "-o", "x.svg").exit_code == 0
     assert {path.suffix for path in Path("x.svg").iterdir()} == {".png", ".svg"}
+
+
+def states_of_a_recording(folder: Path) -> bytes:
+    """What a run of a real tool leaves: its states, and a run.json without a scenario."""
+    folder.mkdir()
+    with StatesWriter(folder / "states.csv", ("left",)) as writer:
+        writer.write(0.0, 6, -1, (0,))
+    RunInfo(description="two_cups", started="2026-11-23T12:00:00+00:00").write(folder)
+    return (folder / "states.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "left", [["states.csv", "run.json"], ["states.csv"], ["run.json"], ["grip.mcap", "run.json"]]
+)
+def test_a_run_of_the_model_replaces_no_recording(left: list[str]) -> None:
+    states_of_a_recording(Path("run"))
+    (Path("run") / "grip.mcap").write_bytes(b"trace")
+    for each in Path("run").iterdir():
+        if each.name not in left:
+            each.unlink()
+    before = {each.name: each.read_bytes() for each in Path("run").iterdir()}
+    for command in (("model", "simulate", "--steps", "3"), ("verify", "--model", "model.xml")):
+        Path("model.xml").write_text(REFUTED)
+        error = str(run(*command, "-o", "run").exception)
+        assert error.startswith("run: A recording is in this folder")
+        assert {each.name: each.read_bytes() for each in Path("run").iterdir()} == before
+
+
+def test_a_run_of_the_model_replaces_another_one() -> None:
+    for seed in ("1", "2"):
+        assert run("model", "simulate", "--steps", "3", "--seed", seed, "-o", "sim").exit_code == 0
+    assert read_run("sim").scenario == "run of the model, seed 2"
+    (Path("sim") / "run.json").write_text('{"scenario": "nominal"}')
+    assert run("model", "simulate", "--steps", "3", "-o", "sim").exit_code != 0
+
+
+def test_a_counterexample_replaces_its_own_files_and_no_recording() -> None:
+    Path("model.xml").write_text(REFUTED)
+    for _ in range(2):
+        assert run("verify", "--model", "model.xml", "-o", "found").exit_code == 4
+    (place,) = Path("found").iterdir()
+    (place / "grip.mcap").write_bytes(b"trace")
+    assert "A recording is in this folder" in str(
+        run("verify", "--model", "model.xml", "-o", "found").exception
+    )
+
+
+@pytest.mark.parametrize(
+    "command", [("export", "urdf"), ("export", "foxglove"), ("export", "sros2"), ("model", "export")]
+)
+@pytest.mark.parametrize("output", ["tool.yaml", "end_effector.xml", "link.txt"])
+def test_what_a_command_reads_is_not_replaced(command: tuple[str, ...], output: str) -> None:
+    for name in ("tool.yaml", "end_effector.xml"):
+        Path(name).write_bytes(profile_path().with_name(name.replace("tool", "end_effector")).read_bytes())
+    Path("link.txt").symlink_to("tool.yaml")
+    before = Path(output).read_bytes()
+    error = str(run(*command, "tool.yaml", "-o", output).exception)
+    assert error.startswith(f"{output}: The command reads this file")
+    assert Path(output).read_bytes() == before
+    assert run(*command, "tool.yaml", "-o", "new").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "output", ["run/grip.mcap", "run/states.csv", "other.yaml", "report", "linked.html", "hard.html"]
+)
+def test_a_report_replaces_nothing_of_a_recording(output: str) -> None:
+    states_of_a_recording(Path("run"))
+    (Path("run") / "grip.mcap").write_bytes(b"trace")
+    Path("other.yaml").write_text("name: x")
+    Path("linked.html").symlink_to("run/states.csv")
+    Path("hard.html").hardlink_to("run/grip.mcap")
+    before = {str(each): each.read_bytes() for each in Path().rglob("*.*") if each.is_file()}
+    result = run("report", "run", "-o", output)
+    assert isinstance(result.exception, UsageError)
+    assert result.exception.where == output
+    assert "A report is an HTML file." in str(result.exception) or "reads this file" in str(result.exception)
+    assert {str(each): each.read_bytes() for each in Path().rglob("*.*") if each.is_file()} == before

@@ -34,7 +34,8 @@ def export_foxglove(file: Path | None, namespace: str, output: Path | None) -> N
     Import it with "Import from file…" and connect to the robot by foxglove_bridge, or open a bag. It shows and commands
     nothing.
     """
-    write_or_print(output, foxglove_layout(load_for_nodes(file or profile_path()), namespace))
+    description = load_for_nodes(file or profile_path())
+    write_or_print(output, foxglove_layout(description, namespace), description.files)
 
 
 def foxglove_layout(description: Description, namespace: str = "") -> str:

@@ -83,7 +83,7 @@ def export_sros2(file: Path | None, processes: str, namespace: str, output: Path
     name of the tool.
     """
     description = load_for_nodes(file or profile_path())
-    write_or_print(output, security_policy(description, processes, namespace))
+    write_or_print(output, security_policy(description, processes, namespace), description.files)
 
 
 def security_policy(description: Description, processes: str = "one", namespace: str = "") -> str:

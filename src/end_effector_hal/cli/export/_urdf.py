@@ -101,7 +101,8 @@ def export_urdf(file: Path | None, output: Path | None) -> None:
     Its names are those of joint_states. A description has no dimensions but strokes: places, axes, shapes and masses
     stand as EDIT, and until they are edited a planner does not see the tool.
     """
-    write_or_print(output, urdf(load_for_nodes(file or profile_path())))
+    description = load_for_nodes(file or profile_path())
+    write_or_print(output, urdf(description), description.files)
 
 
 def urdf(description: Description) -> str:

@@ -55,7 +55,7 @@ def command(
     """
     files = [folder / source.name for source in (profile_path(), schema_path())]
     for path in files:
-        if path.exists():
+        if path.exists() or path.is_symlink():  # a link may lead to what does not exist
             raise UsageError("This file is there already.", where=str(path), todo="Name another folder.")
     asking = sys.stdin.isatty() and not as_json
     if actuators is None and (links or tool_changer is not None or virtual):

@@ -10,7 +10,7 @@ import click
 from end_effector_hal.cli._completion import completed
 from end_effector_hal.cli._figures import figures, is_figure, save_all
 from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName, the_folder, write_whole
+from end_effector_hal.cli._options import PathName, refuse_inputs, the_folder, write_whole
 from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._check import check
 from end_effector_hal.cli.model._edges import edge_needs, told_edges
@@ -18,6 +18,7 @@ from end_effector_hal.cli.model._fig5 import fig5
 from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.cli.model._simulate import simulate
 from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, open_source
+from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from timed_automata.document import Template, did_you_mean
 
@@ -140,10 +141,13 @@ def export_network(description: Path | None, coils: str | None, deaths: bool, ou
     """
     from timed_automata import export
 
-    data = export(open_source(description, None, coils, deaths=deaths).network)
+    source = open_source(description, None, coils, deaths=deaths)
+    data = export(source.network)
     if output is None:
         click.echo(data, nl=False)
     else:
+        inputs = source.description.files if source.description is not None else ()
+        refuse_inputs(output, (*inputs, description or profile_path()))
         write_whole(output, data)
         click.echo(str(output))
 

@@ -63,11 +63,14 @@ def simulate(
     """
     from random import Random
 
+    from end_effector_hal.recording import check_replaceable
     from timed_automata.simulate import parse_choices
     from timed_automata.simulate import simulate as play
 
     if output is not None and is_figure(output):
         figures()  # without what draws them nothing is played
+    elif output is not None:
+        check_replaceable(output)
     source = open_source(description, model, coils, deaths=deaths)
     choices = parse_choices(source.network, choose)
     if seconds is not None and isnan(seconds):  # what a range of click lets through
@@ -91,11 +94,11 @@ def simulate(
 
 def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[list[Path], str]:
     """The files of a run, and why there is no figure if there is none."""
-    from end_effector_hal.recording import StatesWriter
+    from end_effector_hal.recording import MODEL_RUN, StatesWriter
     from end_effector_hal.verification import has_states, states_of
 
     names = source.description.sequence if source.description is not None else ()
-    scenario = f"run of the model, seed {seed}"
+    scenario = f"{MODEL_RUN}, seed {seed}"
     if is_figure(output):
         if not has_states(source.network):
             raise UsageError(NO_STATES, where=str(output), todo="Name a folder: it gets the run as text.")
@@ -108,12 +111,12 @@ def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[lis
     if not has_states(source.network):
         return files, NO_STATES
     log, info = states_of(trace, names), source.run_info(scenario)
-    states = folder / "states.csv"
+    states, described = folder / "states.csv", info.write(folder)  # first: it says whose the others are
     states.unlink(missing_ok=True)
     with StatesWriter(states, log.actuators) as writer:
         for row in log.rows:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    files += [states, info.write(folder)]
+    files += [states, described]
     draw = Drawing()
     return [*files, *draw(log, info, folder)], draw.note
 

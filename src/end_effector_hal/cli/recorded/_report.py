@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 import click
 
 from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName, write_whole
+from end_effector_hal.cli._options import PathName, refuse_inputs, write_whole
 from end_effector_hal.cli._progress import Progress
+from end_effector_hal.errors import UsageError
 
 from ._recordings import open_recordings, part_of, recording_options
+
+SUFFIXES = (".html", ".htm")
 
 
 @click.command("report")
@@ -38,6 +42,8 @@ def command(
     from end_effector_hal.page import report_html
     from end_effector_hal.page.recorded import judge_recording, read_recording
 
+    if output is not None:
+        _check_name(output, recordings, [each for each in (description, other) if each is not None])
     files = open_recordings(recordings, description, other)
     part = part_of(since, until)
     contents, verdicts = [], []
@@ -69,6 +75,18 @@ def command(
         for note in one["notes"]:
             click.echo(f"Note: {note}", err=True)
     raise click.exceptions.Exit(code)
+
+
+def _check_name(output: Path, recordings: Sequence[Path], others: Sequence[Path]) -> None:
+    """Raises UsageError when a report would replace something else."""
+    plain = output.is_file() or not output.exists()  # else a pipe, or a terminal
+    if plain and output.suffix.lower() not in SUFFIXES:
+        raise UsageError(
+            "A report is an HTML file.", where=str(output), todo="Name a file that ends with .html."
+        )
+    within = [each for folder in recordings if folder.is_dir() for each in folder.rglob("*")]
+    recorded = [each for each in (*recordings, *within) if each.suffix.lower() not in SUFFIXES]
+    refuse_inputs(output, (*recorded, *others))
 
 
 def _tell(progress: Progress, name: str, share: float) -> None:

@@ -282,6 +282,11 @@ class Description(Part):
             beside.absolute() if named or beside.is_file() else profile_path().with_name("end_effector.xml")
         )
 
+    @property
+    def files(self) -> tuple[Path, Path]:
+        """What it was read from: its own file, and the UPPAAL file."""
+        return self.source, self.automata_path
+
     def with_virtual(
         self, lines_path: str | Path, port: str, socket: str | Path | None = None
     ) -> Description:

@@ -137,7 +137,11 @@ def _validate(
         description = Description.model_validate(tree, by_alias=True, by_name=False)
     except ValidationError as error:
         kinds = dict(Facts(tree, places).actuators())
-        explained = [explain(each, places, kinds) for each in error.errors(include_url=False)]
+        errors = error.errors(include_url=False)
+        wrong = {each["loc"][:-1] for each in errors}
+        # pydantic counts only the elements that are right: such a list is not empty
+        errors = [each for each in errors if not (each["type"] == "too_short" and each["loc"] in wrong)]
+        explained = [explain(each, places, kinds) for each in errors]
     else:
         description._places = places
         return description, []

@@ -10,8 +10,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
 
-Seconds = Annotated[float, Field(gt=0, le=600)]
-MaybeSeconds = Annotated[float | None, Field(gt=0, le=600)]
+Seconds = Annotated[float, Field(ge=0.001, le=600)]
+MaybeSeconds = Annotated[float | None, Field(ge=0.001, le=600)]
 Kilopascal = Annotated[float, Field(gt=0, le=2000)]
 MaybeMillimetres = Annotated[float | None, Field(gt=0, le=5000)]
 BelowAmbient = Annotated[float, Field(gt=0, le=100)]

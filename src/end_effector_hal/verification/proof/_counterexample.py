@@ -8,7 +8,14 @@ from fractions import Fraction
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import RunInfo, StatesLog, StatesWriter, Watched
+from end_effector_hal.recording import (
+    COUNTEREXAMPLE,
+    RunInfo,
+    StatesLog,
+    StatesWriter,
+    Watched,
+    check_replaceable,
+)
 from end_effector_hal.verification._model_run import has_states, states_of
 from timed_automata.explain import Explanation, WatchedClock
 
@@ -31,12 +38,13 @@ def write_counterexample(
         actuators: their names in sequence order.
 
     Raises:
-        UsageError: the folder cannot be written.
+        UsageError: the folder cannot be written, or holds a recording.
     """
     trace = finding.trace
     if trace is None:
         return []
     place = Path(folder) / finding.id
+    check_replaceable(place)
     try:
         place.mkdir(parents=True, exist_ok=True)
         text = place / "run.txt"
@@ -47,12 +55,12 @@ def write_counterexample(
     if (run := counterexample_run(finding, info, actuators)) is None:
         return [text]
     log, info = run
-    states = place / "states.csv"
+    states, described = place / "states.csv", info.write(place)  # first: it says whose the others are
     states.unlink(missing_ok=True)
     with StatesWriter(states, log.actuators) as writer:
         for row in log.rows:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    return [text, states, info.write(place), *draw(log, info, place)]
+    return [text, states, described, *draw(log, info, place)]
 
 
 def told_run(finding: Finding, actuators: Sequence[str] = ()) -> list[str]:
@@ -74,7 +82,7 @@ def counterexample_run(
     found = why(finding, names_in(network, actuators))
     info = replace(
         info,
-        scenario="counterexample",
+        scenario=COUNTEREXAMPLE,
         simulated=True,
         violated=finding.sentence,
         violated_s=_seconds(finding.trace.end),

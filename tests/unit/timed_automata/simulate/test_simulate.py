@@ -248,6 +248,8 @@ def test_a_condition_chooses_what_makes_it_true_not_what_leaves_it_so():
             "c[0]",
             "Choice 1, 'c[0]', is not possible after 0 steps, at 0 ms. Possible: c[1] (from 2 ms to 9 ms).",
         ),
+        ("c[1] @ 10000000000.001", "The time in 'c[1] @ 10000000000.001' is too long. A run has at most"),
+        (f"c[1] + {'9' * 6000}", "is too long. A run has at most 10000000000 ms."),
         ("c[1] @ 2.0005", "The time in 'c[1] @ 2.0005' is finer than a microsecond."),
         ("@ 3", "'@ 3' says when, but not what."),
         ("c[1] @ soon", "'c[1] @ soon' does not end with a time in ms."),

@@ -1,0 +1,36 @@
+"""Which folders a run of the model may be written to: what was recorded of a tool is never replaced by it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from end_effector_hal.errors import UsageError
+
+from ._run import FILE_NAME, read_run
+
+MODEL_RUN = "run of the model"
+"""How the scenario of a simulated run begins."""
+COUNTEREXAMPLE = "counterexample"
+"""The scenario of a run that refutes a requirement."""
+_RECORDED = ("*.mcap", "states*.csv", "pressures*.csv", "alarms*.csv")
+
+
+def check_replaceable(folder: Path) -> None:
+    """Whether files of a run of the model may be written into a folder, and replace some of their names.
+
+    Args:
+        folder: it may not exist.
+
+    Raises:
+        UsageError: it holds a recording, or what is in it cannot be read.
+    """
+    try:
+        recorded = [each for pattern in _RECORDED for each in folder.glob(pattern)]
+        has_run = (folder / FILE_NAME).exists()
+    except OSError as error:
+        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(folder)) from None
+    scenario = read_run(folder).scenario
+    of_model = scenario == COUNTEREXAMPLE or scenario.startswith(MODEL_RUN)
+    if any(each.suffix == ".mcap" for each in recorded) or ((recorded or has_run) and not of_model):
+        what = "A recording is in this folder: a run of the model would replace files of it."
+        raise UsageError(what, where=str(folder), todo="Name another folder with -o.")
