@@ -28,6 +28,8 @@ from ._case import (
 
 MOST_HAPPENINGS, LONGEST_US = 14, 60_000_000
 NEAR_US = 1_000
+COMMANDS_SHARE = 3
+"""Of these to one to three of faults, and one or two of deaths."""
 WEIGHTS = {"grip": 8, "drop": 5, "cancel": 3, "lock": 2, "unlock": 3, "arm": 1, "reset": 2}
 KILLED = ("grip", "tool_change", HAL, ARBITER, "all")
 Draw = Callable[[Random], list[tuple[int, str]]]
@@ -57,12 +59,28 @@ class CaseSource:
     def fresh(self, random: Random) -> Case:
         """A new one from a swarm of its own: a few kinds of happenings, a few faults."""
         kinds = self._swarm(random)
+        if random.random() < 0.5:
+            return self._disturbed_grip(random, kinds)
         happenings, at = list[Happening](), 0
         if random.random() < 0.6:
             happenings.append(Happening(0, "grip"))
         while len(happenings) < random.randint(2, MOST_HAPPENINGS) and at < LONGEST_US:
             for gap, what in random.choice(kinds)(random):
                 at += gap
+                happenings.append(Happening(at, what))
+        return Case(random.getrandbits(31), ()).with_(happenings)
+
+    def _disturbed_grip(self, random: Random, kinds: Sequence[Draw]) -> Case:
+        """A grip and perhaps a drop, with a few happenings anywhere in them."""
+        drop_at = random.randint(1_000_000, 4_000_000)
+        rarely_commands = [*dict.fromkeys(kinds), *kinds[COMMANDS_SHARE:]]
+        happenings = [Happening(0, "grip")]
+        if random.random() < 0.6:
+            happenings.append(Happening(drop_at, "drop"))
+        for _ in range(random.randint(1, 3)):
+            at = random.randint(0, drop_at + 2_000_000)
+            for place, (gap, what) in enumerate(random.choice(rarely_commands)(random)):
+                at += gap if place else 0
                 happenings.append(Happening(at, what))
         return Case(random.getrandbits(31), ()).with_(happenings)
 
@@ -145,10 +163,10 @@ class CaseSource:
         def disk(random: Random) -> list[tuple[int, str]]:
             return [(self._gap(random), f"{DISK} {random.choice(STORES)} {random.choice(TROUBLES)}")]
 
-        kinds += [command] * 3
+        kinds += [command] * COMMANDS_SHARE
         if random.random() < 0.7:
             kinds += [fault] * random.randint(1, 3)
-        if random.random() < 0.5:
+        if random.random() < 0.6:
             kinds += [death] * random.randint(1, 2)
         if random.random() < 0.15:
             kinds += [disk]

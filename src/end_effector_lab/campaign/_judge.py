@@ -1,7 +1,6 @@
 """What must hold whatever happens, by the description and by what the simulated devices really do.
 
-Nothing here is shared with the controller or the line arbiter, and nothing was observed: each rule is one of the
-contract (`docs/reference/interlocks.md`, `docs/explanation/`).
+Nothing here is shared with the controller or the line arbiter, and nothing was observed.
 
 Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip goes inactive
     (IL-09).
@@ -203,14 +202,10 @@ class Judge:
             self._changed_at[edge.line] = edge.at
             if edge.line == self._changer:
                 self._unlock(edge)
-        for each in switchings(self._description, edges):
-            if self._active.get(each.name) == each.active:
-                continue
-            if each.active:
-                self._activated(each)
-            else:
-                self._deactivated(each)
-            self._active[each.name] = each.active
+            for each in switchings(self._description, [edge]):
+                if self._active[each.name] != each.active:
+                    (self._activated if each.active else self._deactivated)(each)
+                    self._active[each.name] = each.active
 
     def _unlock(self, edge: Edge) -> None:
         self._unlocked_since = edge.at if edge.level else None

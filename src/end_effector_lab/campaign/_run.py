@@ -1,23 +1,23 @@
 """A campaign: cases by chance, guided by what they reach; kept as it goes, so that it goes on where it was stopped.
 
-Run n is drawn from the seed, n, and what the runs of the batches before n's, but for the last `LAG` of them, have
-reached. So the same seed gives the same runs, however many workers there are, and in whatever order they end.
+Run n is drawn from the seed, n, and what the first three quarters of the runs before it have reached (`drawn_from`). So
+the same seed gives the same runs, however many workers there are, and in whatever order they end.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import product_version
-from end_effector_lab.matrix import no_log
+from end_effector_lab.matrix import kept_file, no_log, read_kept
 from end_effector_lab.workers import Workers
 
 from ._case import Case, case_from_json
@@ -27,7 +27,8 @@ from ._play import play_case
 from ._shrink import shrunk
 
 KEPT, HEADER, FAILURES = "runs.jsonl", "campaign.json", "failures"
-BATCH, LAG = 64, 4
+LEAST_AHEAD = 16
+"""So many runs are under way at least before one of them must be over."""
 MOST_MOMENTS = 60
 MOST_KINDS = 40
 """Kinds of failures that are shrunk."""
@@ -39,11 +40,13 @@ class KeptCase(NamedTuple):
     Attributes:
         case, moments: with µs at which something moved in it.
         edge: whether an edge or a location was new, not only one with a fault.
+        run: in which it did.
     """
 
     case: Case
     moments: tuple[int, ...]
     edge: bool
+    run: int
 
 
 class FailedRun(NamedTuple):
@@ -74,33 +77,28 @@ class Campaign:
     seconds: float = 0.0
     kept: list[KeptCase] = field(default_factory=list)
     failed: list[FailedRun] = field(default_factory=list)
-    _sizes: list[int] = field(default_factory=list)
-    """Of ``kept`` at the end of each batch."""
 
-    def add(self, found: dict[str, Any], description: Description) -> None:
+    def add(self, found: Mapping[str, Any], description: Description) -> None:
         """Add the next run, as it is kept in the file."""
         case = case_from_json(found["case"], description) if "case" in found else None
         if case is not None and "new" in found:
             new = self.reached.add(Reached.from_json(found["new"]))
-            self.kept.append(KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations)))
+            self.kept.append(
+                KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations), self.runs)
+            )
         if case is not None and "failures" in found:
             self.failed.append(FailedRun(found["run"], case, found["failures"]))
-        self.runs, self.grips, self.seconds = (
-            self.runs + 1,
-            self.grips + found["grips"],
-            self.seconds + found["s"],
-        )
-        if self.runs % BATCH == 0:
-            self._sizes.append(len(self.kept))
+        self.runs += 1
+        self.grips += found["grips"]
+        self.seconds += found["s"]
 
     def may_draw(self, run: int) -> bool:
         """Whether all that this run is drawn from is there."""
-        return run // BATCH < len(self._sizes) + LAG
+        return drawn_from(run) <= self.runs
 
     def draw(self, run: int, source: CaseSource) -> Case:
         """The case of a run."""
-        batch = run // BATCH - LAG
-        kept = self.kept[: self._sizes[batch]] if batch >= 0 else []
+        kept = self.kept[: bisect_left(self.kept, drawn_from(run), key=lambda each: each.run)]
         random = Random(f"{self.seed} {run}")
         if not kept or random.random() < 0.3:
             return source.fresh(random)
@@ -116,6 +114,11 @@ class Campaign:
             for what in failed.failures.values():
                 found.setdefault(kind_of_failure(what), failed)
         return found
+
+
+def drawn_from(run: int) -> int:
+    """From how many of the first runs a run is drawn."""
+    return max(0, run - max(LEAST_AHEAD, run // 4))
 
 
 def kind_of_failure(what: str) -> str:
@@ -149,8 +152,8 @@ def run_campaign(
     known, source = CoverageMap(description), CaseSource(description)
     campaign = Campaign(seed, known)
     campaign.reached.locations |= known.initial
-    kept = _open(folder, description, seed)
-    for found in _read(kept):
+    kept = kept_file(folder, HEADER, KEPT, description, "campaign", seed=seed)
+    for found in read_kept(kept):
         campaign.add(found, description)
     on_progress(campaign)
     shared = description, known
@@ -234,7 +237,6 @@ def _write_failures(campaign: Campaign, folder: Path, description: Description, 
     if not todo:
         return
     folder.mkdir(exist_ok=True)
-    first = len(done)
     shared = description, campaign.known
     numbers = {kind: number for number, kind in enumerate(campaign.kinds)}
     for (kind, _), (case, log) in workers.each(_shrink, shared, todo):
@@ -244,7 +246,7 @@ def _write_failures(campaign: Campaign, folder: Path, description: Description, 
             "kind": kind, "run": failed.run, "campaign_seed": campaign.seed,
             **case.as_json(), "words": case.words, "log": log,
         }  # fmt: skip
-        path = folder / f"{max(first, 0) + numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
+        path = folder / f"{numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
         path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
@@ -258,33 +260,3 @@ def read_failures(folder: Path) -> list[dict[str, Any]]:
             continue
         found.append(document | {"file": str(path)})
     return found
-
-
-def _open(folder: Path, description: Description, seed: int) -> Path:
-    """The file of what was played."""
-    mark = {
-        "tool": description.name, "description": description.fingerprint(), "version": product_version(),
-        "seed": seed,
-    }  # fmt: skip
-    header = folder / HEADER
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if header.exists() and json.loads(header.read_text(encoding="utf-8")) != mark:
-            raise UsageError(
-                "This folder has the campaign of another tool, of another version, or of another seed.",
-                where=str(folder), todo="Name another folder.",
-            )  # fmt: skip
-        header.write_text(json.dumps(mark) + "\n", encoding="utf-8")
-        (folder / KEPT).touch()
-    except (OSError, ValueError) as error:
-        raise UsageError(f"The folder cannot be used: {error}.", where=str(folder)) from None
-    return folder / KEPT
-
-
-def _read(kept: Path) -> Iterable[dict[str, Any]]:
-    """What was played; a last line that was cut off by a kill is played again."""
-    text = kept.read_text(encoding="utf-8")
-    whole, _, torn = text.rpartition("\n")
-    if torn:
-        kept.write_text(whole + "\n" if whole else "", encoding="utf-8")
-    return map(json.loads, whole.splitlines())

@@ -101,7 +101,7 @@ def _run(
 
     begun, first = time.monotonic(), list[int]()
     what = f"{runs} runs" if runs else f"runs for {seconds:g} s"
-    with Progress(what, shown=not as_json) as progress, open_workers(None, jobs) as workers:
+    with Progress(what, shown=not as_json) as progress, open_workers(jobs) as workers:
 
         def go_on(_: Campaign, run: int) -> bool:
             in_time = seconds is None or time.monotonic() - begun < seconds

@@ -4,6 +4,7 @@ from ._cells import COMMANDS, Cell, cells_of, faults_of, thinned
 from ._expected import LYING, ExpectedOutcome, expected
 from ._fmea import fmea
 from ._judging import AT_REST, Monitors, is_still, not_gripping
+from ._kept_lines import kept_file, read_kept
 from ._outcome import Outcome
 from ._play import Played, outcome_of, play
 from ._report import page, summary
@@ -32,6 +33,7 @@ __all__ = [
     "faults_of",
     "fmea",
     "is_still",
+    "kept_file",
     "moments",
     "no_log",
     "not_gripping",
@@ -39,6 +41,7 @@ __all__ = [
     "page",
     "play",
     "play_all",
+    "read_kept",
     "record",
     "summary",
     "switchings",

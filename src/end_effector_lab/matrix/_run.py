@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import product_version
 from end_effector_lab.workers import Workers
 
 from ._cells import Cell
+from ._kept_lines import kept_file, read_kept
 from ._play import play
 
 KEPT, HEADER = "cells.jsonl", "matrix.json"
@@ -41,8 +40,8 @@ def play_all(
         UsageError: the folder cannot be written, or is that of another tool.
         WorkersError: they cannot be reached or do not fit, or some cells were not played.
     """
-    kept = _open(folder, description)
-    done = _read(kept)
+    kept = kept_file(folder, HEADER, KEPT, description, "matrix")
+    done = {each["id"]: dict(each) for each in read_kept(kept)}
     todo = [cell for cell in cells if cell.id not in done]
     on_progress(len(cells) - len(todo), len(cells))
     with kept.open("a", encoding="utf-8") as file:
@@ -67,34 +66,3 @@ def no_log() -> Iterator[None]:
 def _play(description: Description, cell: Cell) -> dict[str, Any]:
     with no_log():
         return play(description, cell).as_json()
-
-
-def _open(folder: Path, description: Description) -> Path:
-    """The file of what was played."""
-    header, mark = folder / HEADER, {"tool": description.name, "description": description.fingerprint()}
-    mark["version"] = product_version()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if header.exists() and json.loads(header.read_text(encoding="utf-8")) != mark:
-            raise UsageError(
-                "This folder has the matrix of another tool, or of another version of its description.",
-                where=str(folder), todo="Name another folder.",
-            )  # fmt: skip
-        header.write_text(json.dumps(mark) + "\n", encoding="utf-8")
-        (folder / KEPT).touch()
-    except (OSError, ValueError) as error:
-        raise UsageError(f"The folder cannot be used: {error}.", where=str(folder)) from None
-    return folder / KEPT
-
-
-def _read(kept: Path) -> dict[str, dict[str, Any]]:
-    """By the id of the cell; a last line that was cut off by a kill is played again."""
-    done: dict[str, dict[str, Any]] = {}
-    text = kept.read_text(encoding="utf-8")
-    whole, _, torn = text.rpartition("\n")
-    for line in whole.splitlines():
-        each = json.loads(line)
-        done[each["id"]] = each
-    if torn:
-        kept.write_text(whole + "\n" if whole else "", encoding="utf-8")
-    return done

@@ -14,6 +14,7 @@ from end_effector_hal.arbiter.rules._predicates import SensorPredicates
 from end_effector_hal.control import Controller, GripLastWill
 from end_effector_hal.kinds.vacuum._detector import VacuumDetector
 from end_effector_hal.runtime.outputs import GripOutputs
+from end_effector_hal.sensing import SensorSet
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 
 
@@ -97,6 +98,33 @@ def _partial_is_confirmed(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(VacuumDetector, "sample", sample)
 
 
+def _stale_proof_is_believed(patch: pytest.MonkeyPatch) -> None:
+    real = SensorPredicates.objection
+
+    def objection(predicates: SensorPredicates, need: Any, at: int) -> str:
+        proof = predicates.proofs.get(need.predicate)
+        return "" if proof and proof.holds else real(predicates, need, at)
+
+    patch.setattr(SensorPredicates, "objection", objection)
+
+
+def _no_interlocks(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(LineArbiter, "_check_activation", lambda *_: None)
+
+
+def _last_will_is_forgotten(patch: pytest.MonkeyPatch) -> None:
+    real = LineArbiter._restore
+    patch.setattr(
+        LineArbiter, "_restore", lambda arbiter, record, at: real(arbiter, record._replace(will=()), at)
+    )
+
+
+def _air_is_ignored(patch: pytest.MonkeyPatch) -> None:
+    real = SensorSet.levels.fget
+    assert real
+    patch.setattr(SensorSet, "levels", property(lambda senses: {**real(senses), "supply_ok": 1}))
+
+
 MUTANTS: Mapping[str, WrongProduct] = {
     "no last will": WrongProduct(_no_last_will, "grip; wait 0.5; kill hal", "unwound"),
     "a last will that drops what is held": WrongProduct(_last_will_drops, "grip; wait 1.5; end grip", "held"),
@@ -109,6 +137,14 @@ MUTANTS: Mapping[str, WrongProduct] = {
     "a latch that is forgotten at a restart": WrongProduct(
         _latch_is_forgotten, "scenario locked-shows:tool_changer:0; wait 5; kill arbiter", "latched"
     ),
+    "a proof that never expires": WrongProduct(
+        _stale_proof_is_believed, "grip; wait 0.2; scenario silent-after:0", "activation"
+    ),
+    "no interlocks": WrongProduct(_no_interlocks, "grip; wait 0.2; scenario silent-after:0", "activation"),
+    "a last will that dies with the line arbiter": WrongProduct(
+        _last_will_is_forgotten, "grip; wait 0.5; kill all; wait 0.1; start all", "unwound"
+    ),
+    "air that does not count": WrongProduct(_air_is_ignored, "scenario supply:350; wait 3; grip", "refusals"),
     "lines that are switched without a pause": WrongProduct(_switches_at_once, "grip; kill all", "switching"),
     "a restart that adopts nothing": WrongProduct(_adopts_nothing, "grip; wait 1.5; end grip", "held"),
     "a release of all at once": WrongProduct(_releases_at_once, "", "order"),

@@ -116,13 +116,13 @@ def test_cases_are_drawn_from_what_was_kept() -> None:
     line = {"grips": 1, "s": 1.0, "case": kept.as_json(), "moments": [77_000], "new": {
         "edges": [1], "locations": [2], "pairs": [3],
     }}  # fmt: skip
-    assert campaign.may_draw(255)
-    assert not campaign.may_draw(256)
-    before = campaign.draw(0, source)
+    assert campaign.may_draw(16)
+    assert not campaign.may_draw(17)
+    before = campaign.draw(16, source)
     for run in range(64):
         campaign.add(({} if run else line) | {"run": run, "grips": 1, "s": 1.0}, SHIPPED)
-    assert campaign.draw(0, source) == before  # its batch has seen nothing yet
-    drawn = [campaign.draw(256 + run, source) for run in range(64)]
+    assert campaign.draw(16, source) == before  # it is drawn from what was there for it
+    drawn = [campaign.draw(run, source) for run in range(17, 80)]
     assert sum(any(each.what == "kill grip" for each in case.happenings) for case in drawn) > 15
     times = {each.at for case in drawn for each in case.happenings}
     assert {76_000, 77_000, 78_000} & times

@@ -22,6 +22,7 @@ ELSEWHERE = {
     "board": "the same report as of demo",
     "testbench": "tests/acceptance/testbench/test_program.py",
     "import": "tests/unit/commands/test_import.py",
+    "campaign": "tests/unit/campaign/test_campaign.py",
     "matrix": "tests/unit/matrix/test_matrix.py",
 }
 CALLS: dict[str, tuple[str, ...]] = {
