@@ -1,5 +1,6 @@
 """Records of a run: written as it happens, read back, and told in words."""
 
+from ._files import append_whole, lock
 from ._limits import RecordingLimits
 from ._recording import Recording, content_hash, hash_of, pressure_channels, product_version, run_info
 from ._run import RunInfo, read_run
@@ -62,9 +63,11 @@ __all__ = [
     "TraceFile",
     "TraceWriter",
     "Watched",
+    "append_whole",
     "compare_runs",
     "content_hash",
     "hash_of",
+    "lock",
     "pressure_channels",
     "product_version",
     "read_alarms",
