@@ -39,9 +39,9 @@ class KeptRun(BaseModel):
         """What contradicts the number of the run, the tool, or itself; empty: nothing."""
         if self.run != run:
             return f"it is run {self.run}, and run {run} is the next one."
-        needed = self.new is not None or self.failures is not None
-        if needed != (self.case is not None) or (self.new is None) != (self.moments is None):
-            return "a case, what it reached and its moments stand together, or not at all."
+        useless = self.case is not None and self.new is None and self.failures is None
+        if useless or (self.new is None) != (self.moments is None) or (self.new and self.case is None):
+            return "a case, what it reached and its moments do not stand together."
         if self.new is not None:
             most = len(known.edges), len(known.locations), len(known.edges) * len(known.faults)
             found = self.new.edges, self.new.locations, self.new.pairs

@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
-from typing import Any, NamedTuple, TypedDict
+from typing import Any, NamedTuple
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from end_effector_hal.cli import the_folder, write_whole
 from end_effector_hal.description import Description
@@ -57,6 +57,15 @@ class KeptCase(NamedTuple):
     moments: tuple[int, ...]
     edge: bool
     run: int
+
+
+class _Failure(BaseModel):
+    """What is read again of a failure's file; the rest stays as it is."""
+
+    model_config = ConfigDict(extra="allow")
+
+    kind: str
+    words: str
 
 
 class FailedRun(NamedTuple):
@@ -293,24 +302,12 @@ def read_failures(folder: Path) -> list[dict[str, Any]]:
     for path in sorted(folder.glob("*.json")):
         try:
             with path.open("rb") as file:
-                document = _FAILURE.validate_json(file.read(LARGEST_BYTES), strict=True)
+                document = _Failure.model_validate_json(file.read(LARGEST_BYTES), strict=True)
         except (OSError, ValidationError):
             raise UsageError(
                 "This is no failure of a campaign.",
                 where=str(path),
                 todo="Move it away: it is written again.",
             ) from None
-        found.append({**document, "file": str(path)})
+        found.append(document.model_dump() | {"file": str(path)})
     return found
-
-
-class _Failure(TypedDict):
-    """What is read again of a failure's file; the rest stays as it is."""
-
-    __pydantic_config__ = ConfigDict(extra="allow")  # type: ignore[misc]
-
-    kind: str
-    words: str
-
-
-_FAILURE = TypeAdapter(_Failure)

@@ -60,8 +60,8 @@ def command(
     tool; the monitor judges it besides. FOLDER gets report.html, report.json, cells.jsonl and fmea.csv, the failure
     modes and effects of the tool, with severity and occurrence left to whoever signs it.
 
-    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was dropped, or
-    something is not explained.
+    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was dropped,
+    or something is not explained.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path

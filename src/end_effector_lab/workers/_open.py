@@ -9,7 +9,6 @@ from end_effector_hal.errors import UsageError
 from ._local import local_workers
 from ._workers import Workers
 
-
 MOST_JOBS, MOST_EACH = 8, 4
 """So many may be asked for on any machine, or for each processor; each takes memory of its own."""
 
