@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 unexport PYTHONDONTWRITEBYTECODE
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -56,13 +56,21 @@ test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library 
 	@$(APART) $(ROS2)-peer/bin/python ros/wheels/build_messages.py ros/end_effector_msgs
 	@$(APART) EEHAL_ROS2_PEER=$(CURDIR)/$(ROS2)-peer/bin/python $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2/test_peer.py
 
-nightly: setup ## at length: the proof on thousands of random networks, 8 and 32 steps, the line arbiter fuzzed and simulated
+nightly: setup ## at length: the proof on thousands of random networks, 8, 32 and 64 steps, the line arbiter fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
 
 test-page: setup ## the live page in a real browser: Debian's Chromium (6 minutes)
 	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
 	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} $(WALL) pytest -q --durations=0 --durations-min=1 tests/acceptance/page
+
+# What the tests of the page leave in runs/page, as far as the docs show it
+OF_PICTURES = test_a_grip_and_a_drop_by_the_page or test_a_failing_attempt or held_with_a_leak or test_a_phone_in or test_a_link_leads
+
+pictures: setup ## the pictures of the page in docs/images, by its tests in a real browser
+	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
+	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q tests/acceptance/page -k "$(OF_PICTURES)"
+	@for picture in docs/images/page*.png; do cp runs/page/$${picture##*/} $$picture || exit; done
 
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py

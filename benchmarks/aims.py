@@ -8,6 +8,7 @@ from typing import Any
 ONE_CPU_PERCENT, ONE_MEMORY_MB, OF_CORE = 6.0, 130.0, 1.3
 """Of ROS 2 in one process; its reaction, of that without ROS."""
 RATIO, P99_MS, CPU_PERCENT, MEMORY_MB, REQUIREMENTS_S, GROWTH = 1.5, 5.0, 15.0, 250.0, 1.0, 2.0
+FISCHER_8_S, STATE_BYTES, FISCHER_10_KIB = 2.5, 1024, 4 * 1024 * 1024
 ADDED_US = 150.0
 OWNER = "line arbiter"  # no node, but no node works without it
 
@@ -62,4 +63,15 @@ def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
         aim(text, seconds if finished else float("inf"), REQUIREMENTS_S, words)
         if (growth := measured["growth_exponent"]) is not None:
             aim(f"cost grows at most as steps^{GROWTH:g}", growth, GROWTH, f"steps^{growth:.2f}")
+        fischer = {each["size"]: each for each in measured["fischer"] if each["finished"]}
+        if eight := fischer.get(8):
+            seconds = sum(answer["seconds"] for answer in eight["answers"])
+            aim(f"Fischer 8 under {FISCHER_8_S:g} s", seconds, FISCHER_8_S, f"{seconds:.1f} s")
+            each = eight["bytes_per_state"]
+            aim(
+                f"Fischer 8: at most {STATE_BYTES} bytes for a stored state", each, STATE_BYTES, f"{each:.0f}"
+            )
+        if ten := fischer.get(10):
+            peak = ten["peak_kib"]
+            aim("Fischer 10 within 4 GiB", peak, FISCHER_10_KIB, f"{peak / 1024:.0f} MiB")
     return found

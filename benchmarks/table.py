@@ -73,25 +73,25 @@ def print_verification(console: Console, measured: Measured) -> None:
     """Seconds, states and memory of each subject."""
     table = Table(title="Verification", title_justify="left")
     table.add_column("what", min_width=40)
-    for head in ("CPU s", "states", "states/s", "peak MiB"):
+    for head in ("CPU s", "states", "states/s", "peak MiB", "bytes/state"):
         table.add_column(head, justify="right")
     subject = measured.alone
     for answer in subject.answers if subject else ():
         mark = "" if answer.holds else "  DOES NOT HOLD"
-        table.add_row(answer.sentence + mark, *_rate(answer.seconds, answer.states), "")
+        table.add_row(answer.sentence + mark, *_rate(answer.seconds, answer.states), "", "")
     if subject:
-        row = (*_rate(subject.seconds, subject.states), _mib(subject))
+        row = (*_rate(subject.seconds, subject.states), *_memory(subject))
         table.add_row(f"all of these, one by one{_left(subject)}", *row)
     subject = measured.together
-    row = (*_rate(subject.seconds, subject.states), _mib(subject))
+    row = (*_rate(subject.seconds, subject.states), *_memory(subject))
     table.add_row(f"all requirements in one exploration, as eehal verify{_left(subject)}", *row)
     table.add_section()
     for one in measured.fischer:
-        row = (*_rate(one.seconds, one.states), _mib(one))
+        row = (*_rate(one.seconds, one.states), *_memory(one))
         table.add_row(f"Fischer, {one.size} processes{_left(one)}", *row)
     table.add_section()
     for one in measured.steps:
-        row = (*_rate(one.seconds, one.states), _mib(one))
+        row = (*_rate(one.seconds, one.states), *_memory(one))
         table.add_row(f"{one.size} steps, all requirements{_left(one)}", *row)
     console.print(table)
     if measured.growth is not None and measured.growth_of_states is not None:
@@ -117,8 +117,8 @@ def _rate(seconds: float, states: int) -> tuple[str, str, str]:
     return f"{seconds:.3f}", f"{states:,}", f"{states / seconds:,.0f}" if seconds else ""
 
 
-def _mib(subject: Subject) -> str:
-    return f"{subject.peak_kib / 1024:.0f}"
+def _memory(subject: Subject) -> tuple[str, str]:
+    return f"{subject.peak_kib / 1024:.0f}", f"{subject.bytes_per_state:,.0f}"
 
 
 def _left(subject: Subject) -> str:

@@ -28,14 +28,27 @@ class Answer:
 
 @dataclass(frozen=True)
 class Subject:
-    """``load_s``: reading the file and putting it together; ``finished``: every query was answered in time."""
+    """What was asked of one network, in a process of its own.
+
+    Attributes:
+        load_s: reading the file and putting it together.
+        finished: whether every query was answered in time.
+        loaded_kib, peak_kib: largest memory of the process, before the first query and in all.
+    """
 
     name: str
     size: int
     load_s: float
     answers: tuple[Answer, ...]
     finished: bool
+    loaded_kib: int
     peak_kib: int
+
+    @property
+    def bytes_per_state(self) -> float:
+        """What the search took beside the loaded network, for each stored state; of several queries, the largest."""
+        most = max((answer.states for answer in self.answers), default=0)
+        return (self.peak_kib - self.loaded_kib) * 1024 / most if most else 0.0
 
     @property
     def seconds(self) -> float:
@@ -49,7 +62,8 @@ class Subject:
 
     def as_json(self) -> dict[str, Any]:
         """For the file."""
-        return vars(self) | {"answers": [vars(answer) for answer in self.answers]}
+        found = vars(self) | {"answers": [vars(answer) for answer in self.answers]}
+        return found | {"bytes_per_state": self.bytes_per_state}
 
 
 def check(name: str, size: int, longest_s: float) -> Subject:
@@ -63,6 +77,7 @@ def check(name: str, size: int, longest_s: float) -> Subject:
     except subprocess.TimeoutExpired as stopped:
         finished, text = False, stopped.stdout or b""
     notes = [json.loads(line) for line in text.decode().split("\n")[:-1]]
-    peak_kib = max((note.pop("peak_kib") for note in notes), default=0)
+    peaks_kib = [note.pop("peak_kib") for note in notes] or [0]
     load_s = notes[0]["load_s"] if notes else longest_s
-    return Subject(name, size, load_s, tuple(Answer(**note) for note in notes[1:]), finished, peak_kib)
+    answers = tuple(Answer(**note) for note in notes[1:])
+    return Subject(name, size, load_s, answers, finished, peaks_kib[0], max(peaks_kib))

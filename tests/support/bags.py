@@ -58,10 +58,19 @@ def definitions(change: Callable[[str, str], str] = lambda name, text: text) -> 
     return found
 
 
-def write_ros1(path: Path, messages: Iterable[Message], types: Mapping[str, Any] | None = None) -> Path:
+def write_ros1(
+    path: Path,
+    messages: Iterable[Message],
+    types: Mapping[str, Any] | None = None,
+    *,
+    compression: str = "none",
+) -> Path:
     """A ``.bag`` of ROS 1."""
     store = _store(Stores.ROS1_NOETIC, types)
-    with Writer1(path) as writer:
+    opened = Writer1(path)
+    if compression != "none":
+        opened.set_compression(Writer1.CompressionFormat[compression.upper()])
+    with opened as writer:
         connections: dict[str, Any] = {}
         for topic, kind, log_us, fields in messages:
             if topic not in connections:

@@ -18,6 +18,7 @@ from ._figures import Drawing, draw_run, figures, is_figure
 from ._json_output import print_document
 from ._options import PathName
 from ._progress import Progress
+from ._sweep import sweep
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
@@ -50,6 +51,15 @@ T = TypeVar("T")
     type=click.Choice(["actuators", "all"]),
     help="Let these readings change to anything at any time; all: the tool changer's as well.",
 )
+@click.option(
+    "--sweep",
+    "sweeps",
+    multiple=True,
+    metavar="KEY=A:B:STEP|A,B,C",
+    help="Prove DESCRIPTION with each of these values of a key; given again: each combination.",
+)
+@click.option("--jobs", type=click.IntRange(1), help="Processes of a sweep; default: one for each processor.")
+@click.option("--scheduler", metavar="ADDRESS", help="Of dask.distributed: its workers prove the sweep.")
 def command(
     description: Path | None,
     model: Path | None,
@@ -58,6 +68,9 @@ def command(
     as_json: bool,
     output: Path | None,
     free: str | None,
+    sweeps: tuple[str, ...],
+    jobs: int | None,
+    scheduler: str | None,
 ) -> None:
     """Prove what the automata must do, with the constants of DESCRIPTION, or show a run that does not.
 
@@ -76,11 +89,23 @@ def command(
     two changes: that the ordinary, smaller world leaves nothing out. Time need not diverge there, since a sensor may
     flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
     steps it takes some twenty times as long; all some hundred times, and 1.3 GB.
+
+    With --sweep the values of some keys are varied: which combinations hold, what fails first, the worst cases.
+    KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR a table, JSON and, of two keys, a map of each
+    worst case; FILE.png: of the grip. The exit code is 4 when no combination holds. No verdict is kept.
     """
+    from end_effector_hal.description import profile_path
     from end_effector_hal.recording import content_hash
     from end_effector_hal.verification.coils import prove_tool
     from end_effector_hal.verification.proof import prove
 
+    if sweeps:
+        if model is not None or deaths or every or free is not None:
+            raise UsageError("A sweep is of a DESCRIPTION as it is.", todo="Leave the other options out.")
+        path = description or profile_path()
+        sys.exit(sweep()(path, sweeps, scheduler=scheduler, jobs=jobs, output=output, as_json=as_json))
+    if jobs or scheduler:
+        raise UsageError("Only a sweep is shared out.", todo="Add --sweep KEY=A,B,C.")
     if deaths and free is not None:
         raise UsageError("The network of deaths has no sensors.", todo="Leave --free-sensors out.")
     source = open_source(description, model, deaths=deaths)

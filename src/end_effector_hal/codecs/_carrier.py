@@ -118,9 +118,9 @@ def codec_of(description: Description, name: str | None = None) -> Codec:
     return renamed(codec, names)
 
 
-def line_of(link: Link, codec: Codec) -> tuple[int, str]:
-    """Baud rate and parity of a link: those that it gives, or those of its codec."""
-    return link.baudrate or codec.baudrate, link.parity or parity_of(codec)
+def line_of(link: Link, codec: Codec) -> tuple[int, str, int]:
+    """Baud rate, parity and stop bits of a link: those that it gives, or those of its codec."""
+    return link.baudrate or codec.baudrate, link.parity or parity_of(codec), link.stopbits or 1
 
 
 def board_inputs(description: Description) -> BoardInputs | None:

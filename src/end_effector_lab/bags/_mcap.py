@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -13,6 +14,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from end_effector_hal.errors import UsageError
 
 from ._bag_message import BagMessage, reason_of
+from ._unpack import unpack
 
 _CUT = "what follows is lost: it was not closed, or bytes in it were changed"
 
@@ -73,7 +75,7 @@ class McapBag:
                     yield record
                     continue
                 try:
-                    within = breakup_chunk(record, validate_crc=True)
+                    within = breakup_chunk(_unpacked(record), validate_crc=True)
                 except Exception as error:  # noqa: BLE001 decompressors raise what they like
                     lost, reason = lost + 1, reason_of(error)
                 else:
@@ -89,6 +91,13 @@ def _opened(path: Path) -> BinaryIO:
         return path.open("rb")
     except OSError as error:
         raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
+
+
+def _unpacked(chunk: Chunk) -> Chunk:
+    data = unpack(chunk.compression, chunk.data)
+    if len(data) != chunk.uncompressed_size:
+        raise ValueError(f"it unpacks to {len(data)} bytes instead of {chunk.uncompressed_size}")
+    return replace(chunk, compression="", data=data)
 
 
 def _summary(file: BinaryIO) -> dict[str, str]:

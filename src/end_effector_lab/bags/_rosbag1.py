@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rosbags.rosbag1 import Reader
-from rosbags.rosbag1.reader import Header, RecordType, decompressors, normalize, read_bytes, read_uint32
+from rosbags.rosbag1.reader import Header, RecordType, normalize, read_bytes, read_uint32
 
 from end_effector_hal.errors import UsageError
 
 from ._bag_message import ROS1, BagMessage, reason_of
+from ._unpack import unpack
 
 MAGIC = b"#ROSBAG V2.0\n"
 
@@ -91,8 +92,7 @@ class Rosbag1:
             def chunk() -> bytes:
                 header = Header.read(file, RecordType.CHUNK)
                 data = file.read(min(read_uint32(file), size))
-                unpacked: bytes = decompressors[header.get_string("compression")](data)
-                return unpacked
+                return unpack(header.get_string("compression"), data)
 
             for place in self._places or ():
                 file.seek(place)

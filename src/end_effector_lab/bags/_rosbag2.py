@@ -12,6 +12,7 @@ from rosbags.rosbag2 import Reader
 from end_effector_hal.errors import UsageError
 
 from ._bag_message import IDL, MSG, BagMessage, reason_of
+from ._unpack import unpack
 
 _SYNTAX = {MessageDefinitionFormat.MSG: MSG, MessageDefinitionFormat.IDL: IDL}
 
@@ -21,6 +22,7 @@ class Rosbag2:
 
     def __init__(self, paths: tuple[Path, ...]) -> None:
         self._readers: list[tuple[Path, Any]] = []
+        self._packed: set[Path] = set()
         self.faults: list[str] = []
         for path in paths:
             try:
@@ -33,6 +35,10 @@ class Rosbag2:
                 self.faults.append(f"{path} cannot be read: {reason_of(error)}.")
             else:
                 self._readers.append((path, reader))
+                if reader.compression_mode == "message":
+                    # the library would unpack without a limit
+                    reader.storage.metadata = reader.storage.metadata._replace(compression_mode=None)
+                    self._packed.add(path)
             self.faults += [
                 f"{log} holds messages that its database has not: the recorder was killed. Open it once with "
                 f"`sqlite3 {log.with_name(log.name[:-4])} .tables`."
@@ -63,6 +69,7 @@ class Rosbag2:
             try:
                 for one, at, data in reader.messages(wanted) if wanted else ():
                     syntax = _SYNTAX.get(one.msgdef.format, "")
+                    data = unpack("zstd", data) if path in self._packed else data
                     yield BagMessage(one.topic, one.msgtype, at // 1000, data, one.msgdef.data, syntax)
-            except Exception as error:  # noqa: BLE001 as above
+            except Exception as error:  # noqa: BLE001 as above, and bytes that cannot be unpacked
                 self.faults.append(f"{path}: what follows is lost ({reason_of(error)}).")

@@ -12,7 +12,7 @@ def summary(campaign: Campaign) -> dict[str, Any]:
     reached, known = campaign.reached, campaign.known
     return {
         "runs": campaign.runs,
-        "failures": len(campaign.failed),
+        "failures": campaign.failures,
         "kinds": len(campaign.kinds),
         "grips": campaign.grips,
         "virtual_s": round(campaign.seconds),

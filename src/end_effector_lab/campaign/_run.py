@@ -69,11 +69,10 @@ class _Failure(BaseModel):
 
 
 class FailedRun(NamedTuple):
-    """A run that broke rules: sentences by rule."""
+    """The first run of a kind of failure."""
 
     run: int
     case: Case
-    failures: dict[str, str]
 
 
 @dataclass
@@ -85,7 +84,8 @@ class Campaign:
         known: what can be reached, and ``reached`` what was.
         runs, grips, seconds: how many runs, successful grips, and seconds of virtual time.
         kept: the cases that are mutated.
-        failed: the runs that broke a rule.
+        failures: how many runs broke a rule.
+        kinds: the first run of each kind of failure.
     """
 
     seed: int
@@ -95,21 +95,26 @@ class Campaign:
     grips: int = 0
     seconds: float = 0.0
     kept: list[KeptCase] = field(default_factory=list)
-    failed: list[FailedRun] = field(default_factory=list)
+    failures: int = 0
+    kinds: dict[str, FailedRun] = field(default_factory=dict)
 
     def add(self, found: Mapping[str, Any], description: Description) -> None:
         """Add the next run, as it is kept in the file."""
+        grips, seconds = int(found["grips"]), float(found["s"])
         case = case_from_json(found["case"], description) if "case" in found else None
         if case is not None and "new" in found:
             new = self.reached.add(Reached.from_json(found["new"]))
             self.kept.append(
                 KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations), self.runs)
             )
-        if case is not None and "failures" in found:
-            self.failed.append(FailedRun(found["run"], case, found["failures"]))
+        if "failures" in found:
+            self.failures += 1
+        if case is not None:
+            for what in found.get("failures", {}).values():
+                self.kinds.setdefault(kind_of_failure(what), FailedRun(found["run"], case))
         self.runs += 1
-        self.grips += found["grips"]
-        self.seconds += found["s"]
+        self.grips += grips
+        self.seconds += seconds
 
     def may_draw(self, run: int) -> bool:
         """Whether all that this run is drawn from is there."""
@@ -124,15 +129,6 @@ class Campaign:
         best = [each for each in kept if each.edge]
         one = random.choice(best if best and random.random() < 0.4 else kept)
         return source.mutant(random, one.case, one.moments, random.choice(kept).case)
-
-    @property
-    def kinds(self) -> dict[str, FailedRun]:
-        """The first run of each kind of failure."""
-        found: dict[str, FailedRun] = {}
-        for failed in self.failed:
-            for what in failed.failures.values():
-                found.setdefault(kind_of_failure(what), failed)
-        return found
 
 
 def drawn_from(run: int) -> int:
@@ -249,11 +245,12 @@ def _play(shared: tuple[Description, CoverageMap], item: tuple[int, Case]) -> di
 
 
 def _shortened(found: dict[str, Any], campaign: Campaign) -> dict[str, Any]:
-    """What is kept of a run: its case only if it failed or reached something new."""
+    """What is kept of a run: its case only if it failed in a new way or reached something new."""
     reached, seen = Reached.from_json(found["new"]), campaign.reached
     new = Reached(reached.edges - seen.edges, reached.locations - seen.locations, reached.pairs - seen.pairs)
     line: dict[str, Any] = {"run": found["run"], "grips": found["grips"], "s": found["s"]}
-    if new or found["failures"]:
+    kinds = map(kind_of_failure, found["failures"].values())
+    if new or any(kind not in campaign.kinds for kind in kinds):
         line["case"] = found["case"]
     if new:
         line |= {"moments": found["moments"], "new": new.as_json()}

@@ -109,7 +109,7 @@ def _run(
 
     begun, first = time.monotonic(), list[int]()
     what = f"{runs} runs" if runs else f"runs for {seconds:g} s"
-    with Progress(what, shown=not as_json) as progress, open_workers(jobs) as workers:
+    with Progress(what, shown=not as_json) as progress, open_workers(None, jobs) as workers:
 
         def go_on(_: Campaign, run: int) -> bool:
             in_time = seconds is None or time.monotonic() - begun < seconds
@@ -123,9 +123,9 @@ def _run(
             left = (
                 min(by_runs, seconds - took) if runs and seconds else seconds - took if seconds else by_runs
             )
-            found = summary(campaign)
+            edges = f"{len(campaign.reached.edges)}/{len(campaign.known.edges)} edges"
             progress(
-                f"{campaign.runs} of {what}, {found['edges']} edges, {found['failures']} failures, "
+                f"{campaign.runs} of {what}, {edges}, {campaign.failures} failures, "
                 f"{max(0.0, left) / 60:.0f} min left"
             )
 

@@ -33,6 +33,11 @@ if TYPE_CHECKING:
 )
 @click.option("--jobs", type=click.IntRange(1), help="Processes; default: one for each processor.")
 @click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Play them on the workers of this scheduler of dask.distributed, such as tcp://10.0.0.1:8786.",
+)
+@click.option(
     "--every",
     type=click.IntRange(1),
     default=1,
@@ -48,6 +53,7 @@ def command(
     tool: Path | None,
     output: Path,
     jobs: int | None,
+    scheduler: str | None,
     every: int,
     only: str,
     cell: str | None,
@@ -60,26 +66,40 @@ def command(
     tool; the monitor judges it besides. FOLDER gets report.html, report.json, cells.jsonl and fmea.csv, the failure
     modes and effects of the tool, with severity and occurrence left to whoever signs it.
 
-    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was dropped,
-    or something is not explained.
+    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was
+    dropped, or something is not explained.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
-    from end_effector_lab.matrix import cells_of, moments, thinned
+    from end_effector_lab.workers import open_workers
 
     description = load_tool(tool or profile_path())
-    with Progress("Playing the run without a fault", shown=not as_json):
-        whole = list(cells_of(description, moments(description)))
     if cell is not None:
-        raise SystemExit(_one(description, whole, cell, output, as_json=as_json))
+        raise SystemExit(_one(description, _whole(description, as_json), cell, output, as_json=as_json))
+    if listed:
+        click.echo("\n".join(each.id for each in _chosen(_whole(description, as_json), only, every)))
+        return
+    with open_workers(scheduler, jobs) as workers:  # first of all: a scheduler may not be there
+        whole = _whole(description, as_json)
+        cells = _chosen(whole, only, every)
+        code = _all(description, cells, len(whole) - len(cells), output, workers, as_json=as_json)
+    raise SystemExit(code)
+
+
+def _whole(description: Description, as_json: bool) -> list[Cell]:
+    from end_effector_lab.matrix import cells_of, moments
+
+    with Progress("Playing the run without a fault", shown=not as_json):
+        return list(cells_of(description, moments(description)))
+
+
+def _chosen(whole: list[Cell], only: str, every: int) -> list[Cell]:
+    from end_effector_lab.matrix import thinned
+
     chosen = [each for each in whole if only in each.id]
     if not chosen:
         raise UsageError(f"No cell has {only!r} in its id.", todo="--list prints them.")
-    cells = thinned(chosen, every)
-    if listed:
-        click.echo("\n".join(each.id for each in cells))
-        return
-    raise SystemExit(_all(description, cells, len(whole) - len(cells), output, jobs, as_json=as_json))
+    return thinned(chosen, every)
 
 
 def _all(
@@ -87,14 +107,13 @@ def _all(
     cells: list[Cell],
     left_out: int,
     output: Path,
-    jobs: int | None,
+    workers: Workers,
     *,
     as_json: bool,
 ) -> int:
     from end_effector_lab.matrix import matrix_folder, summary
-    from end_effector_lab.workers import open_workers
 
-    with matrix_folder(description, output) as results, open_workers(jobs) as workers:
+    with matrix_folder(description, output) as results:
         played = _played(description, cells, results, workers, shown=not as_json)
         found = summary(cells, played, left_out)
         kept = _write(description, cells, played, found, results)

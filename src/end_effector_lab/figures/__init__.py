@@ -1,9 +1,11 @@
-"""The figures of runs and of automata; matplotlib is imported only when one is drawn."""
+"""The figures of runs, of automata and of grids of numbers; matplotlib is imported only when one is drawn."""
 
 from ._draw import (
     STYLES,
+    HeatMapCell,
     RecordedRun,
     draw_template,
+    heat_map,
     overlay,
     paper,
     save,
@@ -14,8 +16,10 @@ from ._draw import (
 
 __all__ = [
     "STYLES",
+    "HeatMapCell",
     "RecordedRun",
     "draw_template",
+    "heat_map",
     "overlay",
     "paper",
     "save",

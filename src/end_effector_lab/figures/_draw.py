@@ -176,6 +176,37 @@ def draw_template(template: Template, constants: Mapping[str, object] | None = N
     return draw(template, constants or {})
 
 
+@dataclass(frozen=True)
+class HeatMapCell:
+    """A number, and why it does not hold.
+
+    Attributes:
+        value: None: there is none.
+        wrong: in a word; empty: it holds.
+    """
+
+    value: float | None
+    wrong: str = ""
+
+
+def heat_map(
+    title: str,
+    x: tuple[str, Sequence[str]],
+    y: tuple[str, Sequence[str]],
+    cells: Mapping[tuple[str, str], HeatMapCell],
+) -> Figure:
+    """Cells as colours with their numbers; what does not hold has a frame and says what fails.
+
+    Args:
+        title: above it.
+        x, y: the name of the axis and its values.
+        cells: by the values of x and y.
+    """
+    from ._heat_map import draw
+
+    return draw(title, x, y, cells)
+
+
 def save(figure: Figure, path: str | Path) -> Path:
     """Save as PNG or SVG, by the suffix; the same figure gives the same bytes. Raises UsageError."""
     from ._save import write

@@ -20,12 +20,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Channel, Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import display_name
-from end_effector_lab.testbench.physics import PRESSURE, Supply, Valve, physics_of
+from end_effector_hal.wires.inputs import input_lines, pulls_of
+from end_effector_lab.testbench.physics import Supply, Valve, physics_of
 
 from ._cells import BOTH, NOTHING, Cell
 from ._outcome import Outcome
@@ -53,6 +54,8 @@ class SensorView(NamedTuple):
 NORMAL = SensorView()
 BLIND = SensorView(frozenset({NO}), frozenset({UNKNOWN}), frozenset({UNKNOWN}))
 ANYTHING = SensorView(frozenset({YES, NO}), frozenset({YES, LOST, UNKNOWN}), frozenset({YES, NO, UNKNOWN}))
+LET_GO = SensorView(frozenset({NO}), frozenset({LOST}), _YES)
+"""Of a sensor that shows, whatever is there, that nothing is."""
 SILENCING = {"silent-after", "babble-after"}
 DAMAGING = {
     "noise", "flips", "bursts", "lost-bytes", "doubled-bytes", "late-answers", "no-answers", "twice-answers",
@@ -211,7 +214,8 @@ class _Rules:
         if cell.name in SILENCING and self._is_of_link(name):
             return ANYTHING if self._keeps_its_level(name) else BLIND
         if cell.name in DAMAGING:
-            rare = (cell.number or 0.0) <= 0.001
+            frames = [link.frame for link in self._description.links.values() if link.frame]
+            rare = (cell.number or 0.0) <= 0.001 and all(frame.checked for frame in frames)
             return SensorView(_YES, frozenset({YES, UNKNOWN}), _YES) if rare else ANYTHING
         if cell.name == "supply":
             return SensorView(frozenset({YES, NO}), frozenset({YES, LOST}), _YES)
@@ -219,13 +223,18 @@ class _Rules:
             swapped = cell.name == "swapped" and self._after(cell.place) == name
             return ANYTHING if swapped or self._unproven_by_alarm(name) else NORMAL
         engaged = name in self._engaged
-        switches = PRESSURE not in physics_of(part.kind).traits
         match cell.name:
             case "never-confirms":
                 return SensorView(_YES if engaged and self._phase == GRIP else frozenset({NO}))
             case "fails-once" | "fails":
-                fails = (cell.number or 1.0) >= part.attempts and not (engaged and self._phase == GRIP)
-                return SensorView(frozenset({NO}) if fails else _YES)
+                number, pending = cell.number or 1.0, engaged and self._phase == GRIP
+                # an activation that comes while the line arbiter is dead costs an attempt more
+                more = cell.command == "kill arbiter" and self._phase == GRIP
+                if number >= part.attempts and not pending:
+                    return SensorView(frozenset({NO}))
+                return SensorView(
+                    frozenset({YES, NO}) if number + more >= part.attempts and not pending else _YES
+                )
             case "stuck-release" if self._phase == RELEASE and not engaged:
                 return NORMAL  # it was deactivated before
             case "stuck-release" | "sticks":
@@ -241,8 +250,8 @@ class _Rules:
                 return SensorView(frozenset({YES, NO}), frozenset({LOST}), _YES)
             case "no-part":
                 return SensorView(frozenset({NO}), frozenset({LOST}), _YES)
-            case "invalid" if switches:
-                return NORMAL
+            case "invalid" if (pulled := self._pulled(name)) is not None:
+                return SensorView(_YES, _YES, frozenset({NO})) if pulled else LET_GO
             case "invalid" if self._has_switch(name):
                 return SensorView(frozenset({YES, NO}), frozenset({YES, UNKNOWN}), frozenset({YES, UNKNOWN}))
             case "invalid":
@@ -267,9 +276,12 @@ class _Rules:
 
     def _keeps_its_level(self, name: str) -> bool:
         """Whether it is proven by input lines of the board: a line that falls silent stays as it is."""
+        return any(channel.digital for channel in self._proofs(name))
+
+    def _proofs(self, name: str) -> list[Channel]:
+        """The channels that prove it, of those that the description declares."""
         part, channels = self._description.actuators[name], self._description.channels
-        proofs = [each for each in kind_of(part).channel_names(part) if each in channels]
-        return any(channels[each].digital for each in proofs)
+        return [channels[each] for each in kind_of(part).channel_names(part) if each in channels]
 
     def _has_switch(self, name: str) -> bool:
         """Whether a bit proves it as well."""
@@ -279,7 +291,17 @@ class _Rules:
 
     def _is_of_link(self, name: str) -> bool:
         """Whether its sensor comes over the link that is silent."""
-        return not self._cell.place or len(self._description.named_links) < 2
+        if not self._cell.place or len(self._description.named_links) < 2:
+            return True
+        return any(channel.link == self._cell.place for channel in self._proofs(name))
+
+    def _pulled(self, name: str) -> bool | None:
+        """What an input of the board shows whose wire is off, as its pull has it; None: no such input proves it."""
+        match self._proofs(name):
+            case [channel] if channel.digital:
+                pulls = pulls_of(input_lines(self._description))
+                return (pulls[channel.digital.line] == "up") is not channel.invert
+        return None
 
     def _is_blown(self, name: str) -> bool:
         return name in self._description.blow_off_lines
@@ -300,7 +322,7 @@ class _Rules:
         """Whether a grip is refused from the beginning: yes, or perhaps; empty: it is not."""
         cell, description = self._cell, self._description
         if cell.name == "invalid":
-            return {YES}
+            return set() if self._pulled(cell.place) is False else {YES}
         if cell.name in SILENCING:
             return {YES, NO} if any(map(self._keeps_its_level, self._sequence)) else {YES}
         if cell.name == "supply":

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 
 from end_effector_hal.description import Description
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
-from end_effector_lab.workers import Workers
+from end_effector_lab.workers import ShippedAutomata, Workers
 
 from ._cells import COMMANDS, Cell
 from ._outcome import Outcome
@@ -60,7 +60,8 @@ def play_all(
     done = _kept(results, {cell.id: cell for cell in cells})
     todo = [cell for cell in cells if cell.id not in done]
     on_progress(len(cells) - len(todo), len(cells))
-    for number, (cell, played) in enumerate(workers.each(_play, description, todo), start=1):
+    shared = description, ShippedAutomata(description)
+    for number, (cell, played) in enumerate(workers.each(_play, shared, todo), start=1):
         done[cell.id] = played
         results.append(played)
         on_progress(len(cells) - len(todo) + number, len(cells))
@@ -77,9 +78,10 @@ def no_log() -> Iterator[None]:
         logging.disable(logging.NOTSET)
 
 
-def _play(description: Description, cell: Cell) -> dict[str, Any]:
+def _play(shared: tuple[Description, ShippedAutomata], cell: Cell) -> dict[str, Any]:
+    description, automata = shared
     with no_log():
-        return play(description, cell).as_json()
+        return play(automata.of(description), cell).as_json()
 
 
 def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str, Any]]:

@@ -138,12 +138,12 @@ def _port_texts(text: str | None, links: list[str]) -> dict[str, str]:
 
 def _port(text: str | None, description: Description, name: str, lines: str | None) -> Port:
     link = description.links[name]
-    baudrate, parity = line_of(link, codec_of(description, name))
+    settings = line_of(link, codec_of(description, name))
     if text is not None:
         kind, _, rest = text.partition(":")
-        return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, baudrate, parity)
+        return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, *settings)
     if lines == "rpi3" and not name:
-        return SerialPort(RPI3_PORT, baudrate, parity)
+        return SerialPort(RPI3_PORT, *settings)
     if lines is None or lines.startswith("virtual"):
         return PtyPort(link.port)
     raise UsageError("the port to answer on is not known.", todo="Give --port PATH.")

@@ -53,16 +53,18 @@ class SerialPort:
 
     Args:
         path: of the device.
-        baudrate, parity: of it, with 8 bits and 1 stop bit.
+        baudrate, parity, stopbits: of it, with 8 bits.
     """
 
-    def __init__(self, path: str, baudrate: int, parity: str = "N") -> None:
+    def __init__(self, path: str, baudrate: int, parity: str = "N", stopbits: int = 1) -> None:
         self.text = path
-        self._baudrate, self._parity = baudrate, parity
+        self._baudrate, self._parity, self._stopbits = baudrate, parity, stopbits
         self._serial: serial.Serial | None = None
 
     def open(self) -> None:
-        self._serial = open_port(self.text, self._baudrate, parity=self._parity, write_timeout_s=0.5)
+        self._serial = open_port(
+            self.text, self._baudrate, parity=self._parity, stopbits=self._stopbits, write_timeout_s=0.5
+        )
 
     def send(self, data: bytes) -> int:
         if self._serial is not None:

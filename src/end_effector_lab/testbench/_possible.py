@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from end_effector_hal.description import Description
 from end_effector_hal.faults import FaultNumber, FaultOffer
 
-from ._scenario import FAULTS, Fault, Number, device_physics, links_that_ask
+from ._scenario import FAULTS, Fault, Number, links_that_ask, traits_of
 
 
 def possible_faults(description: Description) -> Iterator[str]:
@@ -21,13 +21,13 @@ def possible_faults(description: Description) -> Iterator[str]:
 
 def offered_faults(description: Description) -> Iterator[FaultOffer]:
     """The same with all that somebody must know to choose one."""
-    physics = device_physics(description)
+    traits = traits_of(description)
     alarms = tuple(name for name, channel in description.channels.items() if channel.alarm)
     asking = links_that_ask(description)
     named = tuple(description.named_links)
     for fault in FAULTS:
         if fault.on:
-            places = tuple(name for name, each in physics.items() if not each.traits.isdisjoint(fault.on))
+            places = tuple(name for name, each in traits.items() if not each.isdisjoint(fault.on))
             if places:
                 yield _offer(fault, places, anywhere=False)
         elif fault.channel:

@@ -12,6 +12,9 @@ from typing import Any, Literal
 from end_effector_hal.codecs import codec_of, is_polled
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Actuator, named
+from end_effector_hal.signals import Kind
 
 from .physics import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, STICKS, Device, ToolChanger, physics_of
 
@@ -223,6 +226,20 @@ def device_physics(description: Description) -> dict[str, type[Device]]:
     return changer | {name: physics_of(actuator.kind) for name, actuator in description.ordered}
 
 
+def traits_of(description: Description) -> dict[str, frozenset[str]]:
+    """Which faults each of these devices can have; without a channel for it there is no sensor of a pressure."""
+    found = {name: physics.traits for name, physics in device_physics(description).items()}
+    blind = [name for name, part in description.ordered if not _shows_pressure(part)]
+    return found | {name: found[name] - {PRESSURE} for name in blind}
+
+
+def _shows_pressure(part: Actuator) -> bool:
+    asked = part.evidence
+    keys = [key for key in kind_of(part).channels if asked is None or key.key in part.model_fields_set]
+    fitted = any(key.carries is not Kind.BIT and named(getattr(part, key.key)) for key in keys)
+    return fitted or (asked is not None and any(not leaf.bit for leaf in asked.leaves))
+
+
 def parse_scenario(text: str, description: Description) -> Scenario:
     """A scenario from faults with commas between them, such as ``leak:top_vacuum,silent-after:5``.
 
@@ -230,14 +247,14 @@ def parse_scenario(text: str, description: Description) -> Scenario:
         UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the
             actuator cannot have, or two faults that contradict each other.
     """
-    physics, polled = device_physics(description), links_that_ask(description)
+    traits, polled = traits_of(description), links_that_ask(description)
     whole: dict[str, Any] = {}
     devices: dict[str, dict[str, Any]] = {}
     links: dict[str, dict[str, Any]] = {}
     alarms: dict[str, dict[str, Any]] = {}
     by: dict[tuple[int, str], str] = {}
     for part in (each.strip() for each in text.split(",")):
-        fault, name, number = _read(part, physics, description)
+        fault, name, number = _read(part, traits, description)
         if fault.link in ("only", "polled") and not description.links:
             raise UsageError(
                 f"{part!r} is a fault of a sensor link, and {description.name} has none.",
@@ -269,7 +286,7 @@ def links_that_ask(description: Description) -> list[str]:
 
 
 def _read(
-    part: str, physics: Mapping[str, type[Device]], description: Description
+    part: str, traits: Mapping[str, frozenset[str]], description: Description
 ) -> tuple[Fault, str, float]:
     """Fault, device, link or channel (empty: none) and number (NaN: none) of one part."""
     name, *values = part.split(":")
@@ -281,11 +298,11 @@ def _read(
     device = ""
     if fault.on:
         device = values.pop(0) if values else ""
-        if device not in physics:
+        if device not in traits:
             what = f"{part!r}: no actuator is named {device!r}." if device else f"{part!r} names no actuator."
-            raise UsageError(what, todo=did_you_mean(device, physics))
-        if physics[device].traits.isdisjoint(fault.on):
-            able = [fault.name for fault in FAULTS if not physics[device].traits.isdisjoint(fault.on)]
+            raise UsageError(what, todo=did_you_mean(device, traits))
+        if traits[device].isdisjoint(fault.on):
+            able = [fault.name for fault in FAULTS if not traits[device].isdisjoint(fault.on)]
             raise UsageError(
                 f"{part!r}: {device} cannot have this fault.", todo=f"It can have: {', '.join(able)}."
             )

@@ -1,7 +1,8 @@
-"""The same function on many items at once, on the processors of this machine."""
+"""The same function on many items at once: on the processors of this machine, or on a cluster of dask.distributed."""
 
+from ._automata import ShippedAutomata
 from ._local import local_workers
-from ._open import open_workers
+from ._open import cluster_workers, open_workers
 from ._workers import Workers
 
-__all__ = ["Workers", "local_workers", "open_workers"]
+__all__ = ["ShippedAutomata", "Workers", "cluster_workers", "local_workers", "open_workers"]

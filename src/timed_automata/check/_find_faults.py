@@ -12,7 +12,7 @@ from dataclasses import replace
 from timed_automata.document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
 from timed_automata.errors import Diagnostic, ModelError
 from timed_automata.network import Given, Network, make_network
-from timed_automata.queries import compile_clock, compile_formula, compile_integer, parse_query
+from timed_automata.queries import Query, compile_clock, compile_formula, compile_integer, parse_query
 
 _MOST = 50  # faults: more say nothing new
 _Place = tuple[int, int]
@@ -39,20 +39,29 @@ def find_faults(
             faults.append(error)
             rest = _without(rest, _place(error.where))
     if network is not None:
-        faults += [fault for query in document.queries for fault in query_faults(network, query)]
+        faults += [fault for query in document.queries for fault in _query_faults(network, query)]
     return sorted(faults, key=lambda fault: _place(fault.where))
 
 
-def query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
-    """What is wrong with a stored query of a network; nothing: it can be asked."""
+def checked_query(network: Network, query: StoredQuery) -> Query:
+    """A stored query of a network as parsed.
+
+    Raises:
+        ModelError: it is not well-formed, or asks for what the network does not have.
+    """
+    parsed = parse_query(query.formula)
+    for condition in (parsed.condition, parsed.then):
+        if condition is not None:
+            compile_formula(network, condition)
+    for target in parsed.targets:
+        if compile_clock(network, target) is None:
+            compile_integer(network, target)
+    return parsed
+
+
+def _query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
     try:
-        parsed = parse_query(query.formula)
-        for condition in (parsed.condition, parsed.then):
-            if condition is not None:
-                compile_formula(network, condition)
-        for target in parsed.targets:
-            if compile_clock(network, target) is None:
-                compile_integer(network, target)
+        checked_query(network, query)
     except ModelError as error:
         yield error
 

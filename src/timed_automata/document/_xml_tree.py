@@ -51,6 +51,7 @@ class _Reader:
         self.parser.CharacterDataHandler = self._characters
         self.parser.XmlDeclHandler = self._declaration
         self.parser.EntityDeclHandler = self._entity
+        self.parser.AttlistDeclHandler = self._attribute
         self.root: Element | None = None
         self.open: list[Element] = []
         self._count = 0
@@ -69,6 +70,14 @@ class _Reader:
         raise ModelError(
             f"The entity '{name}' is declared.", where=self._where(), todo="UPPAAL files have no entities."
         )
+
+    def _attribute(self, _tag: str, name: str, _type: str, default: str | None, _required: int) -> None:
+        if default is not None:  # each element would get a copy: some bytes of a file become gigabytes
+            raise ModelError(
+                f"The attribute '{name}' is declared with a default.",
+                where=self._where(),
+                todo="UPPAAL files have no such declarations.",
+            )
 
     def _where(self) -> str:
         return f"{self.file}:{self.parser.CurrentLineNumber}:{self.parser.CurrentColumnNumber + 1}"

@@ -6,7 +6,7 @@ hold is to be asked of :class:`Explorer`, which finds the shortest run.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from timed_automata.explore.properties import (
@@ -122,7 +122,8 @@ class _Exploration:
         reaction: ReactionBound | None = None,
     ) -> None:
         self.network, self.queries = network, queries
-        self._unseen: dict[tuple[int, bool], Formula] = {}  # number of the query; False: only its premise
+        self._unseen: dict[tuple[int, bool], Data] = {}  # number of the query; False: only its premise
+        self._expected: set[tuple[int, bool]] = set()  # those that should happen
         self._cases: dict[int, ZoneCondition] = {}
         self._bounded: dict[int, BoundedResponse] = {}
         self._responses: dict[int, LeadsTo] = {}
@@ -170,21 +171,34 @@ class _Exploration:
                 self._about_deadlock.add(number)
             return limits_of(wanted)
         self._unseen[number, True] = wanted
-        if invariance and isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
-            self._unseen[number, False] = compile_formula(self.network, query.condition.left)
+        if not invariance:
+            self._expected.add((number, True))
+        elif isinstance(query.condition, ast.Binary) and query.condition.op == "imply":
+            premise = compile_formula(self.network, query.condition.left)
+            assert isinstance(premise, Data), "what is asked whole has no clocks"
+            self._unseen[number, False] = premise
+            self._expected.add((number, False))
         return {}
 
     def run(self, *, stop: bool, most_states: int | None = None) -> None:
         """Explore."""
-        concern, unseen = ConditionFilter(self.network, self._premises), self._filter_unseen()
+        concern, refuted = ConditionFilter(self.network, self._premises), self._filter_refuted()
+        left = set(self._expected)
+        # compiled again only when half of them have happened: that takes longer than to ask for some in vain
+        expected, fewer = self._filter(left), len(left) // 2
         for count, node in enumerate(self.search.nodes(), start=1):
             record = node.record
             concerned: tuple[int, ...] | None = record.note
             if concerned is None:
                 state = record.discrete.state
-                if happened := unseen(state):
+                if left and (happened := expected(state)):
+                    left.difference_update(happened)
                     self._happened.update(happened)
-                    unseen = self._filter_unseen()
+                    if len(left) <= fewer:
+                        expected, fewer = self._filter(left), len(left) // 2
+                if happened := refuted(state):
+                    self._happened.update(happened)
+                    refuted = self._filter_refuted()
                 concerned = record.note = concern(state)
                 self._room.add(record)
                 if not self._deadlocks.ruled_out(record):
@@ -197,10 +211,12 @@ class _Exploration:
                 self._ended = True
                 return
 
-    def _filter_unseen(self) -> ConditionFilter[tuple[int, bool]]:
-        """Of the conditions on data, those that did not hold yet."""
-        unseen = {key: formula for key, formula in self._unseen.items() if key not in self._happened}
-        return ConditionFilter(self.network, unseen)
+    def _filter(self, keys: Collection[tuple[int, bool]]) -> ConditionFilter[tuple[int, bool]]:
+        return ConditionFilter(self.network, {key: self._unseen[key] for key in keys})
+
+    def _filter_refuted(self) -> ConditionFilter[tuple[int, bool]]:
+        """Of the conditions on data that must not hold, those that did not yet: one expression for all of them."""
+        return self._filter(self._unseen.keys() - self._expected - self._happened)
 
     @property
     def _refuted(self) -> bool:

@@ -73,6 +73,10 @@ class All:
         """The product of the cases of the parts."""
         cases = [TRUE]
         for part in self.parts:
+            if isinstance(part, Data):
+                if bool(part.holds(state.values, state.locations)) is not part.wanted:
+                    return []
+                continue
             more = part.cases(state)
             cases = [
                 joined for left in cases for right in more if (joined := _joined(left, right)) is not None

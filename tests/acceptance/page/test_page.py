@@ -14,7 +14,9 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.stream import program_of, program_socket
+from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.wires import now_us
 from tests.acceptance.page.conftest import Live
 from tests.support.patience import wait_until
@@ -49,8 +51,9 @@ def shows(page: Any, name: str, text: str, timeout_ms: int = 20_000) -> None:
 
 
 def shot(page: Any, name: str, *, whole: bool = False) -> None:
+    """A picture of what is seen, or of the whole page; `make pictures` copies those that docs/images has."""
     SHOTS.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=str(SHOTS / f"{name}.png"), full_page=whole)
+    page.screenshot(path=str(SHOTS / f"{name}.png"), full_page=whole, scale="css")
 
 
 def press_forbidden(page: Any, word: str) -> None:
@@ -77,7 +80,7 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     assert page.get_attribute("#command-unlock", "aria-disabled") == "true"
     press_forbidden(page, "unlock")
     shows(page, "answer", sentence)
-    shot(page, "refused-unlock")  # docs/images/page.png
+    shot(page, "page")
     page.wait_for_selector("#cards .hold")
     shot(page, "nominal", whole=True)
     # Drop asks again; no is no
@@ -174,10 +177,15 @@ def test_an_edge_shows_the_requirements_that_need_it_and_that_speak_of_it(
     page.locator("#automata .spoken li", has_text="order-step").wait_for()
     page.locator("#automata").scroll_into_view_if_needed()
     shot(page, "requirements")
-    page.locator("#automata-tabs button", has_text="Bottom vacuum").click()
-    page.select_option("#automata-edge", label="12. On → Off")
-    page.locator("#automata .needed li", has_text="outputs").wait_for()
-    assert "Needed by" in page.locator("#automata .spoken-title").first.inner_text()
+    gripper = load_automata(nominal.world.description).document.templates[0]
+    needed = [kept_record().of_edge(gripper, edge) for edge in range(len(gripper.edges))]
+    number = next(edge for edge, needs in enumerate(needed) if needs and needs.needed_by)
+    page.select_option("#automata-edge", value=str(number))
+    page.locator("#automata .spoken-title", has_text="Needed by").wait_for()
+    first = needed[number]
+    assert first is not None
+    shown = page.locator("#automata .needed li b").all_inner_texts()
+    assert shown == [*first.needed_by]
     assert not page.faults
     page.context.close()
 
@@ -247,7 +255,7 @@ def test_a_phone_in_the_dark(chromium: Any, nominal: Live) -> None:
     page.click("#control-take")
     page.click("#command-grip")
     shows(page, "state-word", "GRIPPED")
-    shot(page, "phone")
+    shot(page, "page-phone")
     page.context.close()
 
 
@@ -274,6 +282,7 @@ def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
         page.locator("#cards .attempts:not([hidden])", has_text="attempt 2 of 3").wait_for(timeout=20_000)
         page.locator("#cards .timer:not([hidden])", has_text="time-out in").wait_for()
         shows(page, "goal-detail", "at most 58.00 s")
+        shot(page, "page-failing")
         shot(page, "failing-attempt", whole=True)
         page.click("#control-take")  # gives it back: who sees that a grip must end may end it
         shows(page, "control-who", "No page is in control.")
@@ -292,6 +301,7 @@ def test_a_part_that_is_held_with_a_leak(chromium: Any, tmp_path: Path) -> None:
         page.click("#command-grip")
         page.locator("#cards .hold.leak", has_text="lost in").wait_for(timeout=40_000)
         page.locator("#log", has_text="Leak: Top vacuum").wait_for(timeout=30_000)
+        shot(page, "page-leak")
         shot(page, "held-with-a-leak", whole=True)
         page.context.close()
 

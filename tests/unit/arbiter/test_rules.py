@@ -134,6 +134,17 @@ def test_il_10_bounded():
         arbiter.set(arbiter.grip, bottom=False)
 
 
+def test_a_write_of_no_line_says_how_long_others_wait_and_takes_no_place():
+    arbiter = Arbiter()
+    arbiter.set(arbiter.grip, bottom=True)
+    arbiter.set(arbiter.grip, bottom=False)
+    arbiter.set(arbiter.grip, bottom=True)
+    assert {arbiter.set(arbiter.grip, UNWIND) for _ in range(65)} == {100 * MS}
+    assert len(arbiter.grip.queue) == 2
+    arbiter.to(1 * S + 100 * MS)
+    assert arbiter.set(arbiter.grip) == 0
+
+
 # IL-01, IL-05
 
 

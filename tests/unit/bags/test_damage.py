@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import bz2
 import random
+import tracemalloc
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
+import lz4.frame
 import pytest
+import zstandard
 from mcap.reader import make_reader
 from mcap.writer import CompressionType
+from rosbags.rosbag2 import CompressionMode
 
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording import read_run, read_states
-from end_effector_lab.bags import ImportedBag, import_bag, open_bag
+from end_effector_lab.bags import ImportedBag, _unpack, import_bag, open_bag
 from tests.support.bags import STATE, frame, state, write_mcap, write_ros1, write_ros2
 from tests.support.nightly import examples
 
@@ -79,6 +85,69 @@ def test_a_chunk_that_was_changed_loses_its_messages_only(tmp_path: Path) -> Non
     found = imported(bag, tmp_path / "imported")
     assert 0 < found.states < whole.states
     assert any("1 chunks cannot be read to their end" in fault for fault in found.faults)
+
+
+@pytest.mark.parametrize("compression", [CompressionType.ZSTD, CompressionType.LZ4])
+def test_a_chunk_of_mcap_that_would_fill_the_memory_is_left_out(
+    tmp_path: Path, compression: CompressionType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bag = write_mcap(
+        tmp_path / "run.mcap", [*MESSAGES, state(300 * S, 300 * S, alarms=["x" * 2**20])], compression
+    )
+    monkeypatch.setattr(_unpack, "UNPACKED_BYTES", 2**20)
+    found = imported(bag, tmp_path / "imported")
+    assert 100 < found.states <= 200
+    assert "1 chunks cannot be read (ValueError: it unpacks to more than 1 MiB" in found.faults[0]
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_a_chunk_of_ros1_that_would_fill_the_memory_is_left_out(
+    tmp_path: Path, compression: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    long = state(300 * S, 300 * S, alarms=["x" * 2**20])
+    bag = write_ros1(tmp_path / "run.bag", [*MESSAGES, long], compression=compression)
+    assert imported(bag, tmp_path / "whole").states == 201
+    monkeypatch.setattr(_unpack, "UNPACKED_BYTES", 2**20)
+    if compression == "none":  # such a chunk is never longer than its file
+        assert imported(bag, tmp_path / "imported").states == 201
+        return
+    with pytest.raises(UsageError, match=r"cannot be read to their end .*it unpacks to more than 1 MiB"):
+        imported(bag, tmp_path / "imported")
+
+
+def test_a_compressed_message_that_would_fill_the_memory_ends_the_reading(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    long = state(300 * S, 300 * S, alarms=["x" * 2**20])
+    bag = write_ros2(tmp_path / "run", [*MESSAGES, long], mcap=False, compression=CompressionMode.MESSAGE)
+    assert imported(bag, tmp_path / "whole").states == 201
+    monkeypatch.setattr(_unpack, "UNPACKED_BYTES", 2**20)
+    found = imported(bag, tmp_path / "imported")
+    assert found.states == 200
+    assert "what follows is lost (ValueError: it unpacks to more than 1 MiB)" in found.faults[0]
+
+
+PACK: dict[str, Callable[[bytes], bytes]] = {
+    "zstd": zstandard.compress,
+    "lz4": lz4.frame.compress,
+    "bz2": bz2.compress,
+}
+
+
+@pytest.mark.parametrize("compression", PACK)
+def test_what_is_unpacked_never_takes_more_memory_than_the_limit(
+    compression: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    packed = PACK[compression](bytes(32 * 2**20))
+    monkeypatch.setattr(_unpack, "UNPACKED_BYTES", 2**20)
+    tracemalloc.start()
+    try:
+        with pytest.raises(ValueError, match="unpacks to more than 1 MiB"):
+            _unpack.unpack(compression, packed)
+        assert tracemalloc.get_traced_memory()[1] < 4 * 2**20
+    finally:
+        tracemalloc.stop()
+    assert _unpack.unpack(compression, PACK[compression](b"some")) == b"some"
 
 
 def test_several_files_of_a_bag_are_read_in_their_order(tmp_path: Path) -> None:

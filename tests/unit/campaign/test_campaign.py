@@ -65,9 +65,9 @@ def test_a_campaign_finds_a_mutant_and_shrinks_it(
         tmp_path,
         local_workers(1),
         seed=seed,
-        go_on=lambda so_far, run: run < most and not so_far.failed,
+        go_on=lambda so_far, run: run < most and not so_far.failures,
     )
-    assert campaign.failed
+    assert campaign.failures
     found = read_failures(tmp_path / "failures")
     kinds = {each["kind"].partition(":")[0]: each for each in found}
     assert MUTANTS[name].kind in kinds
@@ -170,6 +170,46 @@ def test_a_folder_of_another_seed_is_refused(tmp_path: Path) -> None:
     (tmp_path / "campaign.json").write_text('{"tool": "another"}')
     result = CliRunner().invoke(command, ["--runs", "1", "-o", str(tmp_path)])
     assert "another tool" in str(result.exception)
+
+
+RUN = {"run": 0, "grips": 0, "s": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [
+        ({"another": 1}, "run: Field required"),
+        ([], "object"),
+        (RUN | {"run": 1}, "run 0 is the next one"),
+        (RUN | {"run": True}, "run"),
+        (RUN | {"moments": [1]}, "do not stand together"),
+        (
+            RUN | {"case": {"seed": 0, "happenings": []}, "failures": {"a": "b"}},
+            "not the one that seed 0 gives",
+        ),
+        (RUN | {"case": {"seed": 0, "happenings": [["1", "grip"]]}, "failures": {"a": "b"}}, "no case"),
+        (
+            RUN | {"case": {}, "moments": [], "new": {"edges": [9999], "locations": [], "pairs": []}},
+            "what this tool does not have",
+        ),
+    ],
+)
+def test_a_line_that_is_of_no_run_is_refused(line: object, what: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=what) as error:
+        _campaign_over(tmp_path, json.dumps(line))
+    assert error.value.where == f"{tmp_path / 'runs.jsonl'}:1"
+
+
+def test_a_file_of_failures_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "001.json").write_text("[]")
+    with pytest.raises(UsageError, match="no failure of a campaign"):
+        read_failures(tmp_path)
+
+
+def _campaign_over(folder: Path, line: str) -> None:
+    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
+    (folder / "runs.jsonl").write_text(line + "\n")
+    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
 
 
 def test_the_command_plays_a_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

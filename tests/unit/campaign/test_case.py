@@ -42,6 +42,7 @@ def test_happenings_are_put_in_order() -> None:
         ("scenario leak:nothing", "no actuator is named 'nothing'"),
         ("wait long; grip", "expected is 'wait SECONDS'"),
         ("wait inf; grip", "no case of a campaign"),
+        ("wait nan; grip", "no case of a campaign"),
         ("wait -1; grip", "no case of a campaign"),
         ("; ".join(["grip"] * 501), "no case of a campaign"),
         ('{"seed": true, "happenings": []}', "no case of a campaign"),

@@ -537,3 +537,20 @@ def test_the_number_of_a_register_in_a_manual_is_told(tmp_path: Path) -> None:
     assert _check.check(path).hints == (
         f"{path}:4:34: is 40003 the number in a manual? On the wire that is address: 2, register_type: holding",
     )
+
+
+def test_a_frame_without_a_checksum_and_a_channel_that_nothing_uses_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    frame = "link: {port: x, period_ms: 20, frame: {text: {separator: ';'%s}}}\n"
+    rest = (
+        "channels: {p: {text: {key: A}, unit: kPa}, q: {text: {key: B}, unit: kPa}}\n"
+        "sequence: [a]\nactuators: {a: {kind: vacuum, line: A, channel: p}}\nsupply: {channel: none}\n"
+    )
+    path.write_text("schema: 2\nname: tool\n" + frame % "" + rest)
+    unchecked, unused = _check.check(path).hints
+    assert unchecked.startswith(f"{path}:3:")
+    assert "without a checksum" in unchecked
+    assert unused.startswith(f"{path}:4:")
+    assert unused.endswith("nothing uses the channel q")
+    path.write_text("schema: 2\nname: tool\n" + frame % ", checksum: xor8" + rest)
+    assert _check.check(path).hints == (unused,)

@@ -37,6 +37,7 @@ CALLS: dict[str, tuple[str, ...]] = {
     "model simulate": ("--steps", "30"),
     "plot": ("nothing",),
     "replay": ("nothing",),
+    "tune": ("nothing",),
     "verify": ("--model", "lamp.xml"),
 }
 

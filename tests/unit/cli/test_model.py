@@ -190,10 +190,14 @@ def test_any_uppaal_file_is_drawn() -> None:
 
 
 def test_the_requirements_that_need_an_edge_are_printed() -> None:
-    told = run("show", "--template", "Actuator", "--edges", "-o", "out").stdout.splitlines()
-    assert len(told) == 13
-    assert told[-1].startswith("  12. On -> Off: needed by ")
-    assert "outputs" in told[-1]
+    told = run("show", "--template", "Changer", "--edges", "-o", "out").stdout.splitlines()
+    edges = json.loads(run("show", "--template", "Changer", "-o", "out", "--json").stdout)["edges"]["Changer"]
+    assert len(told) == 1 + len(edges) == 33
+    for number, (line, each) in enumerate(zip(told[1:], edges, strict=True), start=1):
+        assert line.startswith(f"  {number}. {each['edge']}: ")
+        assert ", ".join(each["needed_by"]) in line
+        assert ("no edit of it was judged" in line) is (each["edits"] == 0)
+    assert any(each["needed_by"] for each in edges)
 
 
 def test_no_template_overwrites_another() -> None:

@@ -24,6 +24,7 @@ NO_FIGURE = f"Note: There is no figure. Figures need matplotlib, {INSTALL_LAB}"
 def test_the_extras() -> None:
     assert extras() == {
         "bags": ("rosbags",),
+        "cluster": ("distributed",),
         "lab": ("matplotlib",),
         "modbus": ("pymodbus",),
         "page": ("starlette", "uvicorn"),
@@ -46,6 +47,17 @@ def test_import(tmp_path: Path) -> None:
     assert done.stderr == (
         "This command needs rosbags, which is not installed. "
         "Install it: pip install '.[bags]' in a checkout of end-effector-hal.\n"
+    )
+
+
+def test_a_cluster(tmp_path: Path) -> None:
+    done = eehal_without(
+        ["distributed"], "matrix", "--scheduler", "tcp://127.0.0.1:1", "-o", tmp_path / "runs"
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "This command needs distributed, which is not installed. "
+        "Install it: pip install '.[cluster]' in a checkout of end-effector-hal.\n"
     )
 
 

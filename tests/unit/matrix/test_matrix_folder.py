@@ -160,7 +160,7 @@ def test_a_signed_fmea_is_never_lost(tmp_path: Path) -> None:
 
 def test_more_processes_than_the_machine_is_good_for_are_refused() -> None:
     with pytest.raises(UsageError, match="too many") as error:
-        open_workers(100_000)
+        open_workers(None, 100_000)
     assert error.value.where == "--jobs"
 
 

@@ -16,8 +16,10 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.hal_main._margins import Margins
 from end_effector_hal.nodes.transport import AMBIENT_PA
 from end_effector_hal.page.view import STALE_US, ToolView
+from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.boundary import PUBLISHED, STREAMED, Published, RecordedController
 from end_effector_hal.runtime.boundary._open import header_of
+from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.vocabulary import EndEffectorState as State
 from tests.support.virtual_tool import VirtualTool
 
@@ -230,16 +232,21 @@ def test_an_edge_knows_the_requirements_that_name_its_ends_or_what_it_writes(ver
 
 
 def test_an_edge_knows_the_requirements_that_need_it(verdin: Description) -> None:
+    """By the record that comes with the automata."""
     drawn = ToolView(verdin, 0).drawn()["automata"]
     ids = [each["id"] for each in drawn["requirements"]]
-    actuator = next(each for each in drawn["templates"] if each["name"] == "Actuator")
-    needs = {
-        id_: edge["needed"]["edits"]
-        for edge in actuator["edges"]
-        for id_ in [ids[number] for number in edge["needed"]["by"]]
-    }
-    assert all(needs.values())
-    assert {"ranges", "outputs"} <= needs.keys()
+    found = 0
+    for template in load_automata(verdin).document.templates:
+        name = template.name.content.strip()
+        for shown in (each for each in drawn["templates"] if each["name"] == name):
+            for number, edge in enumerate(shown["edges"]):
+                needs = kept_record().of_edge(template, number)
+                by = [ids[each] for each in edge["needed"]["by"]]
+                assert (edge["needed"]["edits"], by) == (
+                    (needs.edits, [*needs.needed_by]) if needs else (0, [])
+                )
+                found += bool(by)
+    assert found > 10
 
 
 @pytest.mark.parametrize("supply", ["supply", "none"])

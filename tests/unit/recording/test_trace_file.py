@@ -169,17 +169,28 @@ def test_viewers_get_schemas_that_they_understand(tmp_path: Path) -> None:
         assert '"null"' not in text
 
 
-@pytest.mark.parametrize("compression", ["lz4", "zstd"])
-def test_a_chunk_that_cannot_be_decompressed_is_told(tmp_path: Path, compression: str) -> None:
-    """This product writes none, but another writer may."""
+def _with_chunk(path: Path, compression: bytes, data: bytes, size: int) -> Path:
+    """A trace with nothing but a chunk."""
     header = b"".join(struct.pack("<I", len(text)) + text for text in (b"", b""))
-    content = struct.pack("<QQQII", 0, 0, 9, 0, len(compression)) + compression.encode()
-    content += struct.pack("<Q", 7) + b"garbage"
+    content = struct.pack("<QQQII", 0, 0, size, 0, len(compression)) + compression
+    content += struct.pack("<Q", len(data)) + data
     records = b"".join(
-        bytes([kind]) + struct.pack("<Q", len(data)) + data for kind, data in ((1, header), (6, content))
+        bytes([kind]) + struct.pack("<Q", len(each)) + each for kind, each in ((1, header), (6, content))
     )
-    path = tmp_path / "chunk.mcap"
     path.write_bytes(MAGIC + records + MAGIC)
-    found = read_trace(path)
+    return path
+
+
+@pytest.mark.parametrize("compression", [b"lz4", b"zstd"])
+def test_compressed_records_are_refused_and_not_unpacked(tmp_path: Path, compression: bytes) -> None:
+    """A page opens what it is given: 100 kB may become 4 GB."""
+    found = read_trace(_with_chunk(tmp_path / "grip.mcap", compression, b"garbage", 1 << 40))
+    assert (found.records, found.damaged) == ((), True)
+    assert "records are compressed, as in no trace" in found.note
+
+
+def test_a_chunk_without_compression_is_read_and_its_damage_told(tmp_path: Path) -> None:
+    """This product writes none, but another writer may."""
+    found = read_trace(_with_chunk(tmp_path / "grip.mcap", b"", b"\x05\xff\xff\xff\xff\0\0\0\0", 9))
     assert (found.records, found.damaged) == ((), True)
     assert "near byte" in found.note

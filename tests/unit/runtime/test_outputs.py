@@ -8,7 +8,7 @@ import pytest
 
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
-from end_effector_hal.runtime.outputs._outputs import Outputs
+from end_effector_hal.runtime.outputs._outputs import RETRY_US, Outputs
 from end_effector_hal.vocabulary import LastWillStep
 
 A, B = "SODIMM_208", "SODIMM_210"
@@ -24,6 +24,7 @@ class Lines:
         self.error: ReportedError | None = None
         self.active: dict[str, bool] = {}
         self.dead = False
+        self.delay_us = 0
 
     def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
         self.asked.append((dict(levels), tuple(will)))
@@ -34,7 +35,7 @@ class Lines:
         if self.error:
             raise self.error
         self.active |= self.asked[-1][0]
-        return 0
+        return self.delay_us
 
     def levels(self) -> Mapping[str, bool]:
         return self.active
@@ -89,6 +90,19 @@ def test_what_is_begun_is_not_waited_for() -> None:
     assert (lines.waited, [each.outputs for each in rest]) == (0, [(True, True)])
     outputs.finish()
     assert lines.waited == 1
+
+
+@pytest.mark.parametrize(("delay_us", "settles_at"), [(0, None), (50_000, 50_001), (10**12, 1 + RETRY_US)])
+def test_it_knows_how_long_a_write_waits_and_asks_again(delay_us: int, settles_at: int | None) -> None:
+    lines = Lines()
+    outputs, lines.delay_us = outputs_of(lines), delay_us
+    outputs.begin([status(1, True, False)])
+    outputs.finish()
+    assert outputs.settles_at == settles_at
+    lines.delay_us = 0
+    outputs.retry(status(60_000, True, False), 60_000)
+    assert lines.asked[-1] == ({}, UNWIND_A)
+    assert outputs.settles_at is None
 
 
 def test_what_changes_neither_line_nor_will_is_not_written() -> None:

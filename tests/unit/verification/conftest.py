@@ -14,10 +14,10 @@ def gripped_twice(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two grips, each held and dropped; in the first the cylinder fails once."""
     tool = RecordedTool(tmp_path_factory.mktemp("twice") / "run", "fails-once:cylinder")
     tool.run(1.0)
-    for _ in range(2):
+    for seconds in (8.0, 2.0):
         assert tool.command("grip").accepted
-        tool.run(9.0)
+        tool.run(seconds)
         assert tool.command("drop").accepted
-        tool.run(3.0)
+        tool.run(2.0)
     tool.close()
     return tool.folder

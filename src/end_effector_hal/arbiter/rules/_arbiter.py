@@ -159,10 +159,10 @@ class LineArbiter:
         return session
 
     def write(self, session: Session, levels: Mapping[str, bool], will: LastWill | None, at: int) -> int:
-        """Set some lines at once, and leave a last will (None: the one before stays valid).
+        """Set some lines at once, and leave a last will (None: the one before stays valid); none: the will alone.
 
         Returns:
-            µs until it is applied; 0: it is applied.
+            µs until it is applied, with all before it; 0: it is applied.
 
         Raises:
             LineRefusedError: an interlock refuses; nothing has changed.
@@ -179,7 +179,7 @@ class LineArbiter:
             expected = self.levels[line] if queued is None else queued
             if level and not expected:
                 self._check_activation(line, levels, at)
-        if len(session.queue) >= MOST_WAITING:
+        if levels and len(session.queue) >= MOST_WAITING:
             raise LineRefusedError(
                 f"IL-10: too many pending writes (at most {MOST_WAITING} of a client): they wait for their lines to "
                 "settle. Send fewer, or wait."

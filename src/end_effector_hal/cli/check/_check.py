@@ -12,7 +12,15 @@ import click
 
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
-from end_effector_hal.description import Description, Fault, examine, load, profile_path, socket_path
+from end_effector_hal.description import (
+    Description,
+    Fault,
+    examine,
+    load,
+    profile_path,
+    socket_path,
+    used_channels,
+)
 from end_effector_hal.errors import ArbiterError, Diagnostic, LineBusyError, ReportedError
 from end_effector_hal.kinds import kind_of
 
@@ -178,6 +186,16 @@ def _hints(description: Description) -> Iterator[str]:
                 f"{description.where('channels', name, 'modbus', 'address')}: is {place.address} the number in a "
                 f"manual? On the wire that is address: {place.address % 10_000 - 1}, register_type: {table}"
             )
+    for name, link in description.links.items():
+        if link.frame and not link.frame.checked:
+            yield (
+                f"{description.where(*description.link_path(name), 'frame')}: without a checksum a digit that is lost "
+                "on the way is a reading like any other; declare it where the device can send one, or let "
+                "conditions hold for some time (for_ms, samples)"
+            )
+    used = {*used_channels(description), *(name for name, each in description.channels.items() if each.alarm)}
+    for name in [each for each in description.channels if each not in used]:
+        yield f"{description.where('channels', name)}: nothing uses the channel {name}"
 
 
 def _automata_faults(description: Description) -> tuple[Diagnostic, ...]:
@@ -246,8 +264,8 @@ def _rest(description: Description) -> Iterator[str]:
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
     for name, link in description.links.items():
         codec = codec_of(description, name)
-        baudrate, parity = line_of(link, codec)
-        own = f" 8{parity}1" if link.frame or link.parity else ""
+        baudrate, parity, stopbits = line_of(link, codec)
+        own = f" 8{parity}{stopbits}" if link.frame or link.parity or link.stopbits else ""
         called = f"{name}: " if name else ""
         yield f"link      {called}{link.port}, {codec.name}, {baudrate} baud{own}"
     if inputs := board_inputs(description):

@@ -81,8 +81,8 @@ def open_link(description: Description, name: str) -> Iterator[OpenLink]:
     from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
 
     codec, link = codec_of(description, name), description.links[name]
-    baudrate, parity = line_of(link, codec)
-    with open_port(link.port, baudrate, parity=parity) as port:
+    baudrate, parity, stopbits = line_of(link, codec)
+    with open_port(link.port, baudrate, parity=parity, stopbits=stopbits) as port:
         decoder = GuardedDecoder(codec, CodecCalls(link.port))
         yield OpenLink(link_title(description, name), codec, decoder, port.fileno())
 

@@ -110,9 +110,14 @@ def _read(paths: tuple[Path, ...], description: Path | None, progress: Progress)
 
     today = load_tool(description) if description is not None else None
     read: _Read | None = None
+    refused: dict[Path, UsageError] = {}
     for path in _runs(paths):
         progress(f"Reading {path}")
-        files = _opened(path, description)
+        try:
+            files = _opened(path, description)
+        except UsageError as error:  # one of many
+            refused[path] = error
+            continue
         if read is None:
             tool = today or files.description
             whose = (
@@ -129,7 +134,9 @@ def _read(paths: tuple[Path, ...], description: Path | None, progress: Progress)
         if read.collector.full:
             read.notes.append(f"There are more grips than are taken: what comes after {path} is left out.")
             break
-    assert read is not None
+    if read is None:
+        raise next(iter(refused.values()))
+    read.notes += [f"{path} is left out: {error.what}" for path, error in refused.items()]
     others = {content_hash(each) for each in read.tools} - {content_hash(read.tool)}
     if others:
         read.notes.append(

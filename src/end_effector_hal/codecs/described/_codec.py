@@ -17,6 +17,12 @@ class SerialLine(NamedTuple):
     baudrate: int
     parity: str
     period_us: int | None
+    stopbits: int = 1
+
+    @property
+    def byte_bits(self) -> int:
+        """Of a byte on the line: start, 8, parity, stop."""
+        return 9 + (self.parity != "N") + self.stopbits
 
 
 class DescribedCodec(ABC):

@@ -29,6 +29,7 @@ def described_codec(link: Link, over: Mapping[str, Channel]) -> DescribedCodec:
         link.baudrate or (BAUDRATE if frame.modbus is None else MODBUS_BAUDRATE),
         link.parity or "N",
         link.period_ms and 1000 * link.period_ms,
+        link.stopbits or 1,
     )
     if frame.text is not None:
         return DescribedText(frame.text, channels, line)

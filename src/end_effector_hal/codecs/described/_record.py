@@ -96,7 +96,7 @@ class DescribedRecord(DescribedCodec):
         self._layout = RecordLayout(frame, tuple(places), fields)
         delimiters = 2 * len(self._layout.delimiter)
         shortest = self._layout.size + delimiters if delimiters else self._layout.longest
-        super().__init__(channels, line, shortest * 10_000_000 // line.baudrate)
+        super().__init__(channels, line, shortest * line.byte_bits * 1_000_000 // line.baudrate)
 
     def decoder(self) -> Decoder:
         """A new decoder."""

@@ -62,7 +62,7 @@ class DescribedText(DescribedCodec):
     def __init__(self, frame: TextFrame, channels: Mapping[str, Channel], line: SerialLine) -> None:
         places: dict[TextValue, dict[str, Channel]] = by_place(channels, "text")
         # how long a line is, is the device's: a digit and what separates it for each value
-        super().__init__(channels, line, len(places) * 20_000_000 // line.baudrate)
+        super().__init__(channels, line, len(places) * 2 * line.byte_bits * 1_000_000 // line.baudrate)
         self._layout = Layout(
             frame.start.encode(),
             frame.separator.encode(),

@@ -336,6 +336,12 @@ class LinkFrame(Part):
         """Which of `FORMATS`: the first that is written, empty if none is."""
         return next((name for name in self.FORMATS if getattr(self, name) is not None), "")
 
+    @property
+    def checked(self) -> bool:
+        """Whether a byte that was changed or lost on the way is noticed."""
+        declared = self.text or self.record
+        return declared is None or declared.checksum != "none"
+
 
 class Inputs(Part):
     """How the inputs of the board are read, where a channel comes from one."""

@@ -306,6 +306,10 @@ class Description(Part):
             changed["inputs"] = (self.inputs or Inputs()).model_copy(update={"iio": iio})
         return self.model_copy(update=changed)
 
+    def with_automata(self, file: str | Path) -> Description:
+        """The same tool with another UPPAAL file; an absolute path."""
+        return self.model_copy(update={"automata": self.automata.model_copy(update={"file": str(file)})})
+
     def with_socket(self, socket: str | Path) -> Description:
         """The same tool with its line arbiter at another socket."""
         return self.model_copy(update={"lines": self.lines.model_copy(update={"socket": str(socket)})})

@@ -104,7 +104,7 @@ class Freshness(Part):
 class Link(Freshness):
     """The sensor link."""
 
-    LATER = ("parity", "period_ms", "frame")
+    LATER = ("parity", "stopbits", "period_ms", "frame")
 
     def superseded(self) -> tuple[str, ...]:
         """A declared frame has no codec."""
@@ -119,6 +119,10 @@ class Link(Freshness):
     )
     parity: Literal["N", "E", "O"] | None = Field(
         default=None, description="of each byte: none, even, odd; default: that of the codec, of a frame N"
+    )
+    stopbits: Literal[1, 2] | None = Field(
+        default=None,
+        description="after each byte; default: 1. Modbus without parity is 2 by its standard, 1 by habit",
     )
     codec: str = Field(
         default="ees1-ascii", min_length=1, description="format of the frames: docs/reference/codecs.md"

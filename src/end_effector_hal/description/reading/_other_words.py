@@ -12,6 +12,7 @@ _KEYS = {
     "values": "on",
     "slave": "unit",
     "slave_id": "unit",
+    "stop_bits": "stopbits",
     "swap": "word_order",
 }
 _OF_THE_CHANNEL = ("invert", "on")

@@ -19,6 +19,10 @@ DATA_END_BYTES = 13
 """Opcode, length, checksum."""
 CHECKSUM_BYTES = 4
 NO_CHECKSUM = 0
+_COMPRESSED = (
+    "records are compressed, as in no trace; `mcap decompress` unpacks a file that somebody has packed"
+)
+"""Not unpacked here: a few bytes may become gigabytes, and the page opens what it is given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,14 +125,21 @@ class _Reading:
 
     def __iter__(self) -> Iterator[object]:
         from mcap.exceptions import EndOfFile, RecordLengthLimitExceeded
-        from mcap.stream_reader import StreamReader
+        from mcap.records import Chunk
+        from mcap.stream_reader import StreamReader, breakup_chunk
 
         try:
-            yield from StreamReader(self._file, record_size_limit=self._size).records
+            for record in StreamReader(self._file, emit_chunks=True, record_size_limit=self._size).records:
+                if not isinstance(record, Chunk):
+                    yield record
+                elif record.compression:
+                    raise ValueError(_COMPRESSED)
+                else:
+                    yield from breakup_chunk(record)
         except (EndOfFile, struct.error, RecordLengthLimitExceeded):
             if self._data[len(MAGIC) :].endswith(MAGIC):  # it was closed: else it was cut off within a record
                 self.note = f"near byte {self._file.tell()} a record is longer than the file"
-        except Exception as error:  # noqa: BLE001 - a damaged chunk raises whatever its decompressor raises
+        except Exception as error:  # noqa: BLE001 - damaged records raise whatever the library raises
             self.note = f"near byte {self._file.tell()}: {error or type(error).__name__}"
 
     def changed(self, start: int, after: int, checksum: int) -> bool:

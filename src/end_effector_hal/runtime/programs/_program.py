@@ -41,6 +41,7 @@ class Program(ABC):
     3. No trouble leaves the program, and no trouble of a listener or of the recorder enters it: each is an alarm.
     4. A program that was declared dead in the middle of a grip, or that does not find the lines as it left them,
        restarts, and adopts what it finds. Until it knows, it claims no grip.
+    5. Nothing is told as held before all that was asked of the lines is applied: a deactivation may wait (IL-10).
 
     Args:
         description: the tool.

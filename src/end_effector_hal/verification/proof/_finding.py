@@ -9,8 +9,8 @@ from functools import partial
 
 from end_effector_hal.errors import ModelError
 from timed_automata import Network, Trace
-from timed_automata.check import query_faults
-from timed_automata.queries import Query, parse_query
+from timed_automata.check import checked_query
+from timed_automata.queries import Query
 
 _COMMENT = re.compile(r"\s*\[([a-z0-9][a-z0-9-]*)\]\s*(.*)", re.DOTALL)
 
@@ -108,10 +108,9 @@ def stored_requirements(network: Network) -> tuple[Requirement | Finding, ...]:
             where = stored.formula.whole.where
             raise ModelError(f"Two queries are named [{id_}].", where=where, todo="Rename one of them.")
         said, asked = " ".join(sentence.split()), " ".join(stored.formula.content.split())
-        fault = next(query_faults(network, stored), None)
-        if fault is None:
-            found[id_] = Requirement(id_, said or asked, parse_query(stored.formula))
-        else:
+        try:
+            found[id_] = Requirement(id_, said or asked, checked_query(network, stored))
+        except ModelError as fault:
             remark = f"not decided: {fault}"
             found[id_] = Finding(id_, said or asked, asked, False, 0, 0.0, remark, decided=False)
     return tuple(found.values())

@@ -1,22 +1,22 @@
 """What recorded grips of a real tool say of its thresholds and time-outs; it suggests nothing."""
 
-from ._attempts import MOST_GRIPS, MOST_READINGS, Activation, GripCollector, ReadingsThen, RecordedGrip
+from ._attempts import MOST_GRIPS, MOST_READINGS, GripCollector, ReadingsThen, RecordedAttempt, RecordedGrip
 from ._course import Course, GripOutcome, course_of, outcome_of
-from ._parameters import Parameter, not_tried, parameters_of
+from ._parameters import TunableKey, not_tried, parameters_of
 from ._tune import Counts, Tried, Tuning, tune
 
 __all__ = [
     "MOST_GRIPS",
     "MOST_READINGS",
-    "Activation",
     "Counts",
     "Course",
     "GripCollector",
     "GripOutcome",
-    "Parameter",
     "ReadingsThen",
+    "RecordedAttempt",
     "RecordedGrip",
     "Tried",
+    "TunableKey",
     "Tuning",
     "course_of",
     "not_tried",

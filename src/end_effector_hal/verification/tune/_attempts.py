@@ -50,7 +50,7 @@ class ReadingsThen:
 
 
 @dataclass(slots=True)
-class Activation:
+class RecordedAttempt:
     """One activation of an actuator within a grip; µs.
 
     Attributes:
@@ -80,7 +80,7 @@ class RecordedGrip:
 
     recording: int
     since: int
-    activations: dict[str, list[Activation]] = field(default_factory=dict)
+    activations: dict[str, list[RecordedAttempt]] = field(default_factory=dict)
 
 
 class GripCollector:
@@ -132,7 +132,7 @@ class _OneRecording:
         self._description, self._recording, self._carried = description, recording, carried
         self._carrier = carrier_of(description)
         self._names = description.sequence
-        self._open: dict[str, Activation] = {}
+        self._open: dict[str, RecordedAttempt] = {}
         self._grip: RecordedGrip | None = None
         self._before: Status | None = None
         self._sensors = SensorState(description, self._carrier)
@@ -186,7 +186,7 @@ class _OneRecording:
     def _activated(self, name: str, status: Status) -> None:
         self._open.pop(name, None)
         if self._grip is not None and status.ee is EndEffectorState.GRIPPING:
-            self._open[name] = Activation(status.at, seen_until=status.at)
+            self._open[name] = RecordedAttempt(status.at, seen_until=status.at)
             self._grip.activations.setdefault(name, []).append(self._open[name])
 
     def _see(self, frame: Frame) -> int:

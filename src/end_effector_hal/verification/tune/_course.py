@@ -9,7 +9,7 @@ from end_effector_hal.kinds import detector_of
 from end_effector_hal.kinds.stanza import Actuator, Supply
 from end_effector_hal.vocabulary import Evidence, to_us
 
-from ._attempts import Activation
+from ._attempts import RecordedAttempt
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Course:
     gone: int | None = None
 
 
-def course_of(part: Actuator, supply: Supply, activation: Activation) -> Course:
+def course_of(part: Actuator, supply: Supply, activation: RecordedAttempt) -> Course:
     """Sample every reading of an activation with a new detector of ``part``."""
     detector = detector_of(part, supply)
     confirmed = lost = gone = None
@@ -67,7 +67,9 @@ class GripOutcome:
     after_us: int | None = None
 
 
-def outcome_of(part: Actuator, activations: Sequence[Activation], courses: Sequence[Course]) -> GripOutcome:
+def outcome_of(
+    part: Actuator, activations: Sequence[RecordedAttempt], courses: Sequence[Course]
+) -> GripOutcome:
     """What the attempts of one grip come to with the time-outs of ``part``.
 
     Args:
@@ -97,7 +99,7 @@ SLACK_US = 100_000
 """A time-out that was recorded is this much shorter or longer than declared: two periods of a usual link."""
 
 
-def _release(part: Actuator, last: Activation, course: Course) -> tuple[bool, bool]:
+def _release(part: Actuator, last: RecordedAttempt, course: Course) -> tuple[bool, bool]:
     """Whether its feedback stays too long, and whether that is not known."""
     if last.until is None:
         return False, False

@@ -28,7 +28,7 @@ Path = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
-class Parameter:
+class TunableKey:
     """A number of one actuator.
 
     Attributes:
@@ -85,19 +85,19 @@ class Parameter:
         return sorted({_short(value, self.today) for value in values})
 
 
-def parameters_of(description: Description) -> Iterator[Parameter]:
+def parameters_of(description: Description) -> Iterator[TunableKey]:
     """Thresholds and time-outs of all actuators, in the order of a grip."""
     for name, part in description.ordered:
         for key in WAITS:
-            yield Parameter(name, (key,), float(getattr(part, key)), whole=key == "attempts")
+            yield TunableKey(name, (key,), float(getattr(part, key)), whole=key == "attempts")
         if part.evidence is not None:
             tree = part.evidence.model_dump(by_alias=True)
             for path, value in _numbers(tree):
-                yield Parameter(name, ("evidence", *path), float(value), isinstance(value, int))
+                yield TunableKey(name, ("evidence", *path), float(value), isinstance(value, int))
             continue
         for key, value in _own(part):
             if not key.startswith("secure"):
-                yield Parameter(name, (key,), float(value), isinstance(value, int))
+                yield TunableKey(name, (key,), float(value), isinstance(value, int))
 
 
 def not_tried(description: Description) -> Iterator[tuple[str, str]]:

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 from end_effector_hal.description import Description
 from end_effector_hal.kinds.stanza import Actuator
 
-from ._attempts import Activation, RecordedGrip
+from ._attempts import RecordedAttempt, RecordedGrip
 from ._course import Course, GripOutcome, course_of, outcome_of
-from ._parameters import Parameter, not_tried, parameters_of
+from ._parameters import TunableKey, not_tried, parameters_of
 
 NARROWINGS = 8
 """So often the edge of what changes nothing is halved between two values that were tried."""
@@ -54,7 +54,7 @@ class Tried:
         ends_below, ends_above: whether that range ends there because something changes; else nothing beyond was tried.
     """
 
-    parameter: Parameter
+    parameter: TunableKey
     grips: int
     values: tuple[tuple[float, Counts], ...]
     same_from: float
@@ -134,7 +134,7 @@ def tune(
             a grip is set aside; default: ``description``.
         report: gets the share that is done, 0 to 1.
     """
-    by_actuator: dict[str, list[list[Activation]]] = {}
+    by_actuator: dict[str, list[list[RecordedAttempt]]] = {}
     aside: dict[str, int] = {}
     for name in description.sequence:
         found = [grip for grip in grips if grip.activations.get(name)]
@@ -159,7 +159,7 @@ def tune(
     return Tuning(description, len(grips), aside, tuple(tried), tuple(not_tried(description)))
 
 
-def _as_recorded(activations: Sequence[Activation], name: str, recorded: Description) -> bool:
+def _as_recorded(activations: Sequence[RecordedAttempt], name: str, recorded: Description) -> bool:
     """Whether the thresholds that were recorded make of the readings what the tool did then."""
     part = recorded.actuators[name]
     slack_us = max(recorded.bounds.reaction_ms * 1000, 2 * SAMPLE_US)
@@ -177,13 +177,13 @@ def _as_recorded(activations: Sequence[Activation], name: str, recorded: Descrip
 class _Trial:
     """One actuator: its recorded attempts, and what values of its numbers make of them."""
 
-    def __init__(self, description: Description, name: str, grips: list[list[Activation]]) -> None:
+    def __init__(self, description: Description, name: str, grips: list[list[RecordedAttempt]]) -> None:
         self._description, self._part, self.grips = description, description.actuators[name], grips
         self._late_us = description.bounds.reaction_ms * 1000
         self._courses = self._follow(self._part)
         self._today = self._outcomes(self._part, self._courses)
 
-    def run(self, parameter: Parameter) -> Tried:
+    def run(self, parameter: TunableKey) -> Tried:
         """Every value of the grid, then the edges of what changes nothing."""
         found: dict[float, Counts] = {}
         for value in parameter.grid():
@@ -207,7 +207,7 @@ class _Trial:
         (low, below), (high, above) = edges
         return Tried(parameter, len(self.grips), tuple(sorted(found.items())), low, high, below, above)
 
-    def _counts(self, parameter: Parameter, value: float) -> Counts | None:
+    def _counts(self, parameter: TunableKey, value: float) -> Counts | None:
         """None: the value alone makes no sense."""
         if value == parameter.today:
             return self._count(self._today)

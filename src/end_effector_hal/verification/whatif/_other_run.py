@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
+from itertools import groupby
 from typing import Any
 
-from end_effector_hal.control import PROGRAMS, Status, model_constants, network_of
+from end_effector_hal.control import PROGRAMS, Controller, Status, model_constants, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.plugins import named
@@ -27,8 +28,8 @@ class OtherRun:
     """What another description would have done with the inputs of a recorded run.
 
     Rule 1. Recorded readings, commands and starts are the inputs, at their recorded times.
-    Rule 2. Time-outs are those of the other description. Where the recorded program woke up for the same one, it is
-    as late as that program was; else it is on time.
+    Rule 2. Time-outs are those of the other description, and on time; but a program that was overdue then for a
+    deadline of its own was not running, and neither would the other one have been: it goes on when that one did.
     Rule 3. What a program is told by the other one is as recorded, until the other one would say something else: from
     then on it is that.
     Rule 4. A refusal of the line arbiter counts while the outputs are those of the recorded run: the arbiter was never
@@ -52,10 +53,12 @@ class OtherRun:
         self._network = network_of(description)
         self._hash = content_hash(description)
         self._constants = model_constants(description)
-        self._lateness_us = description.bounds.reaction_ms * 1000
         self._levels, self._recorded_levels = OutputLevels(description), OutputLevels(recorded)
         self._names = self._recorded_levels.names | self._levels.names
-        self._sides = {program: _Side(program) for program in PROGRAMS}
+        network = network_of(recorded)
+        self._sides = {
+            program: _Side(program, partial(Controller, recorded, network, program)) for program in PROGRAMS
+        }
         self._out: list[Entry] = []
         self._since: tuple[int, str] | None = None
         self._begin: int | None = None
@@ -72,10 +75,9 @@ class OtherRun:
         Args:
             entries: of the recorded run, both programs in the order of time.
         """
-        ahead, at = _Ahead(entries), 0
-        for at, group in ahead.groups():
+        for at, group in groupby(entries, key=lambda entry: entry.at):
             self._begin = at if self._begin is None else self._begin
-            self._until(at, ahead)
+            self._until(at)
             for entry in group:
                 self._take(entry)
             self._compare(at)
@@ -95,6 +97,7 @@ class OtherRun:
         elif kind == STATE and side.controller is None and not side.over:
             self._resume(side, record)
         elif kind in INPUTS and not side.over:
+            side.follow(entry)
             self._feed(side, entry)
         elif kind == "status":
             side.recorded = record
@@ -119,7 +122,8 @@ class OtherRun:
 
     def _begun(self, side: _Side) -> RecordedController:
         def put(kind: str, at: int, content: object) -> None:
-            self._out.append(Entry(at, side.program, kind, content))
+            side.at = max(side.at, at)  # what is late is told after what it is late for, as in a recording
+            self._out.append(Entry(side.at, side.program, kind, content))
             if isinstance(content, Status):
                 side.status = content
 
@@ -130,6 +134,8 @@ class OtherRun:
         controller = self._begun(side)
         try:
             controller.resume(state)
+            side.shadow = side.new_shadow()
+            side.shadow.resume(state)
             side.status = side.recorded = state.status
         except Exception as error:  # noqa: BLE001 a state of another description fits or does not, in its own ways
             self._end(
@@ -152,7 +158,9 @@ class OtherRun:
             self._unasked += 1
             return
         if kind == "tell":
-            record = self._peer_says(side, record)
+            if self._sides[_PEER[side.program]].apart:
+                return  # it is told by `_pass_on` then
+            side.heard |= record.values
         try:
             feed(side.controller, kind, record)
         except Exception as error:  # noqa: BLE001 what was damaged, or fits no other tool, ends no command
@@ -171,7 +179,7 @@ class OtherRun:
         self.notes.append(f"At {(at - begun) / 1e6:.3f} s the {side.program} program ends, for {why}")
         self._part(at, f"The {side.program} program is not played any further.")
 
-    def _until(self, at: int, ahead: _Ahead) -> None:
+    def _until(self, at: int) -> None:
         """What the other controller does by itself before the next input."""
         while True:
             due = [
@@ -180,10 +188,7 @@ class OtherRun:
                 if side.controller is not None
                 and (deadline := side.controller.deadline) is not None
                 and deadline < at
-                and not (
-                    side.waits_as_recorded(deadline)
-                    and ahead.wakes(name, deadline, deadline + self._lateness_us)
-                )
+                and not side.overdue(deadline)
             ]
             if not due:
                 return
@@ -193,16 +198,6 @@ class OtherRun:
             side.controller.advance(deadline)
             self._pass_on(side, deadline)
             self._compare(deadline)
-
-    def _peer_says(self, side: _Side, record: Any) -> Any:
-        """What a program is told: as recorded, or what the other one would say."""
-        peer = self._sides[_PEER[side.program]]
-        if not peer.apart or peer.status is None:
-            side.heard |= record.values
-            return record
-        values = {name: value for name, value in peer.says(peer.status).items() if name in record.values}
-        side.heard |= values
-        return replace(record, values={**record.values, **values})
 
     def _pass_on(self, side: _Side, at: int) -> None:
         """Tell the peer what has changed, once it is no longer what was recorded."""
@@ -258,57 +253,33 @@ class OtherRun:
 class _Side:
     """One program: of the other run, and as it was recorded."""
 
-    def __init__(self, program: str) -> None:
-        self.program = program
+    def __init__(self, program: str, new_shadow: Callable[[], Controller]) -> None:
+        self.program, self.new_shadow = program, new_shadow
+        self.shadow: Controller | None = None
         self.controller: RecordedController | None = None
         self.status: Status | None = None
         self.recorded: Status | None = None
         self.heard: dict[str, int] = {}
         self.apart = self.over = False
+        self.at = 0
 
-    def waits_as_recorded(self, deadline: int) -> bool:
-        """Whether the recorded program may have waited for the same: its step has no time-out at another time."""
-        if self.status is None or self.recorded is None or self.status.deadline != deadline:
-            return True
-        return self.recorded.deadline == deadline
+    def overdue(self, at: int) -> bool:
+        """Whether the recorded program had something to do then, or before, and had not done it."""
+        due = self.shadow.deadline if self.shadow is not None else None
+        return due is not None and due <= at
+
+    def follow(self, entry: Entry) -> None:
+        """Have the recorded controller do what it did, to know what it waits for."""
+        try:
+            if entry.kind == "start":
+                self.shadow = self.new_shadow()
+            if self.shadow is not None:
+                feed(self.shadow, entry.kind, entry.record)
+        except Exception:  # noqa: BLE001 then nobody knows, and time-outs are on time
+            self.shadow = None
 
     def says(self, status: Status) -> Mapping[str, int]:
         """What the other program is told of a status."""
         if self.program == "grip":
             return {"ee": int(status.ee)}
         return {"unlock_valve": int(status.unlock_output)}
-
-
-class _Ahead:
-    """Records with a view of those that come next."""
-
-    def __init__(self, entries: Iterable[Entry]) -> None:
-        self._entries, self._next = iter(entries), deque[Entry]()
-
-    def groups(self) -> Iterator[tuple[int, list[Entry]]]:
-        """All records of each instant."""
-        while self._fill(0):
-            at, group = self._next[0].at, list[Entry]()
-            while self._fill(0) and self._next[0].at == at:
-                group.append(self._next.popleft())
-            self._next.extendleft(reversed(group))  # they can be seen until they are taken
-            yield at, group
-            for _ in group:
-                self._next.popleft()
-
-    def wakes(self, program: str, since: int, until: int) -> bool:
-        """Whether a recorded program was told the time then."""
-        index = 0
-        while self._fill(index) and (entry := self._next[index]).at <= until:
-            if entry.kind == "time" and entry.program == program and entry.at >= since:
-                return True
-            index += 1
-        return False
-
-    def _fill(self, index: int) -> bool:
-        while len(self._next) <= index:
-            entry = next(self._entries, None)
-            if entry is None:
-                return False
-            self._next.append(entry)
-        return True

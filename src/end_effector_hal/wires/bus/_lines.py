@@ -46,6 +46,7 @@ class BusLink(NamedTuple):
     codec: BusCodec
     baudrate: int
     parity: str
+    stopbits: int = 1
 
 
 def bus_relay(description: Description, socket: Path, name: str) -> Path:
@@ -188,7 +189,9 @@ class BusLines:
             time.sleep(FIRST_WAIT_S)
 
     def _open(self) -> serial.Serial:
-        return open_port(self._link.port, self._link.baudrate, parity=self._link.parity)
+        return open_port(
+            self._link.port, self._link.baudrate, parity=self._link.parity, stopbits=self._link.stopbits
+        )
 
     def _run(self, port: serial.Serial | None) -> None:
         wait_s = FIRST_WAIT_S

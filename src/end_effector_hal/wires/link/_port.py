@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 _USUAL = ("/dev/verdin-uart*", "/dev/tty[A-Z]*[0-9]", "/dev/ttymxc*", "/dev/serial[0-9]")
 
 
-def open_port(path: str, baudrate: int, *, parity: str = "N", write_timeout_s: float = 1.0) -> serial.Serial:
-    """The port, raw, 8 bits, 1 stop bit, exclusive, input flushed; a read takes what is there and does not wait.
+def open_port(
+    path: str, baudrate: int, *, parity: str = "N", stopbits: int = 1, write_timeout_s: float = 1.0
+) -> serial.Serial:
+    """The port, raw, 8 bits, exclusive, input flushed; a read takes what is there and does not wait.
 
     Raises:
         LinkBusyError: somebody else has it; says who.
@@ -30,6 +32,7 @@ def open_port(path: str, baudrate: int, *, parity: str = "N", write_timeout_s: f
             path,
             baudrate,
             parity=parity,
+            stopbits=stopbits,
             timeout=0,
             write_timeout=write_timeout_s,
             exclusive=True,

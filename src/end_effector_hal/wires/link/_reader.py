@@ -89,6 +89,7 @@ class LinkReader:
         port: device, or a link to it.
         codec: or its name.
         baudrate, parity: default: those of the codec.
+        stopbits: after each byte.
         on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read, or, of several that
             waited to be read, at which it must have come.
         on_change: each change of state, and of the error while it is down.
@@ -106,10 +107,11 @@ class LinkReader:
         parity: str | None = None,
         on_bytes: Callable[[bytes], None] | None = None,
         connect: Callable[[], OpenPort] | None = None,
+        stopbits: int = 1,
     ) -> None:
         self._port, self._connect = port, connect
         self._codec = get_codec(codec) if isinstance(codec, str) else codec
-        self._baudrate, self._parity = baudrate, parity
+        self._baudrate, self._parity, self._stopbits = baudrate, parity, stopbits
         self._calls = CodecCalls(port)
         self._decoder: GuardedDecoder | None = None
         self._before = Counters()  # of decoders that have failed
@@ -218,7 +220,7 @@ class LinkReader:
             return self._connect()
         baudrate = self._baudrate or self._calls.run("baudrate", lambda: int(self._codec.baudrate))
         parity = self._parity or self._calls.run("parity", lambda: parity_of(self._codec))
-        return open_port(self._port, baudrate, parity=parity)
+        return open_port(self._port, baudrate, parity=parity, stopbits=self._stopbits)
 
     def _claimed(self, until: int) -> OpenPort | None:
         """The port; None while there is none that can be opened."""

@@ -90,6 +90,7 @@ class SensorReader:
             deliver,
             partial(self._changed, description.link_name(name) if name else "sensor link"),
             parity=link.parity,
+            stopbits=link.stopbits or 1,
             on_bytes=on_bytes,
             connect=connect,
         )

@@ -81,19 +81,16 @@ def _marks(
     return tested, zeroed, frozenset(action.resets) - zeroed
 
 
-def _kind(one: Taken) -> tuple[Action, tuple[Bound, ...]]:
-    _, target, move = one
-    return move.action, target.form.entry
-
-
 def zeno_cycle(taken: Sequence[Taken]) -> list[Arc] | None:
     """A cycle on which no time needs to pass, the shortest of its kind through one state; None if there is none."""
-    kinds = {_kind(one) for one in taken}
-    marks = {kind: _marks(*kind) for kind in kinds}
-    blind = frozenset[int]().union(*(marks[kind][2] for kind in kinds))
+    kinds = [(move.action, target.form.entry) for _, target, move in taken]
+    marks = {kind: _marks(*kind) for kind in set(kinds)}
+    blind = frozenset[int]().union(*(free for _, _, free in marks.values()))
     slow = {kind for kind, (tested, zeroed, _) in marks.items() if (tested & zeroed) - blind}
-    quick = _round([one for one in taken if _kind(one) not in slow])
-    pending = [[Arc(*one, *marks[_kind(one)]) for one in quick]]
+    quick = _round([one for one, kind in zip(taken, kinds, strict=True) if kind not in slow])
+    pending = [
+        [Arc(source, target, move, *marks[move.action, target.form.entry]) for source, target, move in quick]
+    ]
     while pending:
         for part in _strong(pending.pop()):
             clocks = _opposed(part)

@@ -102,9 +102,7 @@ class DiscreteState:
         self._arcs: tuple[Any, ...] | None = (
             None  # side by side, as a tuple for each takes more than the states
         )
-        self.invariant = (
-            vector.invariant if vector.invariant is not None else space.invariant(self.state, vector)
-        )
+        self.invariant = vector.invariant if vector.invariant is not None else space.invariant(vector, packed)
         self.delays = vector.delays
         self._transitions: list[Transition] | None = None  # found already
         if self.delays and space.urgent:
@@ -221,7 +219,7 @@ class DiscreteSpace:
         firing = self.firings[edges] = Firing(edges, self)
         return firing
 
-    def invariant(self, state: State, vector: LocationVector) -> tuple[Bound, ...]:
+    def invariant(self, vector: LocationVector, packed: bytes) -> tuple[Bound, ...]:
         """Bounds of clocks in a discrete state; equal ones are one object."""
-        bounds = vector.invariant_at(state.values)
+        bounds = vector.invariant_at(self.packing.unpack(packed))
         return self._invariants.setdefault(bounds, bounds)

@@ -35,8 +35,7 @@ class Form:
 
     Attributes:
         limits: of the active clocks.
-        clocks: them, as numbers of the network; x_1 of the zones is the first.
-        index: the number of each active clock in the zones.
+        index: the number of each active clock in the zones; of all forms with the same clocks one object.
         n: the size of the zones.
         widening: what ``extrapolated`` takes.
         invariant: on the zones.
@@ -49,29 +48,35 @@ class Form:
     """
 
     __slots__ = (
-        *(
-            "arriving",
-            "clocks",
-            "delays",
-            "entry",
-            "index",
-            "invariant",
-            "leaving",
-            "limits",
-            "n",
-            "widening",
-        ),
+        "arriving",
+        "delays",
+        "entry",
+        "index",
+        "invariant",
+        "leaving",
+        "limits",
+        "n",
+        "widening",
         "zones",
     )
 
     def __init__(
-        self, limits: dict[int, Limit], widening: Widening, bounds: tuple[Bound, ...], delays: bool
+        self,
+        limits: dict[int, Limit],
+        index: dict[int, int],
+        widening: Widening,
+        bounds: tuple[Bound, ...],
+        delays: bool,
     ) -> None:
-        self.limits, self.clocks, self.widening, self.delays = limits, tuple(limits), widening, delays
-        self.index = {clock: number for number, clock in enumerate(self.clocks, start=1)}
-        self.n, self.invariant = len(self.clocks) + 1, as_constraints(bounds, self.index)
+        self.limits, self.index, self.widening, self.delays = limits, index, widening, delays
+        self.n, self.invariant = len(index) + 1, as_constraints(bounds, index)
         self.entry = tuple(bound for bound in bounds if bound.lower)
         self.arriving = self.leaving = self.zones = 0
+
+    @property
+    def clocks(self) -> tuple[int, ...]:
+        """The active clocks, as numbers of the network; x_1 of the zones is the first."""
+        return tuple(self.index)
 
 
 class StateRecord:
@@ -141,6 +146,7 @@ class SymbolicSpace:
         self._same_ways: dict[object, dict[int, Plan]] = {}
         self._rearrangements: dict[object, Rearrangement] = {}
         self._forms: dict[tuple[int, int, bool], Form] = {}
+        self._indices: dict[tuple[int, ...], dict[int, int]] = {}
         self._numbers: dict[object, int] = {}
         self._widenings: dict[tuple[Limit, ...], Widening] = {}
         self._unique = UniqueZones() if delays else None
@@ -179,10 +185,14 @@ class SymbolicSpace:
         wide = self._widenings.get(by_place)
         if wide is None:
             wide = self._widenings[by_place] = widening(by_place)
-        form = Form(limits, wide, discrete.invariant, discrete.delays)
+        clocks = tuple(limits)
+        index = self._indices.get(clocks)
+        if index is None:
+            index = self._indices[clocks] = {clock: number for number, clock in enumerate(clocks, start=1)}
+        form = Form(limits, index, wide, discrete.invariant, discrete.delays)
         numbers, after = self._numbers, (by_place, form.invariant, form.delays)
-        form.arriving = numbers.setdefault(("to", form.clocks, form.entry), len(numbers))
-        form.leaving = numbers.setdefault(("from", form.clocks, self.asked_inside(form)), len(numbers))
+        form.arriving = numbers.setdefault(("to", clocks, form.entry), len(numbers))
+        form.leaving = numbers.setdefault(("from", clocks, self.asked_inside(form)), len(numbers))
         form.zones = numbers.setdefault(after, len(numbers))
         return form
 
@@ -253,7 +263,7 @@ class SymbolicSpace:
         if way is not None and (plan := way.get(form.zones)) is not None:
             return plan
         index, resets = source.form.index, action.resets
-        sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in form.clocks]
+        sources = [(0, resets[x]) if x in resets else (index[x], 0) for x in form.index]
         guard = (*self.guard(source, action), *_entering(source, action, target))
         same = (source.n, guard, ((0, 0), *sources))
         if way is None:

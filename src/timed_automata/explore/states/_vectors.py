@@ -46,11 +46,11 @@ class LocationVector:
     __slots__ = ("_parts", "delays", "invariant", "locations", "states")
 
     def __init__(self, locations: tuple[int, ...], facts: Sequence[LocationFacts]) -> None:
-        self.locations, self.delays = locations, all([each.delays for each in facts])
+        self.locations, self.delays = locations, all(each.delays for each in facts)
         timed = [each for each in facts if each.clocks]
         self.invariant: tuple[Bound, ...] | None = None
         self._parts: tuple[ClockConstraint, ...] = ()
-        if any([each.fixed is None for each in timed]):
+        if any(each.fixed is None for each in timed):
             self._parts = tuple([part for each in timed for part in each.clocks])
         else:
             self.invariant = tuple([bound for each in timed for bound in each.fixed or ()])
@@ -58,7 +58,7 @@ class LocationVector:
 
     def invariant_at(self, values: Values) -> tuple[Bound, ...]:
         """The bounds of clocks in a discrete state."""
-        return tuple(part.at(values) for part in self._parts)
+        return tuple([part.at(values) for part in self._parts])
 
 
 class Packing:

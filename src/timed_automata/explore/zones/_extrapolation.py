@@ -47,10 +47,10 @@ def extrapolated(zone: list[int], n: int, limits: Widening) -> Zone:
     lower = zone[:n]
     whole = [INFINITY] * n
     past = [j for j in range(1, n) if lower[j] < past_upper[j]]
-    loosened = [(0, j) for j in past if kept[j] > lower[j]]
-    for _, j in loosened:
-        zone[j] = kept[j]
+    for j in past:
+        zone[j] = max(kept[j], lower[j])
     rows = [0]  # from which a bound leads on
+    loosened = []
     for i in range(1, n):
         at = i * n
         if lower[i] < past_lower[i]:
@@ -59,26 +59,38 @@ def extrapolated(zone: list[int], n: int, limits: Widening) -> Zone:
             continue
         rows.append(i)
         most = lower_at_most[i]
-        loose = [(at, j) for j, bound in enumerate(zone[at : at + n]) if most < bound != INFINITY]
-        loose += [(at, j) for j in past if j != i and zone[at + j] <= most]
-        for _, j in loose:
-            zone[at + j] = INFINITY
-        loosened += loose
-    _close(zone, n, rows, loosened)
+        columns = [j for j, bound in enumerate(zone[at : at + n]) if most < bound != INFINITY]
+        if columns:
+            loosened.append((at, columns))
+            for j in columns:
+                zone[at + j] = INFINITY
+    if loosened:
+        _close(zone, n, [k for k in rows if k not in past], loosened)
+    # to what is past its upper limit only a lower bound leads, so no bound is tighter for it
+    for at in [i * n for i in rows[1:]] if past else ():
+        upper = zone[at]
+        for j in past:
+            if at + j != j * (n + 1):
+                low = zone[j]
+                zone[at + j] = INFINITY if upper == INFINITY else upper + low - ((upper | low) & 1)
     return tuple(zone)
 
 
-def _close(zone: list[int], n: int, rows: list[int], loosened: list[tuple[int, int]]) -> None:
-    """Make canonical what was, but for the bounds that were loosened (start of their row, column), in place.
+def _close(zone: list[int], n: int, rows: list[int], loosened: list[tuple[int, list[int]]]) -> None:
+    """Make canonical what was, but for the bounds that were loosened (start of a row, columns), in place.
 
-    Floyd and Warshall's way, over the loosened bounds only: the others are as tight as ever, and a row without bounds
-    neither gets one nor leads to one.
+    Floyd and Warshall's way over ``rows``, for the loosened bounds only: the others are as tight as ever, and a row
+    without bounds neither gets one nor leads to one.
     """
-    for k in rows if loosened else ():
+    for k in rows:
         on = zone[k * n : k * n + n]
-        for at, column in loosened:
-            to, then = zone[at + k], on[column]
-            if to != INFINITY != then:
-                over = to + then - ((to | then) & 1)
-                if over < zone[at + column]:
-                    zone[at + column] = over
+        for at, columns in loosened:
+            to = zone[at + k]
+            if to == INFINITY:
+                continue
+            for column in columns:
+                then = on[column]
+                if then != INFINITY:
+                    over = to + then - ((to | then) & 1)
+                    if over < zone[at + column]:
+                        zone[at + column] = over

@@ -143,14 +143,18 @@ def test_a_recorded_description_can_be_read_again() -> None:
 
 
 def test_the_port_is_opened_as_the_link_says(monkeypatch: pytest.MonkeyPatch) -> None:
-    opened: list[tuple[str, int, str]] = []
+    opened: list[tuple[str, int, str, int]] = []
 
-    def open_port(path: str, baudrate: int, *, parity: str) -> None:
-        opened.append((path, baudrate, parity))
+    def open_port(path: str, baudrate: int, *, parity: str, stopbits: int) -> None:
+        opened.append((path, baudrate, parity, stopbits))
         raise LinkBusyError("the port is used by a test.")
 
     monkeypatch.setattr(_reader, "open_port", open_port)
-    for link in ("frame: {text: {}}", "frame: {text: {}}, baudrate: 9600, parity: E", "parity: O"):
+    for link in (
+        "frame: {text: {}}",
+        "frame: {text: {}}, baudrate: 9600, parity: E",
+        "parity: O, stopbits: 2",
+    ):
         channel = "channels: {cup: {text: {field: 1}, unit: kPa}}\n" if "frame" in link else ""
         text = f"name: tool\nsequence: [a]\n{channel}link: {{port: p, {link}}}\n"
         examination = examine_text(
@@ -160,4 +164,4 @@ def test_the_port_is_opened_as_the_link_says(monkeypatch: pytest.MonkeyPatch) ->
         assert examination.description is not None, examination.lines()
         with pytest.raises(LinkBusyError):
             SensorReader(examination.description, lambda frame: None).start()
-    assert [*dict.fromkeys(opened)] == [("p", 115_200, "N"), ("p", 9_600, "E"), ("p", 115_200, "O")]
+    assert [*dict.fromkeys(opened)] == [("p", 115_200, "N", 1), ("p", 9_600, "E", 1), ("p", 115_200, "O", 2)]

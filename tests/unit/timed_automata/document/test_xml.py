@@ -160,6 +160,14 @@ def test_a_file_with_noise_is_read_or_refused(data):
         (b"<nta/>", "The model has no <system>"),
         (b'<?xml version="1.0" encoding="klingon"?><nta/>', "well-formed XML: unknown encoding"),
         (b'<!DOCTYPE nta [<!ENTITY a "aaaa">]><nta>&a;</nta>', "The entity 'a' is declared"),
+        (
+            b'<!DOCTYPE nta [<!ATTLIST location a CDATA "xx">]><nta/>',
+            "The attribute 'a' is declared with a default",
+        ),
+        (
+            b'<!DOCTYPE nta [<!ATTLIST location a CDATA #FIXED "xx">]><nta/>',
+            "The attribute 'a' is declared with a default",
+        ),
         (b"<nta><template/><system/></nta>", "A template has no name"),
         (b"<nta><template><name>P</name></template><system/></nta>", "<template> has no <init>"),
         (
@@ -183,6 +191,15 @@ def test_what_is_no_uppaal_file(source, message):
         make_network(read_document(source, "bad.xml"))
     assert message in str(error.value)
     assert error.value.where.startswith("bad.xml:1:")
+
+
+def test_declarations_that_add_nothing_are_read():
+    kind = b"""<!DOCTYPE nta PUBLIC '-//Uppaal Team//DTD Flat System 1.6//EN'
+        'http://www.it.uu.se/research/group/darts/uppaal/flat-1_6.dtd' [<!ATTLIST location a CDATA #IMPLIED>]>"""
+    source = LAMP.read_bytes()
+    assert b"<!DOCTYPE" in source
+    start, end = source.index(b"<!DOCTYPE"), source.index(b"<nta>")
+    assert read_document(source[:start] + kind + source[end:], "lamp.xml").templates
 
 
 def test_the_shipped_automata_are_read_and_written_back():

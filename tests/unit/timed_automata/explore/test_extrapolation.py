@@ -6,7 +6,16 @@ from itertools import product
 
 from hypothesis import strategies as st
 
-from tests.unit.timed_automata.explore.valuations import END, UNIT, canonical, given, inside, members, zones
+from tests.unit.timed_automata.explore.valuations import (
+    END,
+    UNIT,
+    bounded_zones,
+    canonical,
+    given,
+    inside,
+    members,
+    zones,
+)
 from timed_automata.explore.zones import _zone
 from timed_automata.explore.zones._extrapolation import extrapolated, widening
 from timed_automata.explore.zones._limits import NEVER, Limit
@@ -47,7 +56,8 @@ def test_it_only_adds_what_a_valuation_inside_simulates(
 @given(st.data(), st.integers(2, 5))
 def test_it_is_the_definition_made_canonical(data: st.DataObject, n: int) -> None:
     """Definition 4, bound by bound, and then the closure of all of it."""
-    zone, bounds = data.draw(zones(n)), data.draw(st.lists(limit, min_size=n - 1, max_size=n - 1))
+    zone = data.draw(bounded_zones(n))
+    bounds = data.draw(st.lists(limit, min_size=n - 1, max_size=n - 1))
     lower, upper = ([0, *(each[at] for each in bounds)] for at in (0, 1))
 
     def past(clock: int, limit: int) -> bool:

@@ -66,6 +66,19 @@ def zones(draw: st.DrawFn, n: int = 3) -> _zone.Zone:
     return zone
 
 
+@st.composite
+def bounded_zones(draw: st.DrawFn, n: int) -> _zone.Zone:
+    """Zones around a valuation, with bounds on most differences: what a closure has to do with."""
+    values = [0, *draw(st.lists(st.integers(0, 4), min_size=n - 1, max_size=n - 1))]
+    slack = st.sampled_from((None, 0, 0, 1, 1, 2, 3))
+    zone = _zone.everything(n)
+    for i, j in product(range(n), repeat=2):
+        more = draw(slack) if i != j else None
+        if more is not None:
+            zone = _zone.constrained(zone, n, [(i, j, at_most(values[i] - values[j] + more))]) or zone
+    return zone
+
+
 def added(left: int, right: int) -> int:
     """A bound over two bounds."""
     return INFINITY if INFINITY in (left, right) else left + right - ((left | right) & 1)

@@ -147,6 +147,21 @@ def test_requirement_8_is_found_false_and_drawn(mutant: Mutant, tmp_path: Path) 
     assert "VIOLATED" in figure
 
 
+@pytest.mark.parametrize(
+    "old",
+    [
+        "will = in_doubt() || session == NONE ? 0 : of_active(kept_will);",
+        "todo = in_doubt() || kept_session != ENDED ? 0 : of_active(kept_will);",
+    ],
+)
+def test_a_last_will_that_the_next_arbiter_forgets_is_noticed(old: str) -> None:
+    """Nothing falls then: requirement 8 alone does not see it."""
+    mutant = {"template": "Arbiter", "code": True, "old": old, "new": ""}
+    network = make_network(read_document(mutated(TEXT, mutant).encode(), "deaths.xml"), {})
+    resumed = next(each for each in requirements_of(network) if each.id == "will-resumed")
+    assert not Explorer(network).check(resumed.query).holds
+
+
 @pytest.mark.nightly
 def test_the_shipped_tool_starts_from_any_lines() -> None:
     """The induction: whatever set of lines the deaths before have left, the next program may start from it."""

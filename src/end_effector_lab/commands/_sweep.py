@@ -1,0 +1,112 @@
+"""``eehal verify --sweep``: a grid over values of a description."""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Sequence
+from io import StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from end_effector_hal.cli import Progress, figures, print_document
+from end_effector_hal.errors import UsageError
+
+if TYPE_CHECKING:
+    from end_effector_lab.sweep import Axis, Proven
+
+FIGURES = (".png", ".svg")
+_MOST_ROWS = 60
+_NONE_HOLDS = 4
+
+
+def run(
+    path: Path,
+    wanted: Sequence[str],
+    *,
+    scheduler: str | None,
+    jobs: int | None,
+    output: Path | None,
+    as_json: bool,
+) -> int:
+    """Prove each combination, print which hold and write what was found; the exit code.
+
+    Args:
+        path: of the description.
+        wanted: axes as they were typed.
+        scheduler, jobs: who proves, see `open_workers`.
+        output: a folder, or a file for the map of the grip's worst case; None: nothing is written.
+        as_json: print JSON.
+    """
+    from end_effector_lab.sweep import combinations, heat_maps, read_axis, sweep
+    from end_effector_lab.workers import open_workers
+
+    axes = [read_axis(each) for each in wanted]
+    combinations(axes)
+    single = output is not None and output.suffix.lower() in FIGURES
+    if single and len(axes) != 2:
+        raise UsageError(f"A map has two axes, not {len(axes)}.", where=str(output), todo="Name a folder.")
+    if output is not None and len(axes) == 2:
+        figures()  # without what draws them nothing is proven
+    with open_workers(scheduler, jobs) as workers, Progress("Reading", shown=not as_json) as progress:
+        begun = time.monotonic()
+
+        def on_progress(done: int, of: int) -> None:
+            left = (of - done) * (time.monotonic() - begun) / done / 60 if done else 0.0
+            progress(f"{done} of {of} combinations proven" + (f", {left:.0f} min left" if done else ""))
+
+        found = sweep(path, axes, workers, on_progress)
+    files = _write(axes, found, output) if output is not None and not single else []
+    if output is not None and len(axes) == 2:
+        files += heat_maps(axes, found, output)
+    if as_json:
+        print_document(_document(axes, found) | {"files": [str(file) for file in files]})
+    else:
+        _print(axes, found, files)
+    return 0 if any(each.holds for each in found) else _NONE_HOLDS
+
+
+def _document(axes: Sequence[Axis], found: Sequence[Proven]) -> dict[str, Any]:
+    return {
+        "axes": {axis.key: list(axis.values) for axis in axes},
+        "hold": sum(each.holds for each in found),
+        "combinations": [each.as_json() for each in found],
+    }
+
+
+def _write(axes: Sequence[Axis], found: Sequence[Proven], folder: Path) -> list[Path]:
+    from end_effector_hal.cli import json_text
+    from end_effector_lab.sweep import table
+
+    rows = StringIO()
+    csv.writer(rows, lineterminator="\n").writerows(table(axes, found))
+    texts = {"sweep.json": json_text(_document(axes, found)) + "\n", "sweep.csv": rows.getvalue()}
+    files = [folder / name for name in texts]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for file in files:
+            file.write_text(texts[file.name], encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"The folder cannot be written: {error.strerror}.", where=str(folder)) from None
+    return files
+
+
+def _print(axes: Sequence[Axis], found: Sequence[Proven], files: Sequence[Path]) -> None:
+    from end_effector_lab.sweep import table
+
+    rows = table(axes, found)
+    widths = [min(40, max(map(len, column))) for column in zip(*rows, strict=True)]
+    for number, row in enumerate(rows[: _MOST_ROWS + 1]):
+        text = "  ".join(value[:40].ljust(width) for value, width in zip(row, widths, strict=True)).rstrip()
+        click.secho(text, bold=True) if number == 0 else click.echo(text)
+    if len(found) > _MOST_ROWS:
+        click.echo(f"and {len(found) - _MOST_ROWS} more, which -o FOLDER and --json list")
+    seconds = sum(each.seconds for each in found)
+    click.echo(
+        f"\n{sum(each.holds for each in found)} of {len(found)} combinations hold; "
+        f"{sum(each.states for each in found):,} states, {seconds:.1f} s of proof"
+    )
+    for file in files:
+        click.echo(str(file))

@@ -1,0 +1,7 @@
+"""A grid over values of a description: which combinations hold, what fails first, the worst cases."""
+
+from ._axis import Axis, combinations, read_axis
+from ._report import heat_maps, table
+from ._sweep import Proven, sweep
+
+__all__ = ["Axis", "Proven", "combinations", "heat_maps", "read_axis", "sweep", "table"]

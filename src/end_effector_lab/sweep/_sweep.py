@@ -1,0 +1,160 @@
+"""The proof of each combination, on all workers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from end_effector_hal.codecs import match_codec
+from end_effector_hal.description import Description, examine, examine_text
+from end_effector_hal.errors import DescriptionError, Diagnostic, ReportedError, UsageError
+from end_effector_hal.runtime import load_automata
+from end_effector_hal.verification.coils import prove_tool
+from end_effector_lab.workers import ShippedAutomata, Workers
+
+from ._axis import Axis, combinations
+
+NOT_THERE = ("EE-205", "EE-206")
+"""An unknown key, or one of a stanza that the file does not have and that needs more."""
+
+
+@dataclass(frozen=True)
+class Proven:
+    """A combination with its verdict.
+
+    Attributes:
+        values: by key, as they would stand in the file.
+        holds: every requirement does.
+        refused: why this is no valid description; then nothing was proven.
+        fails: the requirements that do not hold, in the order of the automata.
+        open: those that were not decided.
+        why: what the first one that fails says.
+        worst: seconds by name, such as ``grip_s``; None: never, or not known.
+        states, seconds: what the proof took.
+    """
+
+    values: dict[str, str]
+    holds: bool
+    refused: str = ""
+    fails: tuple[str, ...] = ()
+    open: tuple[str, ...] = ()
+    why: str = ""
+    worst: dict[str, float | None] = field(default_factory=dict)
+    states: int = 0
+    seconds: float = 0.0
+
+    def as_json(self) -> dict[str, Any]:
+        """As it is written."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class _Combination:
+    values: dict[str, str]
+    description: Description | None
+    refused: str = ""
+
+    @property
+    def id(self) -> str:
+        return ", ".join(f"{key}={value}" for key, value in self.values.items())
+
+
+def sweep(
+    path: Path,
+    axes: Sequence[Axis],
+    workers: Workers,
+    on_progress: Callable[[int, int], None] = lambda _, __: None,
+) -> list[Proven]:
+    """Prove each combination; in the order of the grid.
+
+    Args:
+        path: of the description.
+        axes: what is varied.
+        workers: prove them.
+        on_progress: called with how many were proven, and how many there are.
+
+    Raises:
+        DescriptionError, ModelError: the description is not valid as it stands, or a key of an axis is unknown.
+        UsageError: too many combinations.
+        WorkersError: they cannot be reached or do not fit, or some combinations were not proven.
+    """
+    examination = examine(path)
+    if examination.description is None:
+        raise DescriptionError(examination.diagnostics)
+    load_automata(examination.description)
+    wanted = [*combinations(axes)]
+    for axis in axes:  # a key that is unknown is so in each combination
+        _changed(examination.text, path, {axis.key: axis.values[0]})
+    shared = ShippedAutomata(examination.description)
+    items = (_changed(examination.text, path, values) for values in wanted)
+    found: dict[tuple[str, ...], Proven] = {}
+    on_progress(0, len(wanted))
+    for combination, proven in workers.each(_prove, shared, items):
+        found[tuple(combination.values.values())] = proven
+        on_progress(len(found), len(wanted))
+    return [found[tuple(values.values())] for values in wanted]
+
+
+def _changed(text: str, path: Path, values: dict[str, str]) -> _Combination:
+    """The description with other values, or why there is none."""
+    yaml, output = YAML(), StringIO()
+    tree = yaml.load(text)
+    for key, value in values.items():
+        *stanzas, last = key.split(".")
+        stanza = tree
+        for name in stanzas:
+            if not isinstance(stanza, dict):
+                raise _unknown(path, key)
+            stanza = stanza.setdefault(name, {})
+        if not isinstance(stanza, dict):
+            raise _unknown(path, key)
+        try:
+            stanza[last] = YAML(typ="safe", pure=True).load(value)
+        except (YAMLError, ValueError, TypeError) as error:
+            raise UsageError(f"This is no value: {str(error).splitlines()[0]}.", where=value) from None
+    yaml.dump(tree, output)
+    examination = examine_text(output.getvalue(), path)
+    diagnostics: Sequence[Diagnostic] = examination.diagnostics
+    if unknown := [each for each in diagnostics if each.code in NOT_THERE]:
+        raise DescriptionError(unknown)
+    description = examination.description
+    if description is not None:
+        diagnostics = [fault.diagnostic(str(path)) for fault in match_codec(description).faults]
+    if diagnostics:
+        return _Combination(values, None, diagnostics[0].message)
+    return _Combination(values, description)
+
+
+def _unknown(path: Path, key: str) -> UsageError:
+    return UsageError(f"There is no key {key!r}.", where=str(path), todo="`eehal schema` has all of them.")
+
+
+def _prove(shared: ShippedAutomata, combination: _Combination) -> Proven:
+    if combination.description is None:
+        return Proven(combination.values, holds=False, refused=combination.refused)
+    description = shared.of(combination.description)
+    try:
+        proof = prove_tool(description, load_automata(description))
+    except ReportedError as error:  # the automata do not take these values
+        return Proven(combination.values, holds=False, refused=str(error))
+    failing = [each for each in proof.findings if each.decided and not each.holds]
+    return Proven(
+        combination.values,
+        holds=proof.holds,
+        fails=tuple(each.id for each in failing),
+        open=tuple(each.id for each in proof.findings if not each.decided),
+        why=failing[0].sentence if failing else "",
+        worst={name: _seconds(worst.computed_ms) for name, worst in proof.bounds.items()},
+        states=proof.states,
+        seconds=round(proof.seconds, 3),
+    )
+
+
+def _seconds(ms: int | None) -> float | None:
+    return None if ms is None else ms / 1000
