@@ -4,7 +4,7 @@ from ._completion import completed, profiles, typed_tool
 from ._figures import figures
 from ._json_output import json_text, print_document
 from ._main import main
-from ._options import PathName, end_in_order, seed_option
+from ._options import PathName, end_in_order, seed_option, the_folder, write_whole
 from ._progress import Progress
 
 __all__ = [
@@ -18,5 +18,7 @@ __all__ = [
     "print_document",
     "profiles",
     "seed_option",
+    "the_folder",
     "typed_tool",
+    "write_whole",
 ]

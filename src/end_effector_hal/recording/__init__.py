@@ -1,5 +1,6 @@
 """Records of a run: written as it happens, read back, and told in words."""
 
+from ._files import append_whole, lock
 from ._limits import RecordingLimits
 from ._of_model import COUNTEREXAMPLE, MODEL_RUN, check_replaceable
 from ._recording import Recording, content_hash, hash_of, pressure_channels, product_version, run_info
@@ -65,10 +66,12 @@ __all__ = [
     "TraceFile",
     "TraceWriter",
     "Watched",
+    "append_whole",
     "check_replaceable",
     "compare_runs",
     "content_hash",
     "hash_of",
+    "lock",
     "pressure_channels",
     "product_version",
     "read_alarms",

@@ -6,10 +6,11 @@ from ._draw import CaseSource
 from ._play import CaseEnd, PlayedCase, play_case
 from ._processes import play_on_processes
 from ._report import never_reached, summary
-from ._run import Campaign, kind_of_failure, read_failures, run_campaign
+from ._run import UNREACHED, Campaign, campaign_folder, kind_of_failure, read_failures, run_campaign
 from ._shrink import shrunk, shrunk_by
 
 __all__ = [
+    "UNREACHED",
     "Campaign",
     "Case",
     "CaseEnd",
@@ -18,6 +19,7 @@ __all__ = [
     "Happening",
     "PlayedCase",
     "Reached",
+    "campaign_folder",
     "case_from_json",
     "case_from_words",
     "kind_of_failure",

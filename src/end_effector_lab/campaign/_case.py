@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import hint
-from end_effector_lab.testbench import parse_scenario
+from end_effector_lab.testbench import parse_scenario, plain_number
 
 COMMANDS = ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset")
 ARBITER, HAL, ALL = "arbiter", "hal", "all"
@@ -91,9 +91,10 @@ def case_from_json(found: object, description: Description, where: str = "") -> 
         assert type(seed) is int
         assert isinstance(listed, list)
         assert len(listed) <= MOST
-        pairs = [(float(at), str(what)) for at, what in listed]
+        assert all(type(at) in (int, float) and type(what) is str for at, what in listed)
+        pairs = [(float(at), what) for at, what in listed]
         assert all(0 <= at <= LONGEST_S for at, _ in pairs)
-    except (AssertionError, KeyError, TypeError, ValueError):
+    except (AssertionError, KeyError, OverflowError, TypeError, ValueError):
         raise UsageError(
             "This is no case of a campaign.",
             where=where,
@@ -111,10 +112,10 @@ def case_from_words(text: str, description: Description, *, seed: int = 0, where
     for part in (each.strip() for line in text.splitlines() for each in line.split(";")):
         verb, _, rest = part.partition(" ")
         if verb == WAIT:
-            try:
-                at += float(rest)
-            except ValueError:
-                raise UsageError(f"{part!r}: expected is 'wait SECONDS'.", where=where) from None
+            waited = plain_number(rest)
+            if waited is None:
+                raise UsageError(f"{part!r}: expected is 'wait SECONDS'.", where=where)
+            at += waited
         elif part:
             found.append([at, part])
     return case_from_json({"seed": seed, "happenings": found}, description, where)

@@ -7,6 +7,7 @@ the same seed gives the same runs, however many workers there are, and in whatev
 from __future__ import annotations
 
 import json
+import os
 import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping
@@ -15,22 +16,30 @@ from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple
 
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from end_effector_hal.cli import the_folder, write_whole
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import product_version
-from end_effector_lab.matrix import kept_file, no_log, read_kept
+from end_effector_lab.matrix import no_log
+from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import Workers
 
-from ._case import Case, case_from_json
+from ._case import LARGEST_BYTES, Case, case_from_json
 from ._coverage import CoverageMap, Reached
 from ._draw import CaseSource
+from ._kept_run import KEPT_RUN, MOST_MOMENTS, KeptRun
 from ._play import play_case
 from ._shrink import shrunk
 
-KEPT, HEADER, FAILURES = "runs.jsonl", "campaign.json", "failures"
+FAILURES, UNREACHED = "failures", "unreached.json"
+LAYOUT = ResultsLayout(
+    "campaign", "campaign.json", "runs.jsonl",
+    "Remove it and all lines behind it: their runs are played again.", (UNREACHED,), (FAILURES,),
+)  # fmt: skip
 LEAST_AHEAD = 16
 """So many runs are under way at least before one of them must be over."""
-MOST_MOMENTS = 60
 MOST_KINDS = 40
 """Kinds of failures that are shrunk."""
 
@@ -48,6 +57,15 @@ class KeptCase(NamedTuple):
     moments: tuple[int, ...]
     edge: bool
     run: int
+
+
+class _Failure(BaseModel):
+    """What is read again of a failure's file; the rest stays as it is."""
+
+    model_config = ConfigDict(extra="allow")
+
+    kind: str
+    words: str
 
 
 class FailedRun(NamedTuple):
@@ -123,6 +141,11 @@ def kind_of_failure(what: str) -> str:
     return re.sub(r"\d+(\.\d+)?", "#", re.split(r" \(|, at [\d.]+ s$", what)[0])
 
 
+def campaign_folder(description: Description, folder: Path, seed: int) -> ResultsFolder:
+    """The results of a campaign; raises UsageError if the folder cannot be used or belongs to something else."""
+    return ResultsFolder(folder, LAYOUT, mark_of(description, seed=seed))
+
+
 def run_campaign(
     description: Description,
     folder: Path,
@@ -149,20 +172,11 @@ def run_campaign(
     known, source = CoverageMap(description), CaseSource(description)
     campaign = Campaign(seed, known)
     campaign.reached.locations |= known.initial
-    kept = kept_file(folder, HEADER, KEPT, description, "campaign", seed=seed)
-    for found in read_kept(kept):
-        try:
-            campaign.add(found, description)
-        except (AttributeError, KeyError, TypeError, ValueError):
-            raise UsageError(
-                f"Line {campaign.runs + 1} is not that of a run.",
-                where=str(kept),
-                todo="Name another folder.",
-            ) from None
-    on_progress(campaign)
-    shared = description, known
-    with kept.open("a", encoding="utf-8") as file:
-        over = False
+    with campaign_folder(description, folder, seed) as results:
+        for where, kept in results.lines(KEPT_RUN):
+            _add_kept(kept, where, campaign, source, description, results)
+        on_progress(campaign)
+        shared, over = (description, known), False
         while not over:
             waiting: dict[int, dict[str, Any]] = {}
             todo = _Drawn(campaign, source, go_on)
@@ -171,12 +185,32 @@ def run_campaign(
                 while campaign.runs in waiting:
                     line = _shortened(waiting.pop(campaign.runs), campaign)
                     campaign.add(line, description)
-                    file.write(json.dumps(line) + "\n")
+                    results.append(line)
                     on_progress(campaign)
-                file.flush()
             over = todo.over
-    _write_failures(campaign, folder / FAILURES, description, workers)
+        _write_failures(campaign, folder / FAILURES, description, workers)
     return campaign
+
+
+def _add_kept(
+    kept: KeptRun,
+    where: str,
+    campaign: Campaign,
+    source: CaseSource,
+    description: Description,
+    results: ResultsFolder,
+) -> None:
+    """Add a run of the file; raises UsageError if it is not the next one of this campaign."""
+    if wrong := kept.misfit(campaign.runs, campaign.known):
+        raise results.misfit(wrong, where)
+    if kept.case is not None:
+        try:
+            case = case_from_json(kept.case, description)
+        except UsageError as error:
+            raise results.misfit(str(error), where) from None
+        if case != campaign.draw(kept.run, source):
+            raise results.misfit(f"its case is not the one that seed {campaign.seed} gives.", where)
+    campaign.add(kept.as_json(), description)
 
 
 class _Drawn:
@@ -241,7 +275,7 @@ def _write_failures(campaign: Campaign, folder: Path, description: Description, 
     todo = [(kind, failed.case) for kind, failed in campaign.kinds.items() if kind not in done][:MOST_KINDS]
     if not todo:
         return
-    folder.mkdir(exist_ok=True)
+    the_folder(folder)
     shared = description, campaign.known
     numbers = {kind: number for number, kind in enumerate(campaign.kinds)}
     for (kind, _), (case, log) in workers.each(_shrink, shared, todo):
@@ -252,16 +286,25 @@ def _write_failures(campaign: Campaign, folder: Path, description: Description, 
             **case.as_json(), "words": case.words, "log": log,
         }  # fmt: skip
         path = folder / f"{numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
-        path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+        if os.path.lexists(path):
+            raise UsageError(
+                "This file stands where a failure is to be written.", where=str(path), todo="Move it away."
+            )
+        write_whole(path, (json.dumps(document, indent=1) + "\n").encode())
 
 
 def read_failures(folder: Path) -> list[dict[str, Any]]:
-    """The files of failures, in order."""
+    """The files of failures, in order, each with its path as ``file``; raises UsageError if there is another file."""
     found = []
     for path in sorted(folder.glob("*.json")):
         try:
-            document = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError:  # cut off by a kill: it is written again
-            continue
-        found.append(document | {"file": str(path)})
+            with path.open("rb") as file:
+                document = _Failure.model_validate_json(file.read(LARGEST_BYTES), strict=True)
+        except (OSError, ValidationError):
+            raise UsageError(
+                "This is no failure of a campaign.",
+                where=str(path),
+                todo="Move it away: it is written again.",
+            ) from None
+        found.append(document.model_dump() | {"file": str(path)})
     return found

@@ -11,13 +11,14 @@ import click
 
 from end_effector_hal.cli import PathName, Progress, print_document
 from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import printable
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_lab.campaign import Campaign
 
 RUNS = 1000
-MOST_LISTED = 20
+MOST_LISTED, MOST_SHOWN = 20, 5000
 
 
 @click.command("campaign", short_help="random commands, faults and deaths, in virtual time")
@@ -96,7 +97,14 @@ def _run(
     *,
     as_json: bool,
 ) -> int:
-    from end_effector_lab.campaign import never_reached, read_failures, run_campaign, summary
+    from end_effector_lab.campaign import (
+        UNREACHED,
+        campaign_folder,
+        never_reached,
+        read_failures,
+        run_campaign,
+        summary,
+    )
     from end_effector_lab.workers import open_workers
 
     begun, first = time.monotonic(), list[int]()
@@ -123,19 +131,22 @@ def _run(
 
         campaign = run_campaign(description, output, workers, seed=seed, go_on=go_on, on_progress=on_progress)
     found, unreached = summary(campaign), never_reached(campaign)
-    (output / "unreached.json").write_text(json.dumps(unreached, indent=1) + "\n", encoding="utf-8")
+    with campaign_folder(description, output, seed) as results:
+        kept = results.write(UNREACHED, (json.dumps(unreached, indent=1) + "\n").encode())
     if as_json:
         click.echo(json.dumps(found))
     else:
         for name in unreached["edges"][:MOST_LISTED]:
             click.echo(f"never taken: {name}")
         for each in read_failures(output / "failures"):
-            click.echo(f"failed: {each['kind']}: {each['words']}; {each['file']}")
+            click.echo(printable(f"failed: {each['kind']}: {each['words']}; {each['file']}", MOST_SHOWN))
         click.echo(
             f"{found['runs']} runs, {found['failures']} failures of {found['kinds']} kinds, {found['grips']} grips, "
             f"{found['edges']} edges, {found['locations']} locations, {found['edge_faults']} edges with a fault; "
-            f"{output / 'unreached.json'}"
+            f"{output / UNREACHED}"
         )
+    if kept:
+        click.echo(f"not lost: what somebody had written there is {kept}", err=True)
     return 4 if found["failures"] else 0
 
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from end_effector_hal.cli import PathName, Progress, print_document
 from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import printable
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_lab.matrix import Cell
+    from end_effector_lab.results import ResultsFolder
     from end_effector_lab.workers import Workers
 
 
@@ -109,10 +111,28 @@ def _all(
     *,
     as_json: bool,
 ) -> int:
-    from end_effector_lab.matrix import fmea, page, play_all, summary
+    from end_effector_lab.matrix import matrix_folder, summary
 
-    begun = time.monotonic()
-    with Progress(f"{len(cells)} cells", shown=not as_json) as progress:
+    with matrix_folder(description, output) as results:
+        played = _played(description, cells, results, workers, shown=not as_json)
+        found = summary(cells, played, left_out)
+        kept = _write(description, cells, played, found, results)
+    if as_json:
+        click.echo(json.dumps(found))
+    else:
+        _tell(found, [each for each in played if not each["explained"]], output)
+    for path in kept:
+        click.echo(f"not lost: what somebody had written there is {path}", err=True)
+    return 4 if found["dropped"] or found["unexplained"] else 0
+
+
+def _played(
+    description: Description, cells: list[Cell], results: ResultsFolder, workers: Workers, *, shown: bool
+) -> list[dict[str, Any]]:
+    from end_effector_lab.matrix import play_all
+
+    begun, first = time.monotonic(), list[int]()
+    with Progress(f"{len(cells)} cells", shown=shown) as progress:
 
         def on_progress(done: int, of: int) -> None:
             if not first:
@@ -121,22 +141,27 @@ def _all(
             left = (of - done) * took / (done - first[0]) if done > first[0] else 0.0
             progress(f"{done} of {of} cells, {left / 60:.0f} min left")
 
-        first: list[int] = []
-        played = play_all(description, cells, output, workers=workers, on_progress=on_progress)
-    found = summary(cells, played, left_out)
-    by_id = {each["id"]: each for each in played}
-    files = {
-        "report.html": page(description.name, found, played),
-        "report.json": json.dumps(found, indent=1) + "\n",
-        "fmea.csv": fmea(description, cells, by_id),
-    }
-    for name, text in files.items():
-        (output / name).write_text(text, encoding="utf-8")
-    if as_json:
-        click.echo(json.dumps(found))
-    else:
-        _tell(found, [each for each in played if not each["explained"]], output)
-    return 4 if found["dropped"] or found["unexplained"] else 0
+        return play_all(description, cells, results, workers=workers, on_progress=on_progress)
+
+
+def _write(
+    description: Description,
+    cells: list[Cell],
+    played: list[dict[str, Any]],
+    found: dict[str, Any],
+    results: ResultsFolder,
+) -> list[Path]:
+    """Returns what somebody had changed, and stays."""
+    from end_effector_lab.matrix import FIGURES, FMEA, PAGE, fmea, page, signed_cells
+
+    signed = signed_cells(results.read(FMEA))
+    table = fmea(description, cells, {each["id"]: each for each in played}, signed).encode()
+    kept = [
+        results.write(PAGE, page(description.name, found, played).encode()),
+        results.write(FIGURES, (json.dumps(found, indent=1) + "\n").encode()),
+        results.write(FMEA, table, keep=signed_cells(table) != signed),
+    ]
+    return [path for path in kept if path is not None]
 
 
 def _tell(found: dict[str, object], wrong: list[dict[str, object]], output: Path) -> None:
@@ -150,7 +175,8 @@ def _tell(found: dict[str, object], wrong: list[dict[str, object]], output: Path
     for each in wrong[:20]:
         objections = each["objections"]
         assert isinstance(objections, list | tuple)
-        click.echo(f"not explained: {each['id']}: {each['outcome']}; {'; '.join(map(str, objections))}")
+        said = f"{each['id']}: {each['outcome']}; {'; '.join(map(str, objections))}"
+        click.echo(f"not explained: {printable(said, 5000)}")
     click.echo(
         f"{found['cells']} cells, {found['dropped']} dropped, {found['unexplained']} unexplained, "
         f"{found['left_out']} left out; {output / 'report.html'}"
@@ -162,7 +188,7 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
 
     from end_effector_hal.cli import figures
     from end_effector_lab.figures import RecordedRun, save
-    from end_effector_lab.matrix import record
+    from end_effector_lab.matrix import cell_folder, record
 
     cell = next((each for each in cells if each.id == name), None)
     if cell is None:
@@ -170,12 +196,10 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
         raise UsageError(f"There is no cell {name!r}.", todo=f"Did you mean {close[0]!r}?" if close else "")
     figures()  # without what draws them nothing is played
     folder = output / "cell"
-    if folder.exists():
-        for file in folder.iterdir():
-            file.unlink()
-    played = record(description, cell, folder)
-    run = RecordedRun.read(folder / "states.csv")
-    figure = save(run.figure("timeline"), folder / "timeline.png")
+    with cell_folder(folder) as new:
+        played = record(description, cell, new)
+        figure = save(RecordedRun.read(new / "states.csv").figure("timeline"), new / "timeline.png")
+    figure = folder / figure.name
     if as_json:
         print_document(played.as_json() | {"figure": str(figure)})
     else:

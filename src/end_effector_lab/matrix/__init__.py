@@ -2,23 +2,25 @@
 
 from ._cells import COMMANDS, Cell, cells_of, faults_of, thinned
 from ._expected import LYING, ExpectedOutcome, expected
-from ._fmea import fmea
+from ._fmea import SignedCells, fmea, signed_cells
 from ._judging import AT_REST, Monitors, is_still, not_gripping
-from ._kept_lines import kept_file, read_kept
 from ._outcome import Outcome
 from ._play import Played, outcome_of, play
 from ._report import page, summary
-from ._run import no_log, play_all
+from ._run import FIGURES, FMEA, PAGE, matrix_folder, no_log, play_all
 from ._script import GRIP, HELD, RELEASE, REST, Moment, moments
 from ._switching import Switching, switchings
-from ._timeline import record
+from ._timeline import cell_folder, record
 
 __all__ = [
     "AT_REST",
     "COMMANDS",
+    "FIGURES",
+    "FMEA",
     "GRIP",
     "HELD",
     "LYING",
+    "PAGE",
     "RELEASE",
     "REST",
     "Cell",
@@ -27,13 +29,15 @@ __all__ = [
     "Monitors",
     "Outcome",
     "Played",
+    "SignedCells",
     "Switching",
+    "cell_folder",
     "cells_of",
     "expected",
     "faults_of",
     "fmea",
     "is_still",
-    "kept_file",
+    "matrix_folder",
     "moments",
     "no_log",
     "not_gripping",
@@ -41,8 +45,8 @@ __all__ = [
     "page",
     "play",
     "play_all",
-    "read_kept",
     "record",
+    "signed_cells",
     "summary",
     "switchings",
     "thinned",

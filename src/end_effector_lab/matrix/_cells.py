@@ -9,7 +9,7 @@ from math import ceil, gcd, sqrt
 
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_lab.testbench import offered_faults
+from end_effector_lab.testbench import offered_faults, plain_number
 
 from ._script import Moment
 
@@ -54,11 +54,7 @@ class Cell:
     @property
     def number(self) -> float | None:
         """The number that belongs to it; None: none does."""
-        last = self.fault.split(":")[-1]
-        try:
-            return float(last)
-        except ValueError:
-            return None
+        return plain_number(self.fault.split(":")[-1])
 
 
 def faults_of(description: Description) -> tuple[str, ...]:

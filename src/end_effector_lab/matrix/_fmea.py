@@ -21,6 +21,9 @@ COLUMNS = (
     "item", "function", "failure mode", "cause", "local effect", "effect on the part", "detection", "reaction",
     "time_s", "severity", "occurrence", "cells", "unexplained",
 )  # fmt: skip
+KEY, SIGNED = ("item", "function", "failure mode"), ("severity", "occurrence")
+SignedCells = Mapping[tuple[str, ...], tuple[str, ...]]
+"""Severity and occurrence by item, function and failure mode."""
 FUNCTIONS = {REST: "begin a grip", GRIP: "grip", HELD: "hold", RELEASE: "release"}
 ON_PART = {
     Outcome.AT_REST: "none is held",
@@ -36,13 +39,34 @@ ON_PART = {
 }
 
 
-def fmea(description: Description, cells: Sequence[Cell], played: Mapping[str, Mapping[str, Any]]) -> str:
-    """A row for each fault and function, of the cells without a command, as CSV; severity and occurrence are left out.
+def signed_cells(data: bytes | None) -> SignedCells:
+    """What somebody has filled in in an earlier FMEA; nothing where it cannot be read as one."""
+    try:
+        text = (data or b"").decode("utf-8-sig")  # some spreadsheets put a mark in front
+        separator = ";" if text.partition("\n")[0].count(";") >= len(KEY) else ","
+        rows = list(csv.DictReader(StringIO(text, newline=""), delimiter=separator))
+    except (ValueError, csv.Error):
+        return {}
+    found = {
+        tuple(row.get(name) or "" for name in KEY): tuple((row.get(name) or "").strip() for name in SIGNED)
+        for row in rows
+    }
+    return {key: signed for key, signed in found.items() if any(signed)}
+
+
+def fmea(
+    description: Description,
+    cells: Sequence[Cell],
+    played: Mapping[str, Mapping[str, Any]],
+    signed: SignedCells | None = None,
+) -> str:
+    """A row for each fault and function, of the cells without a command, as CSV.
 
     Args:
         description: the tool.
         cells: of the matrix.
         played: what became of them, by id.
+        signed: severity and occurrence, which are empty otherwise.
     """
     groups: dict[tuple[str, str], list[tuple[Cell, Mapping[str, Any]]]] = {}
     for cell in cells:
@@ -54,12 +78,16 @@ def fmea(description: Description, cells: Sequence[Cell], played: Mapping[str, M
     order = sorted(groups.items(), key=lambda each: PHASES.index(each[0][1]))
     faults = list(dict.fromkeys(cell.fault for cell in cells))
     for (fault, phase), group in sorted(order, key=lambda each: faults.index(each[0][0])):
-        table.writerow(_row(description, fault, phase, group))
+        table.writerow(_row(description, fault, phase, group, signed or {}))
     return text.getvalue()
 
 
 def _row(
-    description: Description, fault: str, phase: str, group: Sequence[tuple[Cell, Mapping[str, Any]]]
+    description: Description,
+    fault: str,
+    phase: str,
+    group: Sequence[tuple[Cell, Mapping[str, Any]]],
+    signed: SignedCells,
 ) -> list[str | int]:
     cell, rows = group[0][0], [each for _, each in group]
     meaning = next(each.meaning for each in FAULTS if each.name == cell.name)
@@ -69,18 +97,16 @@ def _row(
     first = [each["told_after"] for each in rows if each["told_after"] is not None]
     effects = sorted({ON_PART[Outcome(each)] for each in outcomes})
     times = f"told after {min(first):g} to {max(first):g}; " if first else ""
+    key = (display_name(cell.place) or "Whole tool", FUNCTIONS[phase], fault)
     return [
-        display_name(cell.place) or "Whole tool",
-        FUNCTIONS[phase],
-        fault,
+        *key,
         meaning,
         expected_view(description, cell),
         "; ".join(effects),
         next(iter(told.most_common(1)), ("none is needed: nothing is affected",))[0],
         "; ".join(f"{name} ({count})" for name, count in outcomes.most_common()),
         f"{times}last movement of a line after {longest:g}",
-        "",
-        "",
+        *signed.get(key, ("", "")),
         len(rows),
         sum(not each["explained"] for each in rows),
     ]

@@ -6,6 +6,8 @@ from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from pydantic import ConfigDict
+
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
@@ -37,6 +39,8 @@ class Played:
         lines: every change of a line after it: seconds, line, level.
         objections: of the monitor and of the judge, sentences.
     """
+
+    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     id: str
     fault: str

@@ -2,27 +2,44 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from end_effector_hal.description import Description
+from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
-from ._cells import Cell
-from ._kept_lines import kept_file, read_kept
-from ._play import play
+from ._cells import COMMANDS, Cell
+from ._outcome import Outcome
+from ._play import Played, play
+from ._script import PHASES
 
-KEPT, HEADER = "cells.jsonl", "matrix.json"
+FMEA, PAGE, FIGURES = "fmea.csv", "report.html", "report.json"
+LAYOUT = ResultsLayout(
+    "matrix",
+    "matrix.json",
+    "cells.jsonl",
+    "Remove the line: its cell is played again.",
+    (PAGE, FIGURES, FMEA),
+)
+_SHAPE = TypeAdapter(Played)
+_OUTCOMES = frozenset(each.value for each in Outcome)
+
+
+def matrix_folder(description: Description, folder: Path) -> ResultsFolder:
+    """The results of a tool's matrix; raises UsageError if the folder cannot be used or belongs to something else."""
+    return ResultsFolder(folder, LAYOUT, mark_of(description))
 
 
 def play_all(
     description: Description,
     cells: Sequence[Cell],
-    folder: Path,
+    results: ResultsFolder,
     *,
     workers: Workers,
     on_progress: Callable[[int, int], None] = lambda _, __: None,
@@ -32,25 +49,22 @@ def play_all(
     Args:
         description: the tool.
         cells: of the matrix.
-        folder: keeps what was played.
+        results: what was played; of this tool.
         workers: play them.
         on_progress: called with how many were played, and how many there are.
 
     Raises:
-        UsageError: the folder cannot be written, or is that of another tool.
+        UsageError: a kept line does not fit, or what is played cannot be kept.
         WorkersError: they cannot be reached or do not fit, or some cells were not played.
     """
-    kept = kept_file(folder, HEADER, KEPT, description, "matrix")
-    done = {each["id"]: dict(each) for each in read_kept(kept)}
+    done = _kept(results, {cell.id: cell for cell in cells})
     todo = [cell for cell in cells if cell.id not in done]
     on_progress(len(cells) - len(todo), len(cells))
-    with kept.open("a", encoding="utf-8") as file:
-        shared = description, ShippedAutomata(description)
-        for number, (cell, played) in enumerate(workers.each(_play, shared, todo), start=1):
-            done[cell.id] = played
-            file.write(json.dumps(played) + "\n")
-            file.flush()
-            on_progress(len(cells) - len(todo) + number, len(cells))
+    shared = description, ShippedAutomata(description)
+    for number, (cell, played) in enumerate(workers.each(_play, shared, todo), start=1):
+        done[cell.id] = played
+        results.append(played)
+        on_progress(len(cells) - len(todo) + number, len(cells))
     return [done[cell.id] for cell in cells if cell.id in done]
 
 
@@ -68,3 +82,30 @@ def _play(shared: tuple[Description, ShippedAutomata], cell: Cell) -> dict[str, 
     description, automata = shared
     with no_log():
         return play(automata.of(description), cell).as_json()
+
+
+def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str, Any]]:
+    """What was played, by the id of its cell."""
+    done: dict[str, dict[str, Any]] = {}
+    for where, played in results.lines(_SHAPE):
+        if wrong := _misfit(played, cells.get(played.id)):
+            raise results.misfit(wrong, where)
+        if played.id in done:
+            raise results.misfit("its cell stands in an earlier line, too.", where)
+        done[played.id] = played.as_json()
+    return done
+
+
+def _misfit(played: Played, cell: Cell | None) -> str:
+    """What of a line contradicts its cell, or itself; empty: nothing. None: the cell is not asked for."""
+    if played.id != f"{played.fault} @ {played.moment} + {played.command}":
+        return "fault, moment and command are not those of its id."
+    if played.command not in COMMANDS or played.phase not in PHASES:
+        return "its command or its phase is not known."
+    if cell is not None and played.phase != cell.moment.phase:
+        return f"its moment is in the phase {cell.moment.phase}."
+    if not {played.outcome, *played.expected} <= _OUTCOMES:
+        return "its outcome, or one that is expected, is not known."
+    if played.explained == bool(played.objections) or (played.dropped and played.explained):
+        return "it is explained, and there are objections, or the reverse."
+    return ""

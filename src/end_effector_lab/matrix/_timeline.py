@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from end_effector_hal.description import Description
-from end_effector_hal.recording import Recording
+from end_effector_hal.recording import Recording, read_run
 from end_effector_hal.signals import Frame
+from end_effector_lab.results import replaced_folder
 
 from ._cells import Cell
 from ._play import CellRun, Played
 from ._run import no_log
+
+TIMELINE = "timeline.png"
+_WRITTEN = ("run.json", "states.csv", "pressures.csv", "tool_changer.csv", "alarms.csv", TIMELINE)
+
+
+def cell_folder(folder: Path) -> AbstractContextManager[Path]:
+    """A new folder for a cell, which replaces that of another cell; raises UsageError if it holds anything else."""
+    return replaced_folder(folder, _WRITTEN, _is_a_cell, "cell of a matrix")
+
+
+def _is_a_cell(folder: Path) -> bool:
+    return " @ " in read_run(folder).scenario  # no scenario that a testbench takes has it
 
 
 def record(description: Description, cell: Cell, folder: Path) -> Played:

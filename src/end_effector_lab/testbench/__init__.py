@@ -9,7 +9,7 @@ from ._ports import Port, PtyPort, SerialPort
 from ._possible import offered_faults, possible_faults
 from ._records import Events, Record, edges_of
 from ._run import run_testbench
-from ._scenario import FAULTS, TOOL_CHANGER, Effect, Fault, Scenario, parse_scenario
+from ._scenario import FAULTS, TOOL_CHANGER, Effect, Fault, Scenario, parse_scenario, plain_number
 from ._sensor_board import SensorBoard, Sent, carried
 from ._testbench import Testbench, Watcher
 from ._virtual_copy import write_description, write_virtual_copy
@@ -40,6 +40,7 @@ __all__ = [
     "open_ports",
     "open_sensors",
     "parse_scenario",
+    "plain_number",
     "possible_faults",
     "run_testbench",
     "write_description",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
@@ -335,13 +336,20 @@ def _number(part: str, values: list[str], number: Number) -> float:
     expected = f"{kind} from {number.low:g} to {number.high:g}"
     if not values:
         raise UsageError(f"{part!r} needs a number.", todo=f"Expected: {number.name}, {expected}.")
-    try:
-        value = float(values.pop(0))
-    except ValueError:
-        value = math.nan
+    value = plain_number(values.pop(0))
+    if value is None:
+        raise UsageError(f"{part!r}: {number.name} must be {expected}, in plain digits.")
     if not number.low <= value <= number.high or (number.whole and not value.is_integer()):
         raise UsageError(f"{part!r}: {number.name} must be {expected}.")
     return value
+
+
+_PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?", re.ASCII)
+
+
+def plain_number(text: str) -> float | None:
+    """A decimal number in ASCII; None for all else that `float` takes: ``nan``, ``1_0``, digits of other scripts."""
+    return float(text) if _PLAIN.fullmatch(text) else None
 
 
 def did_you_mean(wrong: str, right: Iterable[str]) -> str:

@@ -26,7 +26,6 @@ from end_effector_lab.campaign import (
     run_campaign,
 )
 from end_effector_lab.commands._campaign import command
-from end_effector_lab.matrix import read_kept
 from end_effector_lab.workers import local_workers
 from tests.support.nightly import NIGHTLY
 from tests.unit.campaign.mutants import MUTANTS
@@ -173,20 +172,38 @@ def test_a_folder_of_another_seed_is_refused(tmp_path: Path) -> None:
     assert "another tool" in str(result.exception)
 
 
-def test_a_file_of_runs_that_is_damaged_is_refused(tmp_path: Path) -> None:
-    kept = tmp_path / "runs.jsonl"
-    kept.write_bytes(b'{"run": 0}\n\xff\n')
-    with pytest.raises(UsageError, match="cannot be read"):
-        list(read_kept(kept))
-    kept.write_bytes(b'{"run": 0}\n{"run')
-    assert list(read_kept(kept)) == [{"run": 0}]
-    assert kept.read_bytes() == b'{"run": 0}\n'
+RUN = {"run": 0, "grips": 0, "s": 1.0}
 
 
-def test_a_line_that_is_of_no_run_is_refused(tmp_path: Path) -> None:
-    for number, line in enumerate(['{"another": 1}', "[]"]):
-        with pytest.raises(UsageError, match="Line 1 is not that of a run"):
-            _campaign_over(tmp_path / str(number), line)
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [
+        ({"another": 1}, "run: Field required"),
+        ([], "object"),
+        (RUN | {"run": 1}, "run 0 is the next one"),
+        (RUN | {"run": True}, "run"),
+        (RUN | {"moments": [1]}, "do not stand together"),
+        (
+            RUN | {"case": {"seed": 0, "happenings": []}, "failures": {"a": "b"}},
+            "not the one that seed 0 gives",
+        ),
+        (RUN | {"case": {"seed": 0, "happenings": [["1", "grip"]]}, "failures": {"a": "b"}}, "no case"),
+        (
+            RUN | {"case": {}, "moments": [], "new": {"edges": [9999], "locations": [], "pairs": []}},
+            "what this tool does not have",
+        ),
+    ],
+)
+def test_a_line_that_is_of_no_run_is_refused(line: object, what: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=what) as error:
+        _campaign_over(tmp_path, json.dumps(line))
+    assert error.value.where == f"{tmp_path / 'runs.jsonl'}:1"
+
+
+def test_a_file_of_failures_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "001.json").write_text("[]")
+    with pytest.raises(UsageError, match="no failure of a campaign"):
+        read_failures(tmp_path)
 
 
 def _campaign_over(folder: Path, line: str) -> None:

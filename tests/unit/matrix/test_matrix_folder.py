@@ -1,0 +1,187 @@
+"""The folder of a matrix: kept lines that contradict themselves, an FMEA that somebody signs, the folder of a cell."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from functools import cache
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.errors import UsageError
+from end_effector_lab.commands import _matrix
+from end_effector_lab.matrix import Cell, Moment, fmea, matrix_folder, play_all, signed_cells
+from end_effector_lab.workers import local_workers, open_workers
+
+SHIPPED = load(profile_path())
+REST = Moment("rest", 2_000_000, "rest", ())
+CELLS = [Cell("nominal", REST, "cancel"), Cell("nominal", REST, "lock")]
+LEAKS = [Cell("leak:top_vacuum:4", REST, "none"), Cell("leak:bottom_vacuum:4", REST, "none")]
+
+
+@cache
+def played() -> tuple[dict[str, Any], ...]:
+    return tuple(
+        {
+            "id": cell.id, "fault": cell.fault, "moment": "rest", "phase": "rest", "command": cell.command,
+            "outcome": "refused", "expected": ["refused"], "why": "Rule 5", "explained": True, "dropped": False,
+            "seconds": 0.0, "told": "The command was refused.", "told_after": 0.0, "lines": [], "objections": [],
+        }
+        for cell in CELLS + LEAKS
+    )  # fmt: skip
+
+
+def kept(folder: Path, *lines: dict[str, Any]) -> list[dict[str, Any]]:
+    """What a matrix of two cells makes of these lines."""
+    matrix_folder(SHIPPED, folder).close()
+    (folder / "cells.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    with matrix_folder(SHIPPED, folder) as results:
+        return play_all(SHIPPED, CELLS, results, workers=local_workers(1))
+
+
+def test_what_was_played_is_not_played_again(tmp_path: Path) -> None:
+    first, second, *others = played()
+    found = kept(tmp_path, first | {"why": "kept"}, second | {"why": "kept"}, *others)
+    assert [(each["id"], each["why"]) for each in found] == [(cell.id, "kept") for cell in CELLS]
+
+
+@pytest.mark.parametrize(
+    ("changed", "what"),
+    [
+        ({"id": "nominal @ rest + unlock"}, "not those of its id"),
+        ({"fault": "supply:0"}, "not those of its id"),
+        ({"command": "jump", "id": "nominal @ rest + jump"}, "command or its phase"),
+        ({"phase": "lunch"}, "command or its phase"),
+        ({"phase": "held"}, "in the phase rest"),
+        ({"outcome": "triumph"}, "not known"),
+        ({"expected": ["triumph"]}, "not known"),
+        ({"explained": False}, "objections, or the reverse"),
+        ({"dropped": True}, "objections, or the reverse"),
+        ({"seconds": float("inf")}, "seconds"),
+        ({"seconds": "0"}, "seconds"),
+        ({"lines": [[0.1, "x", "on"]]}, "lines.0.2"),
+        ({"lines": [0.1]}, "lines.0"),
+        ({"told_after": {}}, "told_after"),
+        ({"another": 1}, "another"),
+    ],
+)
+def test_a_line_that_contradicts_itself_is_refused(
+    changed: dict[str, Any], what: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UsageError, match=what) as error:
+        kept(tmp_path, played()[1], played()[0] | changed)
+    assert error.value.where == f"{tmp_path / 'cells.jsonl'}:2"
+
+
+@pytest.mark.parametrize("name", list(played()[0]))
+def test_a_line_that_lacks_something_is_refused(name: str, tmp_path: Path) -> None:
+    line = {key: value for key, value in played()[0].items() if key != name}
+    if name in ("told", "told_after", "lines", "objections"):  # nothing is their default
+        assert len(kept(tmp_path, line, played()[1])) == 2
+    else:
+        with pytest.raises(UsageError, match=name):
+            kept(tmp_path, line)
+
+
+def test_a_cell_that_stands_twice_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="earlier line"):
+        kept(tmp_path, played()[0], played()[0])
+
+
+def table(signed: bytes | None = None, cells: list[Cell] = LEAKS) -> bytes:
+    by_id = {each["id"]: each for each in played()}
+    return fmea(SHIPPED, cells, by_id, signed_cells(signed)).encode()
+
+
+def filled(write: Callable[[list[dict[str, str]], StringIO], None]) -> bytes:
+    rows = list(csv.DictReader(StringIO(table().decode(), newline="")))
+    assert [row["severity"] for row in rows] == ["", ""]
+    rows[0] |= {"severity": "7", "occurrence": "3"}
+    text = StringIO(newline="")
+    write(rows, text)
+    return text.getvalue().encode()
+
+
+def as_it_was(rows: list[dict[str, str]], text: StringIO) -> None:
+    writer = csv.DictWriter(text, rows[0])
+    writer.writeheader()
+    writer.writerows(rows)
+
+
+def by_a_spreadsheet(rows: list[dict[str, str]], text: StringIO) -> None:
+    text.write("\ufeff")
+    columns = ["remark", *reversed(rows[0])]
+    writer = csv.DictWriter(text, columns, delimiter=";", quoting=csv.QUOTE_ALL, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({**row, "remark": "x;y"} for row in reversed(rows))
+
+
+@pytest.mark.parametrize("write", [as_it_was, by_a_spreadsheet])
+def test_what_somebody_signed_stands_in_the_next_fmea(
+    write: Callable[[list[dict[str, str]], StringIO], None],
+) -> None:
+    rows = list(csv.DictReader(StringIO(table(filled(write)).decode(), newline="")))
+    assert [(row["severity"], row["occurrence"]) for row in rows] == [("7", "3"), ("", "")]
+
+
+@pytest.mark.parametrize("data", [b"", b"\xff", b"\0", b"a,b\n1,2,3\n", b'"' * 200_000, b"x" * 200_000])
+def test_what_is_no_fmea_says_nothing(data: bytes) -> None:
+    assert signed_cells(data) == {}
+
+
+def written(folder: Path, cells: list[Cell]) -> list[str]:
+    chosen = [each for each in played() if each["id"] in {cell.id for cell in cells}]
+    with matrix_folder(SHIPPED, folder) as results:
+        found = {"cells": 2, "dropped": 0, "unexplained": 0, "left_out": 0, "not_played": 0, "dimensions": {}}
+        return [each.name for each in _matrix._write(SHIPPED, cells, chosen, found, results)]
+
+
+def test_a_signed_fmea_is_never_lost(tmp_path: Path) -> None:
+    path = tmp_path / "fmea.csv"
+    assert written(tmp_path, LEAKS) == []
+    signed = filled(as_it_was)
+    path.write_bytes(signed)
+    assert written(tmp_path, LEAKS) == []  # its bytes are those of the next one
+    assert path.read_bytes() == signed
+    path.write_bytes(filled(by_a_spreadsheet))
+    assert written(tmp_path, LEAKS) == ["fmea-1.csv"]
+    assert (path.read_bytes(), (tmp_path / "fmea-1.csv").read_bytes()) == (signed, filled(by_a_spreadsheet))
+    assert written(tmp_path, LEAKS[1:]) == ["fmea-2.csv"]  # the row that was signed is not in it
+    assert (tmp_path / "fmea-2.csv").read_bytes() == signed
+    (tmp_path / "report.html").write_text("theirs")
+    assert written(tmp_path, LEAKS[1:]) == ["report-1.html"]
+
+
+def test_more_processes_than_the_machine_is_good_for_are_refused() -> None:
+    with pytest.raises(UsageError, match="too many") as error:
+        open_workers(None, 100_000)
+    assert error.value.where == "--jobs"
+
+
+def test_a_cell_replaces_a_cell_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("end_effector_lab.matrix.cells_of", lambda *_: iter(CELLS))
+    monkeypatch.setattr("end_effector_lab.matrix.moments", lambda _: ())
+
+    def run(name: str) -> BaseException | None:
+        arguments = ["--cell", name, "-o", str(tmp_path)]
+        result = CliRunner().invoke(_matrix.command, arguments)
+        return None if isinstance(result.exception, SystemExit) else result.exception
+
+    for cell in CELLS:
+        assert run(cell.id) is None
+        assert json.loads((tmp_path / "cell" / "run.json").read_text())["scenario"] == cell.id
+        assert (tmp_path / "cell" / "timeline.png").exists()
+    (tmp_path / "cell" / "thesis.txt").write_text("mine")
+    assert "'thesis.txt', which no cell" in str(run(CELLS[0].id))
+    (tmp_path / "cell" / "thesis.txt").unlink()
+    info = tmp_path / "cell" / "run.json"
+    info.write_text(json.dumps(json.loads(info.read_text()) | {"scenario": "leak:top_vacuum"}))
+    assert "what no cell" in str(run(CELLS[0].id))
+    assert json.loads(info.read_text())["scenario"] == "leak:top_vacuum"
+    assert [each.name for each in tmp_path.iterdir()] == ["cell"]
