@@ -20,11 +20,10 @@ from dataclasses import dataclass
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
-from typing import TypeVar
+from typing import Self, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from end_effector_hal._closing import Closing
 from end_effector_hal.cli import the_folder, write_whole
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import append_whole, lock
@@ -62,7 +61,7 @@ class ResultsLayout:
     folders: tuple[str, ...] = ()
 
 
-class ResultsFolder(Closing):
+class ResultsFolder:
     """An open folder of results; it is made if there is none.
 
     Args:
@@ -90,6 +89,12 @@ class ResultsFolder(Closing):
             self._fd = _opened(path / layout.lines, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW)
             stack.callback(os.close, self._fd)
             self._open = stack.pop_all()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def close(self) -> None:
         """Let others use it; nothing happens the second time."""

@@ -337,9 +337,7 @@ def _number(part: str, values: list[str], number: Number) -> float:
     if not values:
         raise UsageError(f"{part!r} needs a number.", todo=f"Expected: {number.name}, {expected}.")
     value = plain_number(values.pop(0))
-    if value is None:
-        raise UsageError(f"{part!r}: {number.name} must be {expected}, in plain digits.")
-    if not number.low <= value <= number.high or (number.whole and not value.is_integer()):
+    if value is None or not number.low <= value <= number.high or (number.whole and not value.is_integer()):
         raise UsageError(f"{part!r}: {number.name} must be {expected}.")
     return value
 

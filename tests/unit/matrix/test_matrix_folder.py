@@ -185,3 +185,10 @@ def test_a_cell_replaces_a_cell_and_nothing_else(tmp_path: Path, monkeypatch: py
     assert "what no cell" in str(run(CELLS[0].id))
     assert json.loads(info.read_text())["scenario"] == "leak:top_vacuum"
     assert [each.name for each in tmp_path.iterdir()] == ["cell"]
+
+
+@pytest.mark.parametrize(
+    ("fault", "number"), [("leak:nan", None), ("stuck-release:inf", None), ("leak:nan:4", 4.0)]
+)
+def test_a_place_is_no_number(fault: str, number: float | None) -> None:
+    assert Cell(fault, REST, "none").number == number

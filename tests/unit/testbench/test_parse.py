@@ -126,3 +126,14 @@ def test_a_fault_of_a_device_that_it_cannot_have(verdin: Description, text: str,
 
 def test_the_table_has_each_name_once() -> None:
     assert len({fault.name for fault in FAULTS}) == len(FAULTS)
+
+
+@pytest.mark.parametrize("number", ["١٢", "1_0", "nan", "inf", " 5", "5 ", "0x5", "1e", "", "9" * 50])
+def test_a_number_stands_in_plain_digits(verdin: Description, number: str) -> None:
+    with pytest.raises(UsageError, match="must be a number"):
+        parse_scenario(f"supply:{number}:", verdin)
+
+
+@pytest.mark.parametrize(("number", "kpa"), [("12", 12.0), ("1e2", 100.0), ("+.5", 0.5), ("3.", 3.0)])
+def test_plain_digits_are_read(verdin: Description, number: str, kpa: float) -> None:
+    assert parse_scenario(f"supply:{number}", verdin).supply_kpa == kpa
