@@ -17,12 +17,15 @@ FULL = "The output cannot be written: No space left on device.\n"
 
 
 def run(*arguments: str, stdout: int) -> tuple[int, str]:
+    # without a buffer nothing is left that would fail again at the end of the interpreter
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONUNBUFFERED"}
     ended = subprocess.run(
         [sys.executable, "-c", EEHAL, *arguments],
         stdout=stdout,
         stderr=subprocess.PIPE,
         text=True,
         timeout=60,
+        env=environment,
     )
     return ended.returncode, ended.stderr
 
