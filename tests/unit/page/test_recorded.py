@@ -296,7 +296,10 @@ def test_the_command_writes_one_file(grip: Path, copy: Path, tmp_path: Path) -> 
     ("words", "why"),
     [
         (["page", "DESCRIPTION", "DESCRIPTION"], "One description is shown at a time."),
-        (["page", "DESCRIPTION", "--from", "3"], "--from, --to, --description and --what-if are for recordings."),
+        (
+            ["page", "DESCRIPTION", "--from", "3"],
+            "--from, --to, --description and --what-if are for recordings.",
+        ),
         (["page", "RUN", "RUN", "RUN"], "3 recordings cannot be compared."),
         (["page", "RUN", "--from", "3", "--to", "2"], "--to 2 is not after --from 3."),
     ],
