@@ -57,7 +57,7 @@ test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library 
 	@$(APART) EEHAL_ROS2_PEER=$(CURDIR)/$(ROS2)-peer/bin/python $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2/test_peer.py
 
 nightly: setup ## at length: the proof on thousands of random networks, 8, 32 and 64 steps, the line arbiter fuzzed and simulated
-	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths tests/acceptance/cluster
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
 
 test-page: setup ## the live page in a real browser: Debian's Chromium (6 minutes)

@@ -16,15 +16,17 @@ from distributed import Client
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import WorkersError
-from end_effector_lab.matrix import cells_of, moments, play_all
+from end_effector_lab.matrix import cells_of, matrix_folder, moments, play_all
 from end_effector_lab.processes import EEHAL
 from end_effector_lab.workers import Workers, _cluster, cluster_workers, local_workers
+from tests.support.nightly import NIGHTLY
 from tests.support.patience import wait_until
 
 from . import functions
 from .conftest import ENV, Cluster
 
 pytestmark = pytest.mark.wall
+at_length = pytest.mark.skipif(not NIGHTLY, reason="takes half a minute: make nightly")
 SHIPPED = load(profile_path())
 
 
@@ -58,12 +60,13 @@ def test_the_cells_of_a_worker_that_is_killed_are_played_by_others(
             os.kill(victim, signal.SIGKILL)
             killed.append(done)
 
-    found = play_all(SHIPPED, cells, tmp_path / "cluster", workers=workers, on_progress=on_progress)
+    with matrix_folder(SHIPPED, tmp_path / "cluster") as results:
+        found = play_all(SHIPPED, cells, results, workers=workers, on_progress=on_progress)
     assert killed
     lines = (tmp_path / "cluster" / "cells.jsonl").read_text().splitlines()
     assert sorted(json.loads(line)["id"] for line in lines) == sorted(cell.id for cell in cells)
-    with local_workers(2) as local:
-        here = play_all(SHIPPED, cells, tmp_path / "local", workers=local)
+    with local_workers(2) as local, matrix_folder(SHIPPED, tmp_path / "local") as results:
+        here = play_all(SHIPPED, cells, results, workers=local)
     assert found == here
 
 
@@ -124,6 +127,7 @@ def test_a_scheduler_that_dies_leaves_what_was_done(bare: Cluster, tmp_path: Pat
     assert len(list(tmp_path.iterdir())) < 1000  # few were in front of the worker
 
 
+@at_length
 def test_what_is_no_worker_is_not_waited_for(
     bare: Cluster, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -150,6 +154,7 @@ def matrix(folder: Path, *arguments: str) -> list[str]:
     return [*EEHAL, "matrix", "--only", "nominal @ grip", "-o", str(folder), "--json", *arguments]
 
 
+@at_length
 def test_ctrl_c_leaves_a_folder_that_goes_on(workers: Workers, cluster: Cluster, tmp_path: Path) -> None:
     env, kept = {**os.environ, **ENV}, tmp_path / "cells.jsonl"
     command = matrix(tmp_path, "--every", "9", "--scheduler", cluster.address)

@@ -73,7 +73,7 @@ def wait_for(frames: Queue[Frame], condition: Callable[[Frame], bool]) -> Frame:
 def test_lines_in_frames_out(start: Start, tmp_path: Path) -> None:
     process = start("--verbose", "--events", f"{tmp_path}/events", "--record", f"{tmp_path}/record")
     assert line(process) == (
-        f"ready: verdin_gripper, scenario nominal, lines virtual:{tmp_path}/chip, port {tmp_path}/uart, "
+        f"ready: verdin_gripper, scenario nominal, seed 0, lines virtual:{tmp_path}/chip, port {tmp_path}/uart, "
         "ees1-ascii at 50 Hz"
     )
     frames: Queue[Frame] = Queue()
