@@ -61,6 +61,10 @@ def launched(log, *arguments, code=0, **env):
     assert set(re.findall(r"\[(\w+)-\d+\]: process has died", said)) <= {"testbench"}, said
 
 
+GONE = 1
+"""Of Evidence.msg."""
+
+
 class Client:
     """An application of one tool."""
 
@@ -101,14 +105,16 @@ class Client:
             self.executor.spin_once(0.1)
 
     def until_state(self, name):
-        """Wait for a state of a tool that is locked."""
-        self.until(
-            name,
-            lambda: (
-                self.states
-                and (self.states[-1].state_name, self.states[-1].tool_changer_name) == (name, "LOCKED")
-            ),
-        )
+        """Wait for a state of a tool that is locked; at rest, until all is proven gone: a grip asks for it (IL-07)."""
+
+        def reached():
+            if not self.states:
+                return False
+            last = self.states[-1]
+            proven = name != "STAND_BY" or {*last.evidence} == {GONE}
+            return proven and (last.state_name, last.tool_changer_name) == (name, "LOCKED")
+
+        self.until(name, reached)
 
     def done(self, future):
         """What is answered."""
