@@ -16,8 +16,8 @@ from pathlib import Path
 
 from distributed import Client
 
-from end_effector_hal.description import load, profile_path
-from end_effector_lab.matrix import Cell, cells_of, moments, play_all
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_lab.matrix import Cell, cells_of, matrix_folder, moments, play_all, thinned
 from end_effector_lab.processes import Child, Children
 from end_effector_lab.workers import cluster_workers, local_workers
 
@@ -30,15 +30,15 @@ NOTHING = 20_000
 def main() -> None:
     """Print it as JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--every", type=int, default=150, help="play each Nth cell of the shipped tool")
+    parser.add_argument("--every", type=int, default=150, help="play one cell of N of the shipped tool")
     every = parser.parse_args().every
     description = load(profile_path())
-    cells = [*cells_of(description, moments(description))][::every]
+    cells = thinned([*cells_of(description, moments(description))], every)
     with tempfile.TemporaryDirectory() as name, Children() as children:
         folder = Path(name)
         begun = time.process_time()
-        with local_workers(1) as here:
-            play_all(description, cells, folder / "here", workers=here)
+        with local_workers(1) as here, matrix_folder(description, folder / "here") as results:
+            play_all(description, cells, results, workers=here)
         found: dict[str, object] = {"cells": len(cells), "here_s": time.process_time() - begun}
         scheduler, address = _scheduler(children, folder)
         for count in (1, 2):
@@ -70,13 +70,13 @@ def _scheduler(children: Children, folder: Path) -> tuple[Child, str]:
     return scheduler, json.loads(file.read_text())["address"]
 
 
-def _play(description: object, cells: list[Cell], folder: Path, address: str) -> None:
-    with cluster_workers(address) as workers:
-        play_all(description, cells, folder, workers=workers)  # type: ignore[arg-type]
+def _play(description: Description, cells: list[Cell], folder: Path, address: str) -> None:
+    with cluster_workers(address) as workers, matrix_folder(description, folder) as results:
+        play_all(description, cells, results, workers=workers)
 
 
 def _measured(
-    client: Client, scheduler: Child, description: object, cells: list[Cell], folder: Path, address: str
+    client: Client, scheduler: Child, description: Description, cells: list[Cell], folder: Path, address: str
 ) -> dict[str, object]:
     def used() -> tuple[dict[str, float], float, float]:
         return client.run(time.process_time), _cpu_s(scheduler.pid), time.process_time()
