@@ -24,7 +24,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import product_version
 from end_effector_lab.matrix import no_log
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
-from end_effector_lab.workers import Workers
+from end_effector_lab.workers import ShippedAutomata, Workers
 
 from ._case import LARGEST_BYTES, Case, case_from_json
 from ._coverage import CoverageMap, Reached
@@ -57,6 +57,19 @@ class KeptCase(NamedTuple):
     moments: tuple[int, ...]
     edge: bool
     run: int
+
+
+class _Shared(NamedTuple):
+    """What every worker needs."""
+
+    described: Description
+    automata: ShippedAutomata
+    known: CoverageMap
+
+    @property
+    def description(self) -> Description:
+        """With the automata as they are on the worker's machine."""
+        return self.automata.of(self.described)
 
 
 class _Failure(BaseModel):
@@ -176,7 +189,7 @@ def run_campaign(
         for where, kept in results.lines(KEPT_RUN):
             _add_kept(kept, where, campaign, source, description, results)
         on_progress(campaign)
-        shared, over = (description, known), False
+        shared, over = _Shared(description, ShippedAutomata(description), known), False
         while not over:
             waiting: dict[int, dict[str, Any]] = {}
             todo = _Drawn(campaign, source, go_on)
@@ -188,7 +201,7 @@ def run_campaign(
                     results.append(line)
                     on_progress(campaign)
             over = todo.over
-        _write_failures(campaign, folder / FAILURES, description, workers)
+        _write_failures(campaign, folder / FAILURES, shared, workers)
     return campaign
 
 
@@ -232,11 +245,11 @@ class _Drawn:
             run += 1
 
 
-def _play(shared: tuple[Description, CoverageMap], item: tuple[int, Case]) -> dict[str, Any]:
+def _play(shared: _Shared, item: tuple[int, Case]) -> dict[str, Any]:
     """One run, in a worker."""
     run, case = item
     with no_log():
-        played = play_case(shared[0], case, shared[1])
+        played = play_case(shared.description, case, shared.known)
     return {
         "run": run, "grips": played.grips, "s": round(played.seconds, 3), "case": case.as_json(),
         "moments": list(played.moments[:MOST_MOMENTS]), "new": played.reached.as_json(),
@@ -259,24 +272,25 @@ def _shortened(found: dict[str, Any], campaign: Campaign) -> dict[str, Any]:
     return line
 
 
-def _shrink(shared: tuple[Description, CoverageMap], item: tuple[str, Case]) -> tuple[Case, list[str]]:
+def _shrink(shared: _Shared, item: tuple[str, Case]) -> tuple[Case, list[str]]:
     """The smallest case of a kind of failure, and what happens in it; in a worker."""
     kind, case = item
+    description, known = shared.description, shared.known
     with no_log():
         smallest = shrunk(
-            shared[0], case, lambda failures: kind in map(kind_of_failure, failures.values()), shared[1]
+            description, case, lambda failures: kind in map(kind_of_failure, failures.values()), known
         )
-        return smallest, list(play_case(shared[0], smallest, shared[1], log=True).log)
+        return smallest, list(play_case(description, smallest, known, log=True).log)
 
 
-def _write_failures(campaign: Campaign, folder: Path, description: Description, workers: Workers) -> None:
+def _write_failures(campaign: Campaign, folder: Path, shared: _Shared, workers: Workers) -> None:
     """A file for each kind of failure that has none yet."""
     done = {str(each["kind"]) for each in read_failures(folder)}
     todo = [(kind, failed.case) for kind, failed in campaign.kinds.items() if kind not in done][:MOST_KINDS]
     if not todo:
         return
     the_folder(folder)
-    shared = description, campaign.known
+    description = shared.described
     numbers = {kind: number for number, kind in enumerate(campaign.kinds)}
     for (kind, _), (case, log) in workers.each(_shrink, shared, todo):
         failed = campaign.kinds[kind]

@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli import PathName, Progress, print_document
+from end_effector_hal.cli import PathName, Progress, print_document, seed_option
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
+
+from ._options import playing_options
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_lab.campaign import Campaign
+    from end_effector_lab.workers import Workers
 
 RUNS = 1000
 MOST_LISTED, MOST_SHOWN = 20, 5000
@@ -23,37 +26,20 @@ MOST_LISTED, MOST_SHOWN = 20, 5000
 
 @click.command("campaign", short_help="random commands, faults and deaths, in virtual time")
 @click.argument("tool", required=False, metavar="TOOL", type=PathName())
-@click.option(
-    "-o",
-    "--output",
-    metavar="FOLDER",
-    default="runs/campaign",
-    show_default=True,
-    type=PathName(),
-    help="Gets what was played, the failures and what was never reached; a campaign that was stopped there goes on.",
-)
+@playing_options("campaign", "Gets what was played, the failures and what was never reached")
 @click.option(
     "--runs", type=click.IntRange(1), metavar="N", help=f"End after N runs in all.  [default: {RUNS}]"
 )
 @click.option(
     "--time", "seconds", type=click.FloatRange(min=0, min_open=True), metavar="S", help="End after S seconds."
 )
-@click.option(
-    "--seed",
-    type=int,
-    default=0,
-    show_default=True,
-    metavar="S",
-    help="Of all cases: the same seed gives the same runs.",
-)
-@click.option("--jobs", type=click.IntRange(1), help="Processes; default: one for each processor.")
+@seed_option(default=0, help="Of all cases: the same seed gives the same runs.  [default: 0]")
 @click.option("--play", "file", metavar="FILE", type=PathName(), help="Play the case in FILE only.")
 @click.option(
     "--processes",
     is_flag=True,
     help="With --play: on real processes and in real time, with `eehal testbench` at the other end of the wires.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, in one line.")
 def command(
     tool: Path | None,
     output: Path,
@@ -61,6 +47,7 @@ def command(
     seconds: float | None,
     seed: int,
     jobs: int | None,
+    scheduler: str | None,
     file: Path | None,
     processes: bool,
     as_json: bool,
@@ -77,14 +64,18 @@ def command(
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
+    from end_effector_lab.workers import open_workers
 
     description = load_tool(tool or profile_path())
+    if file is not None and (jobs or scheduler):
+        raise UsageError("--play plays one case, here.", todo="Leave --jobs and --scheduler out.")
     if file is not None:
         raise SystemExit(_play(description, file, output, processes=processes, as_json=as_json))
     if processes:
         raise UsageError("--processes plays one case.", todo="Name its file with --play FILE.")
     limit = runs or (None if seconds else RUNS)
-    raise SystemExit(_run(description, output, limit, seconds, seed, jobs, as_json=as_json))
+    with open_workers(scheduler, jobs) as workers:  # first of all: a scheduler may not be there
+        raise SystemExit(_run(description, output, limit, seconds, seed, workers, as_json=as_json))
 
 
 def _run(
@@ -93,7 +84,7 @@ def _run(
     runs: int | None,
     seconds: float | None,
     seed: int,
-    jobs: int | None,
+    workers: Workers,
     *,
     as_json: bool,
 ) -> int:
@@ -105,11 +96,10 @@ def _run(
         run_campaign,
         summary,
     )
-    from end_effector_lab.workers import open_workers
 
     begun, first = time.monotonic(), list[int]()
     what = f"{runs} runs" if runs else f"runs for {seconds:g} s"
-    with Progress(what, shown=not as_json) as progress, open_workers(None, jobs) as workers:
+    with Progress(what, shown=not as_json) as progress:
 
         def go_on(_: Campaign, run: int) -> bool:
             in_time = seconds is None or time.monotonic() - begun < seconds

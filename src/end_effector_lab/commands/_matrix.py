@@ -13,6 +13,8 @@ from end_effector_hal.cli import PathName, Progress, print_document
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
+from ._options import playing_options
+
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_lab.matrix import Cell
@@ -22,21 +24,7 @@ if TYPE_CHECKING:
 
 @click.command("matrix", short_help="every fault at every moment, in virtual time")
 @click.argument("tool", required=False, metavar="TOOL", type=PathName())
-@click.option(
-    "-o",
-    "--output",
-    metavar="FOLDER",
-    default="runs/matrix",
-    show_default=True,
-    type=PathName(),
-    help="Gets what was played, the report and the FMEA; a matrix that was stopped there goes on.",
-)
-@click.option("--jobs", type=click.IntRange(1), help="Processes; default: one for each processor.")
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Play them on the workers of this scheduler of dask.distributed, such as tcp://10.0.0.1:8786.",
-)
+@playing_options("matrix", "Gets what was played, the report and the FMEA")
 @click.option(
     "--every",
     type=click.IntRange(1),
@@ -48,7 +36,6 @@ if TYPE_CHECKING:
 @click.option("--only", default="", metavar="TEXT", help="Play the cells whose id has this text only.")
 @click.option("--cell", metavar="ID", help="Play this cell only, with its recording and its figure.")
 @click.option("--list", "listed", is_flag=True, help="Print the ids of the cells, and play none.")
-@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, in one line.")
 def command(
     tool: Path | None,
     output: Path,
@@ -74,6 +61,8 @@ def command(
     from end_effector_lab.workers import open_workers
 
     description = load_tool(tool or profile_path())
+    if cell is not None and (jobs or scheduler):
+        raise UsageError("--cell plays one cell, here.", todo="Leave --jobs and --scheduler out.")
     if cell is not None:
         raise SystemExit(_one(description, _whole(description, as_json), cell, output, as_json=as_json))
     if listed:

@@ -16,6 +16,7 @@ from distributed import Client
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import WorkersError
+from end_effector_lab.campaign import Campaign, run_campaign
 from end_effector_lab.matrix import cells_of, matrix_folder, moments, play_all
 from end_effector_lab.processes import EEHAL
 from end_effector_lab.workers import Workers, _cluster, cluster_workers, local_workers
@@ -68,6 +69,21 @@ def test_the_cells_of_a_worker_that_is_killed_are_played_by_others(
     with local_workers(2) as local, matrix_folder(SHIPPED, tmp_path / "local") as results:
         here = play_all(SHIPPED, cells, results, workers=local)
     assert found == here
+
+
+def test_a_campaign_is_the_same_on_any_workers(workers: Workers, tmp_path: Path) -> None:
+    def go_on(_: Campaign, run: int) -> bool:
+        return (
+            run < 24
+        )  # more than are under way at once: later runs are drawn from what the first ones reached
+
+    with local_workers(1) as local:
+        here = run_campaign(SHIPPED, tmp_path / "local", local, seed=4, go_on=go_on)
+    there = run_campaign(SHIPPED, tmp_path / "cluster", workers, seed=4, go_on=go_on)
+    assert there.runs == here.runs == 24
+    assert there.reached.edges == here.reached.edges
+    runs = [(tmp_path / name / "runs.jsonl").read_text() for name in ("local", "cluster")]
+    assert runs[0] == runs[1]
 
 
 def test_an_item_that_kills_is_named_after_all_others_are_done(workers: Workers) -> None:

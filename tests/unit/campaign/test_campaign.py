@@ -230,5 +230,11 @@ def test_what_has_no_counterpart_is_not_played_on_processes(what: str, tmp_path:
         play_on_processes(SHIPPED, case_from_words(f"grip; {what}", SHIPPED), tmp_path)
 
 
+def test_one_case_is_played_by_nobody_else(tmp_path: Path) -> None:
+    (tmp_path / "case").write_text("grip")
+    arguments = ["--play", str(tmp_path / "case"), "--scheduler", "tcp://127.0.0.1:8786"]
+    assert "Leave --jobs and --scheduler out" in str(CliRunner().invoke(command, arguments).exception)
+
+
 def test_processes_without_a_case_are_refused() -> None:
     assert "--play FILE" in str(CliRunner().invoke(command, ["--processes"]).exception)

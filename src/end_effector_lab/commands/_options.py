@@ -1,0 +1,46 @@
+"""Options of what plays thousands of runs: where the results go, and who plays them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+from end_effector_hal.cli import PathName
+
+Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+
+
+def playing_options(noun: str, gets: str) -> Callable[[Decorated], Decorated]:
+    """``-o FOLDER``, ``--jobs N``, ``--scheduler ADDRESS`` and ``--json``.
+
+    Args:
+        noun: of the command, which is the name of its folder, too.
+        gets: what the folder gets, as a sentence without its dot.
+    """
+    options = (
+        click.option(
+            "-o",
+            "--output",
+            metavar="FOLDER",
+            default=f"runs/{noun}",
+            show_default=True,
+            type=PathName(),
+            help=f"{gets}; a {noun} that was stopped there goes on.",
+        ),
+        click.option("--jobs", type=click.IntRange(1), help="Processes; default: one for each processor."),
+        click.option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Play on the workers of this scheduler of dask.distributed, such as tcp://10.0.0.1:8786.",
+        ),
+        click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, in one line."),
+    )
+
+    def decorated(function: Decorated) -> Decorated:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return decorated
