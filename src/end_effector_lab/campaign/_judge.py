@@ -183,8 +183,9 @@ class Judge:
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
         if len(active) < len(self._sequence):
-            missing = [name for name in self._sequence if name not in active]
-            self._object("told", f"GRIPPED with {', '.join(missing)} inactive")
+            missing = [name for name in self._sequence if name not in active and not self._lets_go(name)]
+            if missing:
+                self._object("told", f"GRIPPED with {', '.join(missing)} inactive")
         if self._is_known() and status.lift_allowed:
             for name in self._sequence:
                 if self._lasts(f"gone {name}"):
@@ -258,9 +259,16 @@ class Judge:
             self._object("unwound", f"{', '.join(left)} stays active after the death of its program")
 
     def _may_be_let_go(self, name: str) -> bool:
-        """Whether any ending is declared that does (only without IL-09)."""
+        """Whether any ending is declared that does (only without IL-09), or its device hears nothing."""
         held = self._description.endings_of(name).held
-        return "release" in (held.lost, held.sigterm, held.process_death)
+        return "release" in (held.lost, held.sigterm, held.process_death) or self._lets_go(name)
+
+    def _lets_go(self, name: str) -> bool:
+        output, tool = self._description.actuators[name].modbus, self._tool
+        if output is None or output.on_link_loss != "release" or output.keep_alive_ms is None:
+            return False
+        silent = "arbiter" not in tool.living or tool.bench.silent(tool.at, output.link)
+        return silent or not self._is_known()
 
     def _is_unwound(self, name: str) -> bool:
         """Whether every ending before GRIPPED releases it."""

@@ -154,6 +154,8 @@ def _write(
 
 
 def _tell(found: dict[str, object], wrong: list[dict[str, object]], output: Path) -> None:
+    from end_effector_lab.matrix import let_go
+
     dimensions = found["dimensions"]
     assert isinstance(dimensions, dict)
     click.echo(" x ".join(f"{count} {name}" for name, count in dimensions.items()))
@@ -167,7 +169,7 @@ def _tell(found: dict[str, object], wrong: list[dict[str, object]], output: Path
         said = f"{each['id']}: {each['outcome']}; {'; '.join(map(str, objections))}"
         click.echo(f"not explained: {printable(said, 5000)}")
     click.echo(
-        f"{found['cells']} cells, {found['dropped']} dropped, {found['unexplained']} unexplained, "
+        f"{found['cells']} cells, {found['dropped']} dropped, {let_go(found)}{found['unexplained']} unexplained, "
         f"{found['left_out']} left out; {output / 'report.html'}"
     )
 

@@ -6,7 +6,7 @@ from ._fmea import SignedCells, fmea, signed_cells
 from ._judging import AT_REST, Monitors, is_still, not_gripping
 from ._outcome import Outcome
 from ._play import Played, outcome_of, play
-from ._report import page, summary
+from ._report import let_go, page, summary
 from ._run import FIGURES, FMEA, PAGE, matrix_folder, no_log, play_all
 from ._script import GRIP, HELD, RELEASE, REST, Moment, moments
 from ._switching import Switching, switchings
@@ -37,6 +37,7 @@ __all__ = [
     "faults_of",
     "fmea",
     "is_still",
+    "let_go",
     "matrix_folder",
     "moments",
     "no_log",

@@ -8,10 +8,15 @@ Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost
 Rule 3: After an unwinding or a release the tool is at rest if all that was engaged is proven gone, else RELEASE_ERROR.
 Rule 4: What is held stays held: a loss is a GRIP_ERROR with all outputs as they are, a lack of readings an alarm.
 Rule 5: A cancel counts in a grip only, a drop while something is held or latched; other commands then are refused.
+    Right after the first activation, before its line may be deactivated (IL-10), the last reading may still prove
+    that nothing is there.
 Rule 6: The death of the gripping program has the declared ending; the program that starts again adopts what it finds.
     The deaths of the tool changer's program and of the line arbiter move nothing.
 Rule 7: A grip is refused while a sensor shows what should not be there, the link is down, the air is too low, the tool
     is not proven to be locked, or the emergency stop is open.
+Rule 8: An output on a bus moves when its device has acknowledged that. Where the bus is silent or damaged, or the line
+    arbiter dies, it may stay as it was, which is then held, with an alarm. A device that lets go when it hears nothing
+    (`on_link_loss`) may have done so.
 """
 
 from __future__ import annotations
@@ -24,7 +29,7 @@ from end_effector_hal.description import Channel, Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind
-from end_effector_hal.vocabulary import display_name
+from end_effector_hal.vocabulary import SETTLE_US, display_name
 from end_effector_hal.wires.inputs import input_lines, pulls_of
 from end_effector_lab.testbench.physics import Supply, Valve, physics_of
 
@@ -99,6 +104,13 @@ def expected_view(description: Description, cell: Cell) -> str:
     return "; ".join(said) or "no sensor of a grip is affected"
 
 
+def lets_go(description: Description, cell: Cell) -> bool:
+    """Whether a device may let go of a part because it hears nothing (rule 8)."""
+    outputs = [each for bus in description.buses.values() for each in bus.values()]
+    hears_nothing = cell.command in ("kill arbiter", BOTH) or cell.name in SILENCING | DAMAGING
+    return hears_nothing and any(each.on_link_loss == "release" and each.keep_alive_ms for each in outputs)
+
+
 class _Rules:
     def __init__(self, description: Description, cell: Cell) -> None:
         self._description, self._cell = description, cell
@@ -109,6 +121,8 @@ class _Rules:
     def expected(self) -> ExpectedOutcome:
         """By the phase, and what the command changes in it."""
         outcomes, why = self._outcomes()
+        if self._is_late:
+            outcomes, why = outcomes | self._not_acknowledged(), f"{why}, rule 8"
         latched = {Outcome.HELD, Outcome.STILL_THERE, Outcome.FAILED, Outcome.REFUSED}
         blind = self._phase == HELD and all(view.keeps == {UNKNOWN} for view in self.views.values())
         return ExpectedOutcome(frozenset(outcomes), outcomes <= latched or (blind and self._goes_on), why)
@@ -117,6 +131,25 @@ class _Rules:
     def _goes_on(self) -> bool:
         """Whether nothing is done to the gripping program."""
         return self._cell.command not in ("kill grip", "kill hal", BOTH)
+
+    @property
+    def _is_late(self) -> bool:
+        """Whether outputs of the grip are on a bus, and what is written there may not arrive."""
+        cell, begun = self._cell, self._phase != REST or self._cell.command == NOTHING
+        disturbed = {*SILENCING, *DAMAGING, "reboot-after"}
+        on_bus = bool(self._description.buses)
+        return on_bus and begun and (cell.name in disturbed or cell.command in ("kill arbiter", BOTH))
+
+    def _not_acknowledged(self) -> set[Outcome]:
+        """Rule 8."""
+        found = {Outcome.HELD, Outcome.STILL_THERE}
+        if self._phase in (REST, GRIP):  # what was measured before is on its way
+            found |= {Outcome.FAILED, Outcome.SUCCESS}
+        if self._cell.command == BOTH:  # the last will did not arrive: what is gripped is adopted
+            found |= {Outcome.SUCCESS}
+        if lets_go(self._description, self._cell):
+            found |= {Outcome.AT_REST, Outcome.UNWOUND, Outcome.FAILED, Outcome.RELEASED}
+        return found
 
     def _outcomes(self) -> tuple[set[Outcome], str]:
         command = self._cell.command
@@ -167,7 +200,10 @@ class _Rules:
     def _cancelled(self) -> tuple[set[Outcome], str]:
         if any(self._description.endings_of(name).gripping.cancel != "release" for name in self._engaged):
             return {Outcome.HELD, Outcome.CANCELLED}, "rule 5, declared otherwise"
-        return self._unwound(self._engaged, Outcome.CANCELLED), "rule 5"
+        found = self._unwound(self._engaged, Outcome.CANCELLED)
+        if len(self._engaged) == 1 and self._cell.moment.since < SETTLE_US:
+            found |= {Outcome.CANCELLED}
+        return found, "rule 5"
 
     def _dropped(self, names: Iterable[str]) -> tuple[set[Outcome], str]:
         found = self._unwound(names, Outcome.RELEASED)
@@ -242,7 +278,7 @@ class _Rules:
                 return SensorView(goes=frozenset({NO}) if sure else frozenset({YES, NO}))
             case "leak" | "leak-grows":
                 view = self._leaking(name)
-                pending = self._phase == GRIP and name == self._engaged[-1]
+                pending = self._phase == GRIP and name in self._engaged[-1:]
                 return (
                     view._replace(confirms=frozenset({YES, NO})) if pending else view
                 )  # it may be there already

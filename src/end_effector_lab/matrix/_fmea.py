@@ -37,6 +37,7 @@ ON_PART = {
     Outcome.STILL_THERE: "perhaps still on the tool",
     Outcome.UNFINISHED: "unknown",
 }
+LET_GO = "falls: its device lets go when it hears nothing"
 
 
 def signed_cells(data: bytes | None) -> SignedCells:
@@ -95,7 +96,7 @@ def _row(
     told = Counter(each["told"] for each in rows if each["told"])
     longest = max(each["seconds"] for each in rows)
     first = [each["told_after"] for each in rows if each["told_after"] is not None]
-    effects = sorted({ON_PART[Outcome(each)] for each in outcomes})
+    effects = sorted({LET_GO if each["let_go"] else ON_PART[Outcome(each["outcome"])] for each in rows})
     times = f"told after {min(first):g} to {max(first):g}; " if first else ""
     key = (display_name(cell.place) or "Whole tool", FUNCTIONS[phase], fault)
     return [

@@ -13,7 +13,7 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 
 from ._cells import BOTH, NOTHING, Cell
-from ._expected import LYING, expected
+from ._expected import LYING, expected, lets_go
 from ._judging import Monitors, is_still, not_gripping
 from ._outcome import Outcome
 from ._script import GRIP, RELEASE, REST, Script, prepared
@@ -34,6 +34,7 @@ class Played:
         outcome: what became of it, and ``expected`` what was allowed.
         explained: the outcome and the alarm are as expected, and nobody objects.
         dropped: an output of a held part went inactive without a drop.
+        let_go: the same, because its device hears nothing, as its description says (`on_link_loss`).
         seconds: from the fault to the last movement of a line or change of state.
         told: the first alarm or reason after it, and ``told_after`` s.
         lines: every change of a line after it: seconds, line, level.
@@ -57,6 +58,7 @@ class Played:
     told_after: float | None = None
     lines: tuple[tuple[float, str, bool], ...] = ()
     objections: tuple[str, ...] = field(default=())
+    let_go: bool = False
 
     def as_json(self) -> dict[str, Any]:
         """As it is kept."""
@@ -180,7 +182,9 @@ class CellRun:
         if want.alarm and not told:
             objections.append("no alarm and no reason was told")
         objections += self._false_success()
-        dropped = self._dropped()
+        lost = self._lost()
+        let_go = lost and lets_go(self._description, cell)
+        dropped = lost and not let_go
         if dropped:
             objections.append("an output of a held part went inactive without a drop")
         last = max([edge.at for edge in edges], default=cell.moment.at)
@@ -188,7 +192,7 @@ class CellRun:
             cell.id, cell.fault, cell.moment.name, cell.moment.phase, cell.command,
             outcome.value, tuple(sorted(each.value for each in want.outcomes)), want.why,
             not objections, dropped, round((last - cell.moment.at) / 1e6, 3), told, told_after,
-            tuple((round((e.at - cell.moment.at) / 1e6, 6), e.line, e.level) for e in edges), tuple(objections),
+            tuple((round((e.at - cell.moment.at) / 1e6, 6), e.line, e.level) for e in edges), tuple(objections), let_go,
         )  # fmt: skip
 
     def _told(self, marks: tuple[int, int, int]) -> tuple[str, float | None]:
@@ -216,7 +220,7 @@ class CellRun:
         missing = not_gripping(self._description, tool)
         return [f"lifting is allowed, and {', '.join(missing)} does not grip"] if missing else []
 
-    def _dropped(self) -> bool:
+    def _lost(self) -> bool:
         """Whether anything was let go between GRIPPED and a drop, where no ending is declared that does."""
         tool = self.tool
         held = [status.at for status in tool.statuses if status.ee == EndEffectorState.GRIPPED]

@@ -28,6 +28,7 @@ def summary(cells: Sequence[Cell], played: Sequence[Mapping[str, Any]], left_out
     return {
         "cells": len(played),
         "dropped": sum(each["dropped"] for each in played),
+        "let_go": sum(each["let_go"] for each in played),
         "unexplained": sum(not each["explained"] for each in played),
         "left_out": left_out,
         "not_played": len(cells) - len(played),
@@ -40,6 +41,11 @@ def summary(cells: Sequence[Cell], played: Sequence[Mapping[str, Any]], left_out
     }
 
 
+def let_go(found: Mapping[str, Any]) -> str:
+    """A phrase about parts that devices let go, as their description says; empty: none did."""
+    return f"{found['let_go']} let go by a device that hears nothing, " if found["let_go"] else ""
+
+
 def page(name: str, found: Mapping[str, Any], played: Sequence[Mapping[str, Any]]) -> str:
     """The report as HTML."""
     wrong = [each for each in played if not each["explained"]]
@@ -47,7 +53,7 @@ def page(name: str, found: Mapping[str, Any], played: Sequence[Mapping[str, Any]
         f"<!doctype html><html lang=en><meta charset=utf-8><title>Matrix of {escape(name)}</title>",
         f"<style>{STYLE}</style>",
         f"<h1>Matrix of {escape(name)}</h1>",
-        f"<p>{found['cells']} cells, {found['dropped']} dropped, {found['unexplained']} unexplained; "
+        f"<p>{found['cells']} cells, {found['dropped']} dropped, {let_go(found)}{found['unexplained']} unexplained; "
         f"{found['left_out']} left out, {found['not_played']} not played.</p>",
         f"<p>{escape(json.dumps(found['dimensions']))}, {escape(', '.join(COMMANDS))}.</p>",
         _table(played),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -31,12 +31,14 @@ class Moment:
         at: µs.
         phase: of `PHASES`: what the tool is doing by then.
         engaged: actuators whose outputs are active by then, in the order of the sequence.
+        since: µs since the last output moved; default: long.
     """
 
     name: str
     at: int
     phase: str
     engaged: tuple[str, ...]
+    since: int = 10_000_000
 
 
 def prepared(
@@ -57,6 +59,7 @@ class Script:
 
     Attributes:
         phase: the last that was begun.
+        begun: µs at which each phase was.
         answer: to the last command.
         dropped_at: µs of the drop; None: it was not given.
     """
@@ -64,6 +67,7 @@ class Script:
     def __init__(self, tool: VirtualTool) -> None:
         self._tool, self._next = tool, tool.at + REST_US
         self.phase, self.answer = REST, Answer(True)
+        self.begun = {REST: tool.at}
         self.dropped_at: int | None = None
 
     def run_until(self, at: int) -> None:
@@ -75,15 +79,17 @@ class Script:
                 return
             elif self.phase == GRIP and self._tool.status.ee == GRIPPED:
                 self.phase, self._next = HELD, self._tool.at + HOLD_US
+                self.begun[HELD] = self._tool.status.at
             else:
                 self._advance(at)
 
     def step(self) -> None:
         """Begin the next phase, if a command does."""
         if self.phase == REST:
+            self.begun[GRIP] = self._tool.at
             self.phase, self.answer = GRIP, self._tool.command("grip")
         elif self.phase == HELD:
-            self.dropped_at = self._tool.at
+            self.begun[RELEASE] = self.dropped_at = self._tool.at
             self.phase, self.answer = RELEASE, self._tool.command("drop")
 
     def _advance(self, at: int) -> None:
@@ -115,11 +121,14 @@ def moments(description: Description) -> tuple[Moment, ...]:
             events.append((tool.status.at, script.phase, tool.status.ee.name))
         if tool.at > LONGEST_US or (before == GRIP and tool.status.ee == STAND_BY):
             raise UsageError(f"{description.name} does not grip without a fault: {tool.status.reason}")
-    return tuple(_named(description, events, tool))
+    return tuple(_named(description, events, tool, script.begun))
 
 
 def _named(
-    description: Description, events: list[tuple[int, str, str]], tool: VirtualTool
+    description: Description,
+    events: list[tuple[int, str, str]],
+    tool: VirtualTool,
+    begun: Mapping[str, int],
 ) -> Iterator[Moment]:
     switched = list(switchings(description, tool.edges))
     ends = [at for at, _, what in events if what == STAND_BY.name][-1]
@@ -127,14 +136,9 @@ def _named(
     def moment(at: int, name: str) -> Moment:
         active = {name: active for when, name, active in switched if when <= at}
         engaged = tuple(name for name in description.sequence if active.get(name))
-        phase = [phase for begun, phase, _ in events if begun <= at][-1:] or [REST]
-        held = [begun for begun, _, what in events if what == GRIPPED.name]
-        let_go = [when for when, _, active in switched if not active]
-        if phase[0] == GRIP and held and at >= held[0]:
-            phase = [HELD]
-        if let_go and at < let_go[0] and phase[0] == RELEASE:
-            phase = [HELD]
-        return Moment(name, at, phase[0], engaged)
+        phase = next(phase for phase in reversed(PHASES) if begun[phase] <= at)
+        since = at - max((when for when, _, _ in switched if when <= at), default=0)
+        return Moment(name, at, phase, engaged, since)
 
     yield moment(events[0][0], REST)
     different = sorted({at: f"{phase} {what}" for at, phase, what in events[1:]}.items())

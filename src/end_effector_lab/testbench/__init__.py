@@ -13,12 +13,14 @@ from ._scenario import FAULTS, TOOL_CHANGER, Effect, Fault, Scenario, parse_scen
 from ._sensor_board import SensorBoard, Sent, carried
 from ._testbench import Testbench, Watcher
 from ._virtual_copy import write_description, write_virtual_copy
+from .modbus import CommandedRegisters
 
 __all__ = [
     "FAULTS",
     "TOOL_CHANGER",
     "Bench",
     "BoardSensors",
+    "CommandedRegisters",
     "Effect",
     "Events",
     "Fault",

@@ -94,12 +94,19 @@ class SensorBoard:
         age_ms = max(0, at - self._booted) // 1000
         return self._sent(self._codec.encode(Frame(0, seq, age_ms, self._carried(sample))), seq, sample, at)
 
+    def advance(self, at: int) -> None:
+        """What its outputs do when nobody speaks; called now and then."""
+        if self._registers:
+            self._registers.advance(at)
+
     def answer(self, request: bytes, at: int) -> Sent | None:
         """The answers to what was asked at ``at`` (µs); None: nothing was."""
+        self.advance(at)
         sample = self._bench.sample(at)
         if self._registers:
             if self._bench.silent(at):  # without power, or without a wire: it hears nothing
                 return None
+            self._registers.hear(request, at)
             if done := self._registers.answer(request):
                 return self._sent(done, self._next(at), sample, at)
             sample |= self._registers.values

@@ -106,7 +106,7 @@ class Testbench:
             codec, registers = self.codecs[name], None
             if name in (buses := self._description.buses):
                 registers = CommandedRegisters(buses[name], self._obey)
-                registers.start(levels)
+                registers.start(levels, self._start)
             board = SensorBoard(codec, self._bench, self._description, self._start, name or None, registers)
             if is_polled(codec):
                 self._begin("frames", self._answer, board, port)
@@ -194,7 +194,9 @@ class Testbench:
         while not self._stop.is_set():
             request = port.receive(RECEIVE_S)
             with self._lock:
-                sent = board.answer(request, self._clock.now_us()) if request else None
+                now = self._clock.now_us()
+                board.advance(now)
+                sent = board.answer(request, now) if request else None
             if sent is not None and not self._stop.wait(sent.late_us / 1e6):
                 self._put(sent, port)
 

@@ -132,8 +132,8 @@ class BoardInputSource:
 
 
 def sources_of_bench(description: Description, bench: Bench, start: int) -> Iterator[Source]:
-    """The links, and the inputs of the board that the process of the programs reads."""
-    for name in description.links:
+    """The links that nobody commands, and the inputs of the board that the process of the programs reads."""
+    for name in (name for name in description.links if name not in description.buses):
         kind = PolledLink if is_polled(codec_of(description, name)) else StreamedLink
         yield kind(description, name, bench, start)
     own = {name for name, each in description.channels.items() if each.on_board}

@@ -26,9 +26,11 @@ from end_effector_hal.runtime import (
 from end_effector_hal.runtime.boundary import NULL_RECORDER
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
+from end_effector_hal.wires.lines import ComposedLines
 from end_effector_lab.testbench import Bench
 
 from ._arbiter import Memories, VirtualArbiter
+from ._bus import VirtualBus, VirtualBuses
 from ._connection import VirtualConnection
 from ._outputs import Edge, VirtualOutputs
 from ._sources import Source, arbiter_source, sources_of_bench
@@ -39,6 +41,7 @@ PROGRAMS: Mapping[str, type[Program]] = {"grip": GripProgram, "tool_change": Cha
 _OF_CHANGER = ("lock", "unlock", "arm", "reset")
 REPEAT_US = 50_000
 _TRIES_US = 200_000
+STARTED_US = 5_000_000
 
 
 class VirtualTool:
@@ -79,12 +82,6 @@ class VirtualTool:
         watch: Watch | None = None,
         on_frame: Callable[[Frame], None] = lambda _: None,
     ) -> None:
-        if description.register_outputs:
-            raise UsageError(
-                f"{description.name} cannot be played in virtual time: outputs are commanded over a link.",
-                where=description.where("links"),
-                todo="eehal testbench plays it in real time.",
-            )
         self.description, self.at = description, 0
         self.statuses: list[Status] = []
         self.changes: list[Status] = []
@@ -96,6 +93,10 @@ class VirtualTool:
         self.memories = Memories()
         self.bench = Bench(description, scenario, seed, levels=levels)
         self._outputs = VirtualOutputs(wired_lines(description), levels or {}, self._now, self._edge)
+        self._on_bus = {name: (levels or {}).get(name, False) for name in description.register_outputs}
+        self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus)
+        self._arbiter_starts = False
+        self._opened: Mapping[str, VirtualBus] | None = None  # by an arbiter that starts
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
         self._arbiter: VirtualArbiter | None = None
@@ -108,6 +109,9 @@ class VirtualTool:
         self._judge = FrameJudge()
         for name in (ARBITER, *PROGRAMS):
             self.start(name)
+        self.run_until(
+            STARTED_US, lambda: len(self.living) == len((ARBITER, *PROGRAMS))
+        )  # at once without a bus
 
     @property
     def status(self) -> Status:
@@ -118,7 +122,7 @@ class VirtualTool:
     @property
     def levels(self) -> dict[str, bool]:
         """Of all output lines."""
-        return self._outputs.levels()
+        return self._outputs.levels() | self._on_bus
 
     @property
     def living(self) -> frozenset[str]:
@@ -144,7 +148,9 @@ class VirtualTool:
         return program.command(name)
 
     def reset(self) -> Answer:
-        """Clear the faults that the arbiter has latched."""
+        """Clear the faults that the arbiter has latched, and the alarms about a held part that are over."""
+        if "grip" in self._programs:
+            self._programs["grip"].acknowledge()
         try:
             if self._arbiter is None:
                 return Answer(False, "There is no line arbiter.", decided=False)
@@ -167,7 +173,7 @@ class VirtualTool:
             if self.at >= at:
                 return False
             waits = self._waiting()
-            self.at = max(self.at, min(at, *[due for due, _ in waits]))
+            self.at = max(self.at, min([at, *(due for due, _ in waits)]))
             for due, happens in waits:
                 if due <= self.at:
                     happens()
@@ -179,6 +185,8 @@ class VirtualTool:
         """``arbiter``, ``grip``, ``tool_change`` or ``hal`` (both programs, with who reads the sensors) dies now."""
         if name == ARBITER:
             self._arbiter = self._own_publisher = None
+            self._arbiter_starts, self._opened = False, None
+            self._buses.kill()
         for program in self._named(name):
             if program in self._programs:
                 del self._programs[program]
@@ -192,6 +200,7 @@ class VirtualTool:
         if name == ARBITER and self._arbiter is not None:
             self._arbiter.close()
             self._arbiter = self._own_publisher = None
+            self._buses.end()
         for program in self._named(name):
             if program in self._programs:
                 with suppress(WireError):  # then the arbiter executes its last will
@@ -203,13 +212,26 @@ class VirtualTool:
     def start(self, name: str) -> None:
         """Start what does not run; a program that finds no arbiter, or not its lines, tries again every 0.2 s."""
         if name == ARBITER and self._arbiter is None:
-            self._arbiter = VirtualArbiter(self._outputs, self._policy, self.memories, self._now)
-            if self._own is not None:
-                sender = _ToArbiter(self, own=True)
-                self._own_publisher = PredicatePublisher(self.description, clock=self._now, sender=sender)
+            self._arbiter_starts = True
+            self._begin_arbiter()
         for program in self._named(name):
             if program not in self._programs:
                 self._start_program(program)
+
+    def _begin_arbiter(self) -> None:
+        """As soon as the ports of its buses are free, and what hangs on them has reported how it stands."""
+        if self._opened is None:
+            if self._buses.masters:
+                return
+            self._opened = self._buses.open()
+        if not self._buses.adopted:
+            return
+        lines = ComposedLines(self._outputs, self._opened) if self._opened else self._outputs
+        self._arbiter_starts, self._opened = False, None
+        self._arbiter = VirtualArbiter(lines, self._policy, self.memories, self._now)
+        if self._own is not None:
+            sender = _ToArbiter(self, own=True)
+            self._own_publisher = PredicatePublisher(self.description, clock=self._now, sender=sender)
 
     def lose_power(self) -> None:
         """Everything dies, and every line goes inactive; the machine starts again when `start` is called."""
@@ -217,7 +239,9 @@ class VirtualTool:
             self._programs.pop(name, None)
             self._connections.pop(name, None)
             self._starting.pop(name, None)
-        self._arbiter = self._own_publisher = self._publisher = None
+        self._arbiter = self._own_publisher = self._publisher = self._opened = None
+        self._arbiter_starts = False
+        self._buses.lose_power()
         self.memories.journal.lose_power()
         self.memories.sessions.remove()
         self.memories.mark.remove()
@@ -281,6 +305,10 @@ class VirtualTool:
         if self._own is not None:
             waits.append((self._own.due, self._read_own))
         waits += [(source.due, partial(self._read, source)) for source in self._sources]
+        for devices in self._buses.devices.values():
+            if (silent := devices.due) is not None:
+                waits.append((silent, partial(devices.advance, silent)))
+        waits += [(master.due, partial(self._hear, master)) for master in self._buses.masters]
         if self._repeats_at is not None:
             waits.append((self._repeats_at, self._repeat))
         waits += [(due, each.work) for each in self._programs.values() if (due := each.due) is not None]
@@ -300,6 +328,18 @@ class VirtualTool:
         for frame in source.frames(self.at):
             if self._publisher is not None:
                 self._publisher.frame(frame, self._pass_on)
+
+    def _hear(self, master: VirtualBus) -> None:
+        """What the master of a bus has read is handed on; what a device has done by now is the arbiter's."""
+        for frame in master.frames(self.at):
+            if self._publisher is not None:
+                self._publisher.frame(frame, self._pass_on)
+        if self._arbiter is None:
+            self._buses.forget_ended()
+            if self._arbiter_starts:
+                self._begin_arbiter()
+        elif self._buses.news:
+            self._arbiter.step()
 
     def _read_own(self) -> None:
         """The arbiter reads its own inputs, and hands them on; while there is none, nobody does."""
@@ -336,6 +376,12 @@ class VirtualTool:
             change.update_peer(ee=status.ee)
         if name == "tool_change" and (grip := self._programs.get("grip")):
             grip.update_peer(unlock_valve=int(status.unlock_output))
+
+    def _obey(self, name: str, level: bool) -> None:
+        """An output was commanded over its bus."""
+        if self._on_bus[name] != level:
+            self._on_bus[name] = level
+            self._edge(Edge(self.at, name, level))
 
     def _edge(self, edge: Edge) -> None:
         self.edges.append(edge)

@@ -32,7 +32,10 @@ KILLED = {
     "two_epick": (("HAL", "GRIPPING right"), ("LineOwner", "GRIPPED")),
     "area_gripper": (("HAL", "GRIPPING row_5"), (BOTH, "GRIPPED")),
     "gripper_2f85": (("HAL", "GRIPPED"), (BOTH, "GRIPPED")),
-    "epick_commanded": (("HAL", "GRIPPED"), ("LineOwner", "GRIPPED")),
+    "epick_commanded": (
+        ("HAL", "GRIPPED"),
+        ("LineOwner", "RELEASING"),
+    ),  # held: it would hear nothing for a second
 }
 
 

@@ -27,6 +27,7 @@ def tool() -> Iterator[Tool]:
 def overtake(tool: Tool) -> None:
     """The will was executed, all of it, at once."""
     tool.owner.active = dict.fromkeys(LINES, OFF)
+    tool.owner.took_for_dead = True
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.kinds.cylinder._detector import CylinderDetector
 from end_effector_hal.runtime.outputs import GripOutputs
@@ -19,6 +20,7 @@ from end_effector_lab.commands._matrix import command
 from end_effector_lab.matrix import COMMANDS, Cell, Outcome, cells_of, expected, fmea, moments, play, thinned
 from tests.support.declared import declared
 from tests.support.nightly import NIGHTLY
+from tests.support.places import ROOT
 
 SHIPPED = load(profile_path())
 
@@ -198,3 +200,18 @@ def test_an_fmea_has_a_row_for_each_fault_and_function() -> None:
     assert rest["reaction"] == "declared failure (1)"
     assert held["reaction"] == "held with alarm (1)"
     assert "lost" in held["detection"]
+
+
+def test_a_part_that_its_device_lets_go_is_told_apart() -> None:
+    """Nobody speaks to an EPick for a second: it releases, as its description says."""
+    tool = load_tool(ROOT / "examples/tools/epick_commanded/end_effector.yaml")
+    cells = {cell.id: cell for cell in cells_of(tool, moments(tool))}
+    fallen = play(tool, cells["nominal @ held GRIPPED, between + kill arbiter"])
+    assert (fallen.let_go, fallen.dropped, fallen.explained) == (True, False, True), fallen.objections
+    assert fallen.told.startswith("No valid reading of Cup while it holds a part")
+    silent = [cell for cell in cells.values() if cell.name == "silent-after" and cell.moment.phase == "held"]
+    unheard = [cell for cell in silent if cell.command == "none"]
+    rows = {cell.id: play(tool, cell).as_json() for cell in unheard[-1:]}
+    (row,) = csv.DictReader(StringIO(fmea(tool, unheard[-1:], rows)))
+    assert row["effect on the part"] == "falls: its device lets go when it hears nothing"
+    assert row["unexplained"] == "0"

@@ -138,7 +138,8 @@ def test_what_is_no_fmea_says_nothing(data: bytes) -> None:
 def written(folder: Path, cells: list[Cell]) -> list[str]:
     chosen = [each for each in played() if each["id"] in {cell.id for cell in cells}]
     with matrix_folder(SHIPPED, folder) as results:
-        found = {"cells": 2, "dropped": 0, "unexplained": 0, "left_out": 0, "not_played": 0, "dimensions": {}}
+        none = dict.fromkeys(("dropped", "let_go", "unexplained", "left_out", "not_played"), 0)
+        found = {"cells": 2, **none, "dimensions": {}}
         return [each.name for each in _matrix._write(SHIPPED, cells, chosen, found, results)]
 
 

@@ -194,7 +194,7 @@ def test_what_was_lost_and_is_not_wanted_any_more_does_not_come() -> None:
         (
             {A: False, B: False},
             False,
-            "The line arbiter declared this program dead and executed its last will; ",
+            f"While the line arbiter was lost {A} changed, which this program had not commanded; ",
         ),
         ({B: False}, False, f"After the line arbiter was lost nobody knew how {A} stood; "),
         (

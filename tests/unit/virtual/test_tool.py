@@ -205,9 +205,94 @@ def test_other_tools(name: str) -> None:
     until(tool, STAND_BY)
 
 
-def test_outputs_that_are_commanded_over_a_link_are_refused() -> None:
-    with pytest.raises(UsageError, match="cannot be played in virtual time"):
-        VirtualTool(load_tool(ROOT / "examples/tools/epick_commanded/end_effector.yaml"))
+def on_a_bus(name: str, fault: str = "nominal") -> VirtualTool:
+    tool = ready(load_tool(ROOT / "examples/tools" / name / "end_effector.yaml"), fault)
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    return tool
+
+
+def test_an_output_on_a_bus_moves_when_its_device_has_acknowledged_it() -> None:
+    tool = on_a_bus("gripper_2f85")
+    (edge,) = tool.edges
+    begun = next(each.at for each in tool.statuses if each.ee == GRIPPING)
+    assert begun < edge.at < begun + 200_000
+    tool.choose("silent-after:0")
+    tool.run(0.5)
+    assert tool.command("drop").accepted
+    tool.run(5)
+    assert tool.edges == [edge], "nobody has heard it"
+    assert any("no device acknowledges it" in why for why in tool.latched.values())
+    tool.choose("nominal")
+    tool.run(5)
+    assert [each.level for each in tool.edges] == [True, False], "a deactivation is written until it is done"
+
+
+@pytest.mark.parametrize("acknowledged", [True, False])
+def test_a_last_will_that_no_device_has_heard(acknowledged: bool) -> None:
+    """It is executed again; where the device had said that it is active, it stays so, and that is told."""
+    tool = ready(load_tool(ROOT / "examples/tools/gripper_2f85/end_effector.yaml"))
+    tool.command("grip")
+    assert tool.run_until(tool.at + 1_000_000, lambda: any(tool.levels.values()))
+    if acknowledged:
+        tool.run(0.15)
+    tool.kill("hal")
+    tool.kill("arbiter")
+    tool.run(1.0)
+    assert any(tool.levels.values())
+    tool.start("arbiter")
+    tool.start("hal")
+    until(tool, GRIPPED if acknowledged else STAND_BY)
+    tool.run(0.5)
+    assert any(tool.levels.values()) == acknowledged
+    told = "No last will was executed" if acknowledged else "was not activated: its program has died"
+    assert any(told in alarm for alarm in tool.status.alarms)
+
+
+def test_an_arbiter_that_ends_writes_what_is_still_to_be_written() -> None:
+    tool = on_a_bus("gripper_2f85")
+    assert tool.command("drop").accepted
+    tool.end("arbiter")
+    tool.run(1.0)
+    assert not any(tool.levels.values())
+
+
+@pytest.mark.parametrize("restarts", [True, False])
+def test_a_device_that_hears_nothing_lets_go_and_the_loss_is_told(restarts: bool) -> None:
+    """`on_link_loss: release`, `keep_alive_ms: 1000`: while no line arbiter lives, or the wire is off."""
+    tool = on_a_bus("epick_commanded")
+    if restarts:
+        tool.kill("arbiter")
+    else:
+        tool.choose("silent-after:0")
+    tool.run(0.9)
+    assert tool.edges[-1].level
+    assert not tool.status.lift_allowed
+    tool.run(0.2)
+    assert not tool.edges[-1].level
+    tool.choose("nominal")
+    tool.start("arbiter")
+    tool.run(2.0)
+    assert not any(tool.levels.values()), "nothing is activated by itself (IL-11)"
+    told = "went inactive while no line arbiter ran" if restarts else "Cup was lost"
+    assert any(told in alarm for alarm in tool.status.alarms)
+
+
+@pytest.mark.parametrize("keeps", [True, False])
+def test_without_power_a_device_lets_go_or_keeps_what_it_holds(keeps: bool, tmp_path: Path) -> None:
+    text = (ROOT / "examples/tools/epick_commanded/end_effector.yaml").read_text()
+    path = tmp_path / "tool.yaml"
+    path.write_text(
+        text.replace("on_power_loss: release", f"on_power_loss: {'keep' if keeps else 'release'}")
+    )
+    tool = ready(load_tool(path))
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    tool.lose_power()
+    tool.start("arbiter")
+    tool.start("hal")
+    tool.run(2.0)
+    assert tool.bench.devices["cup"].grips == keeps
 
 
 def test_an_unknown_process_is_refused() -> None:

@@ -26,6 +26,7 @@ MOST_WAITING = 64
 RETRY_US = 100_000
 """Between two tries of a deactivation that the hardware refuses."""
 DOUBT = "last wills"
+LET_GO = "let go"
 """The name of the fault that is latched when the last wills of an earlier arbiter are not executed."""
 
 
@@ -309,11 +310,20 @@ class LineArbiter:
         doubt = state.doubt or self._changed_meanwhile(state.levels)
         guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
         active = {line for line, level in self.levels.items() if level}
+        off = self.levels.keys() - active - guessed
         if doubt and (active - guessed or (active and state.clients)):
             _log.error("no last will of the arbiter before this one is executed: %s", doubt)
             self.predicates.latch(
                 DOUBT, f"No last will was executed, because {doubt}: what was active stays active."
             )
+        if gone := [
+            self.policy.called(line) for line, level in state.levels.items() if level and line in off
+        ]:
+            let_go = (
+                f"{', '.join(gone)} went inactive while no line arbiter ran: what it held has been let go."
+            )
+            _log.error("%s", let_go)
+            self.predicates.latch(LET_GO, let_go)
         for record in state.clients:
             self._restore(record._replace(will=()) if doubt else record, at)
 

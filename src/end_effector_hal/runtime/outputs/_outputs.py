@@ -146,10 +146,15 @@ class Outputs:
         levels = self._lines.levels()
         self.lost, declared_dead = False, self._lines.declared_dead()
         unknown = sorted(self._written.keys() - levels.keys())
-        others = any(levels.get(line, level) != level for line, level in self._written.items())
+        others = sorted(line for line, level in self._written.items() if levels.get(line, level) != level)
         self.disagreement = ""
-        if others or (declared_dead and (gripping or unknown)):
+        if declared_dead and (others or gripping or unknown):
             self.disagreement = DECLARED_DEAD
+        elif others:
+            self.disagreement = (
+                f"While the line arbiter was lost {', '.join(others)} changed, which this program had not "
+                f"commanded; {RESTARTED}"
+            )
         elif unknown:
             self.disagreement = (
                 f"After the line arbiter was lost nobody knew how {', '.join(unknown)} stood; {RESTARTED}"

@@ -10,6 +10,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.runtime.boundary import AnyController
 from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs
+from end_effector_hal.vocabulary import EndEffectorState
 
 
 class DeclaredDeadError(Exception):
@@ -105,15 +106,19 @@ class Adoption:
     def after_writes(self, statuses: list[Status], published: Status, at: int) -> list[Status]:
         """What may be published of statuses after the line arbiter has replied; ``published``: what was before.
 
-        A deactivation that was asked for may wait behind its line's last change (IL-10): nothing is told as held
-        before it is over, for until then the line of what would be held goes inactive.
+        A deactivation that was asked for may wait behind its line's last change (IL-10). Nothing is told as held before
+        it is over, for until then the line of what would be held goes inactive; nor as at rest, for it is active.
         """
         if self.outputs.settles_at is None:
             if self.withholds:
                 self.withholds = False
                 return [*statuses, self.now(at)]
             return statuses
-        told = [status for status in statuses if published.held or not status.held]
+        told = [
+            status
+            for status in statuses
+            if (published.held or not status.held) and status.ee is not EndEffectorState.STAND_BY
+        ]
         self.withholds = self.withholds or len(told) < len(statuses)
         return told
 

@@ -1,7 +1,7 @@
 """Buses that are commanded: outputs that are registers, and what the same bus brings, for all who read it."""
 
 from ._lines import BusLines, BusLink, bus_relay
-from ._outputs import BusOutputs
+from ._outputs import BusOutputs, fresh_for_us
 from ._traffic import BusTraffic
 
 __all__ = [
@@ -10,4 +10,5 @@ __all__ = [
     "BusOutputs",
     "BusTraffic",
     "bus_relay",
+    "fresh_for_us",
 ]

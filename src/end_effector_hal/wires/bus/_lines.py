@@ -19,7 +19,7 @@ from end_effector_hal.errors import LinkBusyError, WireError
 from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires._relay import RelayServer, relay_path
-from end_effector_hal.wires.bus._outputs import BusOutputs
+from end_effector_hal.wires.bus._outputs import BusOutputs, fresh_for_us
 from end_effector_hal.wires.bus._traffic import BusTraffic
 from end_effector_hal.wires.link import open_port
 
@@ -36,7 +36,6 @@ FLUSH_S = 1.0
 """How long an end waits for what is still to be written."""
 CLOSE_S = 2.0
 READ_BYTES = 4096
-LEAST_FRESH_US, FRESH_PERIODS = 150_000, 3
 
 
 class BusLink(NamedTuple):
@@ -72,8 +71,7 @@ class BusLines:
         self, link: BusLink, outputs: Mapping[str, RegisterOutput], relay: Path, group: str | None = None
     ) -> None:
         self._link, self._relay_path, self._group = link, relay, group
-        fresh_us = max(LEAST_FRESH_US, FRESH_PERIODS * link.codec.period_us)
-        self._outputs = BusOutputs(outputs, fresh_us)
+        self._outputs = BusOutputs(outputs, fresh_for_us(link.codec.period_us))
         self._names = frozenset(outputs)
         self._lock = threading.Lock()
         self._cycle = threading.Event()

@@ -17,6 +17,12 @@ LONGEST_WRITE = 100
 """Registers; the standard allows 123, and one output has at most 16."""
 DOUBT_US = 500_000
 """What stands otherwise for so long is told."""
+LEAST_FRESH_US, FRESH_PERIODS = 150_000, 3
+
+
+def fresh_for_us(period_us: int) -> int:
+    """How long what a device reports counts on a bus that is read with this period."""
+    return max(LEAST_FRESH_US, FRESH_PERIODS * period_us)
 
 
 class BusOutput:

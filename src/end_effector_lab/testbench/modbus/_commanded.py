@@ -13,6 +13,8 @@ from ._rtu import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer,
 class CommandedRegisters:
     """Obeys command_on and command_off of each output, once its unit is activated; others are refused.
 
+    An output whose `on_link_loss` is release goes off when its unit has heard nothing for `keep_alive_ms`.
+
     Args:
         outputs: of one bus, by their names.
         obey: called with the name and the level of an output that was commanded.
@@ -22,11 +24,42 @@ class CommandedRegisters:
         self._outputs, self._obey = outputs, obey
         self._levels: dict[str, bool] = {}
         self._activated: set[int] = set()
+        self._heard_at: dict[int, int] = {}
 
-    def start(self, levels: dict[str, bool]) -> None:
-        """As they stand when the device is looked at first; one that is active was activated before."""
+    def start(self, levels: dict[str, bool], at: int) -> None:
+        """As they stand at ``at`` (µs), when the device is looked at first; one that is active was activated before."""
         self._levels = {name: levels.get(name, False) for name in self._outputs}
         self._activated = {self._outputs[name].unit for name, level in self._levels.items() if level}
+        self._heard_at = {each.unit: at for each in self._outputs.values()}
+
+    @property
+    def due(self) -> int | None:
+        """µs at which `advance` is to be called; None: nothing goes off by itself."""
+        return min(map(self._until, self._losing()), default=None)
+
+    def advance(self, at: int) -> None:
+        """What has heard nothing for too long by ``at`` (µs) lets go."""
+        for name in self._losing():
+            if self._until(name) <= at:
+                self._levels[name] = False
+                self._obey(name, False)
+
+    def hear(self, frame: bytes, at: int) -> None:
+        """A request has come at ``at`` (µs): its unit knows that somebody is there."""
+        if (request := read_request(frame)) is not None:
+            self._heard_at[request.unit] = at
+
+    def _losing(self) -> list[str]:
+        """Outputs that are active, and go off when nobody speaks."""
+        return [
+            name
+            for name, each in self._outputs.items()
+            if self._levels.get(name) and each.on_link_loss == "release" and each.keep_alive_ms is not None
+        ]
+
+    def _until(self, name: str) -> int:
+        each = self._outputs[name]
+        return self._heard_at[each.unit] + (each.keep_alive_ms or 0) * 1000
 
     def answer(self, frame: bytes) -> bytes | None:
         """The answer to a write; None: it is none, or not for these units."""

@@ -11,7 +11,7 @@ from end_effector_hal.codecs import codec_of
 from end_effector_hal.codecs.modbus import ModbusMaster, RelayedBus, cycle_record
 from end_effector_hal.description import Description, examine_text
 from end_effector_hal.signals import Frame
-from end_effector_hal.wires.bus import BusOutputs, BusTraffic
+from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
 from end_effector_lab.testbench.modbus import Gripper2F85, RegisterMap, RtuServer, SimulatedEPick
 
 MS, S = 1_000, 1_000_000
@@ -99,7 +99,7 @@ class Bus:
     def __init__(self, tool: Description, units: dict[int, RegisterMap], at: int = 0) -> None:
         self.codec, self.at = codec_of(tool), at
         period_us = self.codec.period_us
-        self.outputs = BusOutputs(tool.register_outputs, max(150 * MS, 3 * period_us))
+        self.outputs = BusOutputs(tool.register_outputs, fresh_for_us(period_us))
         self.server = RtuServer(units)
         self.wire: Callable[[bytes, bytes], bytes] = lambda request, answer: answer
         self.requests: list[bytes] = []

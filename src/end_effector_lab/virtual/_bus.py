@@ -1,0 +1,249 @@
+"""A bus that is commanded, in virtual time: the devices at its far end, and who masters it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import cast
+
+from end_effector_hal.codecs import codec_of, line_of
+from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, RelayedBus, cycle_record
+from end_effector_hal.description import Description
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
+from end_effector_lab.testbench import Bench, CommandedRegisters, SensorBoard, Sent
+
+ADOPT_US, FLUSH_US = 1_000_000, 1_000_000
+"""How long a start waits for what the devices report, and an end for what is still to be written."""
+TURN_US = 100
+"""The master does one thing at a time."""
+NEVER = 2**62
+
+
+class BusDevices:
+    """What is at the far end of a bus; it outlives the arbiter.
+
+    Args:
+        description: of the tool.
+        name: of the link.
+        bench: what is measured.
+        obey: called with the name and the level of an output that was commanded.
+    """
+
+    def __init__(
+        self, description: Description, name: str, bench: Bench, obey: Callable[[str, bool], None]
+    ) -> None:
+        self._outputs = description.buses[name]
+        self._kept = {
+            part.line
+            for _, part in description.ordered
+            if part.line in self._outputs and part.on_power_loss in ("hold", "keep")
+        }
+        self._registers = CommandedRegisters(self._outputs, obey)
+        self._board = SensorBoard(
+            codec_of(description, name), bench, description, 0, name or None, self._registers
+        )
+        self._obey = obey
+
+    def start(self, active: Mapping[str, bool], at: int) -> None:
+        """Outputs that are active at the start."""
+        self._registers.start(dict(active), at)
+
+    @property
+    def due(self) -> int | None:
+        """µs at which `advance` is to be called; None: nothing happens by itself."""
+        return self._registers.due
+
+    def advance(self, at: int) -> None:
+        """What they do when nobody speaks."""
+        self._registers.advance(at)
+
+    def lose_power(self, at: int) -> None:
+        """Nobody is activated any more; what its device does not keep without power, goes off."""
+        self._registers.start({}, at)
+        for name in self._outputs.keys() - self._kept:
+            self._obey(name, False)
+
+    def answer(self, request: bytes, at: int) -> Sent | None:
+        """What they answer; None: nothing."""
+        return self._board.answer(request, at)
+
+
+class VirtualBus:
+    """A `LineBackend` and `RemoteLines` of registers for one life of the arbiter, as `BusLines` are on a real port.
+
+    Args:
+        description: of the tool.
+        name: of the link.
+        devices: at its far end.
+        clock: µs.
+    """
+
+    def __init__(
+        self, description: Description, name: str, devices: BusDevices, clock: Callable[[], int]
+    ) -> None:
+        outputs, link = description.buses[name], description.links[name]
+        codec = cast(BusCodec, codec_of(description, name))
+        master = codec.decoder()
+        assert isinstance(master, ModbusMaster)
+        self._names, self._devices, self._clock = frozenset(outputs), devices, clock
+        self._outputs = BusOutputs(outputs, fresh_for_us(codec.period_us))
+        self._traffic = BusTraffic(master, self._outputs)
+        self._relayed = RelayedBus(codec).decoder()
+        self._byte_us = 10 * 1_000_000 // line_of(link, codec)[0]
+        self._coming: list[tuple[int, bytes]] = []
+        self._busy_until = clock()
+        self._adopts_until = clock() + ADOPT_US
+        self._ends_at = NEVER
+        self._told: tuple[frozenset[str], Mapping[str, str]] = self._names, {}
+
+    # What happens
+
+    @property
+    def due(self) -> int:
+        """µs at which `frames` is to be called."""
+        coming = min((at for at, _ in self._coming), default=NEVER)
+        return min(coming, max(self._traffic.due, self._busy_until), self._ends_at)
+
+    def frames(self, at: int) -> list[Frame]:
+        """What the programs are handed on of the cycles that have ended by ``at`` µs."""
+        self._coming.sort()
+        cycles = []
+        while self._coming and self._coming[0][0] <= at:
+            cycles.append(self._traffic.feed(self._coming.pop(0)[1], at))
+        request, cycle = self._traffic.poll(at)
+        cycles.append(cycle)
+        self._busy_until = at + TURN_US
+        if request:
+            sent = self._devices.answer(request, at)
+            if sent is not None and sent.data:
+                wire_us = (len(request) + len(sent.data)) * self._byte_us
+                self._coming.append((at + wire_us + sent.late_us, sent.data))
+        records = [cycle_record(each.answers, each.at) for each in cycles if each is not None]
+        return [frame for record in records for frame in self._relayed.feed(record, at)]
+
+    @property
+    def adopted(self) -> bool:
+        """Whether all that a start waits for is there, or it has waited long enough."""
+        return not self.unsure() or self._clock() >= self._adopts_until
+
+    @property
+    def news(self) -> bool:
+        """Whether `unsure` or `troubles` have changed since it was asked last."""
+        before, self._told = self._told, (self.unsure(), self.troubles())
+        return before != self._told
+
+    def end(self) -> None:
+        """The arbiter ends in order: what is still to be written has a moment."""
+        self._ends_at = self._clock() + FLUSH_US
+
+    @property
+    def over(self) -> bool:
+        """Whether it has given the port back, after `end`."""
+        return self._ends_at != NEVER and (not self._outputs.pending or self._clock() >= self._ends_at)
+
+    # For the arbiter
+
+    def request(self, names: Sequence[str]) -> dict[str, bool]:
+        """See `LineBackend`."""
+        return {name: level for name, level in self.levels().items() if name in names}
+
+    def levels(self) -> dict[str, bool]:
+        """See `LineBackend`."""
+        return self._outputs.known(self._clock())
+
+    def set(self, levels: Mapping[str, bool]) -> None:
+        """See `LineBackend`."""
+        self._outputs.command(levels, self._clock())
+
+    def close(self) -> None:
+        """The registers stay as they are."""
+
+    def unsure(self) -> frozenset[str]:
+        """See `RemoteLines`."""
+        return self._names.difference(self.levels())
+
+    def activating(self) -> frozenset[str]:
+        """See `RemoteLines`."""
+        return self._outputs.activating(self._clock())
+
+    def withdraw(self, lines: Iterable[str], why: str) -> None:
+        """See `RemoteLines`."""
+        self._outputs.withdraw(lines, why)
+
+    def troubles(self) -> dict[str, str]:
+        """See `RemoteLines`."""
+        return self._outputs.troubles(self._clock())
+
+    def filenos(self) -> tuple[int, ...]:
+        """None: `news` is asked instead."""
+        return ()
+
+    def heard(self) -> None:
+        """See `RemoteLines`."""
+
+
+class VirtualBuses:
+    """All buses of a tool that are commanded.
+
+    Args:
+        description: of the tool.
+        bench: what is measured.
+        obey: called with the name and the level of an output that was commanded.
+        clock: µs.
+        active: outputs that are active at the start.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        bench: Bench,
+        obey: Callable[[str, bool], None],
+        clock: Callable[[], int],
+        active: Mapping[str, bool],
+    ) -> None:
+        self._description, self._clock = description, clock
+        self.devices = {name: BusDevices(description, name, bench, obey) for name in description.buses}
+        for each in self.devices.values():
+            each.start(active, clock())
+        """At the far ends, by their links."""
+        self.masters: list[VirtualBus] = []
+        """Of the arbiter that lives, is starting, or ends."""
+
+    def open(self) -> dict[str, VirtualBus]:
+        """A new arbiter takes the ports; each output with its bus."""
+        found: dict[str, VirtualBus] = {}
+        for name, devices in self.devices.items():
+            master = VirtualBus(self._description, name, devices, self._clock)
+            self.masters.append(master)
+            found |= dict.fromkeys(self._description.buses[name], master)
+        return found
+
+    @property
+    def adopted(self) -> bool:
+        """Whether an arbiter need not wait any more for what the devices report."""
+        return all(each.adopted for each in self.masters)
+
+    @property
+    def news(self) -> bool:
+        """Whether a device has done something since it was asked last."""
+        return any(each.news for each in self.masters)
+
+    def end(self) -> None:
+        """The arbiter ends in order."""
+        for each in self.masters:
+            each.end()
+        self.forget_ended()
+
+    def forget_ended(self) -> None:
+        """Those that have given their port back are gone."""
+        self.masters = [each for each in self.masters if not each.over]
+
+    def kill(self) -> None:
+        """The arbiter dies, and nobody speaks to the devices any more."""
+        self.masters = []
+
+    def lose_power(self) -> None:
+        """The devices are without power, too."""
+        self.kill()
+        for each in self.devices.values():
+            each.lose_power(self._clock())
