@@ -26,6 +26,7 @@ class Reality:
     def __init__(self, description: Description, tool: VirtualTool) -> None:
         self._description, self._tool = description, tool
         self._faults: frozenset[str] = frozenset()
+        self._has_wires = any(channel.digital for channel in description.channels.values())
         self._lied_at = self._silent_at = -SEEN_US
         # it has been at rest for a while
         self._since = {what: tool.at - SEEN_US for what, so in self._found().items() if so}
@@ -131,5 +132,7 @@ class Reality:
         )
 
     def _note_lies(self) -> None:
-        if any(fault.partition(":")[0] in NOT_KNOWN for fault in self._faults):
-            self._lied_at = self._tool.at
+        at = self._tool.at
+        stays = self._has_wires and self._tool.bench.silent(at)  # a wire that falls silent stays as it is
+        if stays or any(fault.partition(":")[0] in NOT_KNOWN for fault in self._faults):
+            self._lied_at = at

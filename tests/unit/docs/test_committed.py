@@ -10,6 +10,7 @@ import sys
 
 import pytest
 
+from tests.support.fmea import fmea_page
 from tests.support.places import DOCS
 from tests.unit.campaign.mutants.page import wrong_products
 
@@ -17,7 +18,7 @@ sys.path.insert(0, str(DOCS))
 from _site import COMMITTED, committed_page
 
 UPDATE = bool(os.environ.get("EEHAL_UPDATE"))
-OF_TESTS = {"wrong_products": wrong_products}
+OF_TESTS = {"fmea": fmea_page, "wrong_products": wrong_products}
 
 
 @pytest.mark.parametrize("name", [*COMMITTED, *OF_TESTS])
