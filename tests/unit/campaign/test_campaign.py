@@ -26,14 +26,32 @@ from end_effector_lab.campaign import (
 )
 from end_effector_lab.commands._campaign import command
 from end_effector_lab.workers import local_workers
+from tests.support.places import ROOT
 from tests.unit.campaign.mutants import MUTANTS
 
 SHIPPED = load(profile_path())
 KNOWN = CoverageMap(SHIPPED)
+TOOLS = ROOT / "examples" / "tools"
 
 
 def played(words: str, seed: int = 0) -> dict[str, str]:
     return play_case(SHIPPED, case_from_words(words, SHIPPED, seed=seed), KNOWN).failures
+
+
+@pytest.mark.parametrize(
+    ("tool", "words"),
+    [
+        ("", "wait 0.1; unlock"),  # what has been so before the case began, has been so for long
+        (
+            "two_coil_changer",
+            "scenario silent-after:0; grip",
+        ),  # a wire that falls silent shows what it has shown last
+    ],
+)
+def test_the_rules_have_nothing_against_what_nobody_can_know(tool: str, words: str) -> None:
+    description = load(TOOLS / tool / "end_effector.yaml") if tool else SHIPPED
+    case = case_from_words(words, description)
+    assert play_case(description, case, CoverageMap(description)).failures == {}
 
 
 def test_what_raises_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
