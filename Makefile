@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 unexport PYTHONDONTWRITEBYTECODE
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes fmea link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -150,6 +150,10 @@ kill-matrix-ros2: ros2 ## the same on ROS 2, with one process of the HAL and wit
 
 matrix-processes: setup ## some cells of `eehal matrix` on real processes: they must end as in virtual time (SAMPLE=50, 5 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.matrix.run --sample $(or $(SAMPLE),50)
+
+fmea: setup ## the FMEA of the shipped tool and of each example again (half an hour)
+	@PATH=$(CURDIR)/$(BIN):$$PATH $(BIN)/python -m tests.support.fmea
+	@EEHAL_UPDATE=1 $(BIN)/python -m pytest -q tests/unit/docs/test_committed.py
 
 link-campaign: setup ## 10,000 faults of the sensor link in virtual time, a minute of them for real
 	@$(BIN)/python -m tests.acceptance.link_campaign.run

@@ -4,44 +4,43 @@ Nothing here is shared with the controller or the line arbiter, and nothing was 
 
 Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip goes inactive
     (IL-09).
-Rule 2 (order): what is released goes inactive in the release order; a step that is tried again, as the last one.
+Rule 2 (order): what is released goes inactive in the release order, each one when the one before is gone, or its time
+    is over; a step that is tried again, as the last one.
 Rule 3 (activation): an output of the grip becomes active only in an accepted grip that is not over, behind all steps
-    before it, in its attempts, with the tool really locked and a link that can say so (IL-05, IL-11), and not while
-    the emergency stop is open.
-Rule 4 (unlock): the unlock output is active only after an accepted unlock, never together with an output of the grip
-    (IL-01, IL-05), and not for longer than its longest time while the line arbiter lives (IL-03).
+    before it, in its attempts and with the pause between them, with the tool really locked and a link that can say so
+    (IL-05, IL-11), and not while the emergency stop is open.
+Rule 4 (unlock): the unlock output is active only after an accepted unlock, with every vacuum gone for a while and the
+    tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not for longer
+    than its longest time while the line arbiter lives (IL-03).
 Rule 5 (switching): a line stays as it is for its least time (IL-10).
-Rule 6 (evidence): GRIPPED, and any leave to lift, only while every device really grips.
+Rule 6 (evidence): GRIPPED only while every device really grips, a leave to lift only while a link can say so; a release
+    ends in STAND_BY only when every device is gone.
 Rule 7 (refusals): a grip is not accepted while a device is still gripping, the air is too low, the link is silent or
     the tool is not locked (IL-05 to IL-07); a refusal has a reason.
 Rule 8 (unwound): what a gripping program that died had engaged is deactivated as declared, while the arbiter lives.
 Rule 9 (told): where it comes to rest, lines and state agree; a latched error, a loss and blindness have been told.
-Rule 10 (latched): what the line arbiter has latched stays until a reset, also when it dies in between.
+Rule 10 (latched): what the line arbiter has latched, and the sensor fault of the tool changer, stay until a reset, also
+    when a program or the arbiter dies in between, or the power is lost.
 
 Where a sensor lies, nobody can know: rules 3, 6 and 7 do not ask then about what is really there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of
-from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, Command, EndEffectorState
-from end_effector_lab.matrix import LYING, Switching, switchings
-from end_effector_lab.testbench import TOOL_CHANGER
+from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, ChangerState, Command, EndEffectorState, to_us
+from end_effector_lab.matrix import Switching, switchings
 from end_effector_lab.virtual import Edge, VirtualTool
+
+from ._reality import Reality
 
 GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR
 RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND_BY
 GRIPPING, RELEASING = EndEffectorState.GRIPPING, EndEffectorState.RELEASING
-SEEN_US = 1_500_000
-"""By then everything that is the case has been read, filtered and told: a link is down after 1 s."""
-BELIEVED_US = 1_000_000
-"""So long after its end a lie may still be believed: filters, and readings that are not stale yet."""
 MARGIN_US = 1_000_000
-NOT_KNOWN = frozenset({*LYING, "locked-shows", "unlocked-shows", "invalid", "reboot-after", "babble-after"})
+NEAR_US = 5_000
+"""By so much a pause may seem to be shorter than it is: what is due at one time is done one after the other."""
 
 
 class Judge:
@@ -64,6 +63,7 @@ class Judge:
         self.objections: dict[str, str] = {}
         self._active = dict.fromkeys(self._sequence, False)
         self._changed_at = {edge.line: edge.at for edge in tool.edges}
+        self._reality = Reality(description, tool)
         self._seen = len(tool.edges), len(tool.statuses)
         self._held = False
         self._grip_runs = False
@@ -72,24 +72,22 @@ class Judge:
         self._unlocked_since: int | None = None
         self._unwound_by: int | None = None
         self._disturbed = False
-        self._lied_at = -BELIEVED_US
-        self._lying = False
-        self._since: dict[str, int] = {}
+        self._arbiter_since = self._grip_since = tool.at
+        self._ended: dict[str, int] = {}
+        self._let_go: dict[str, int] = {}
         self._latched: set[str] = set()
+        self._sensor_fault = False
 
     # What happens to the tool
 
     def suffers(self, scenario: str) -> None:
         """Another scenario of the testbench is there now."""
-        self._lied()
-        names = {part.strip().partition(":")[0] for part in scenario.split(",")}
-        self._lying = bool(names & NOT_KNOWN)
-        self._lied()
+        self._reality.suffers(scenario)
 
     def commanded(self, name: str, answer: Answer, at: int) -> None:
         """A command was given at ``at`` µs, and answered."""
         if name == "reset":  # one that is refused clears all but the faults that persist
-            self._latched = set(self._tool.latched)
+            self._latched, self._sensor_fault = set(self._tool.latched), False
         if not answer.accepted:
             if not answer.reason:
                 self._object("refusals", f"{name} was refused without a reason")
@@ -99,16 +97,17 @@ class Judge:
         elif name == "unlock":
             self._unlock_accepted = True
         elif name == "grip":
-            self._grip_runs, self._unwound_by = True, None
+            self._grip_runs, self._unwound_by, self._grip_since = True, None, at
             self._attempts = dict.fromkeys(self._sequence, 0)
-            for why in self._against_a_grip():
+            self._let_go, self._ended = {}, {}
+            for why in self._reality.against_a_grip():
                 self._object("refusals", f"a grip was accepted while {why}", at)
 
     def dies(self, programs: frozenset[str]) -> None:
         """These have died now, or were ended; before they do."""
         tool = self._tool
         if "grip" in programs and "grip" in tool.living:
-            self._grip_runs = False
+            self._grip_runs, self._let_go = False, {}
             if not self._held and tool.statuses[-1].ee in (GRIPPING, RELEASING):
                 self._expect_unwinding()
         if "arbiter" in programs and "arbiter" in tool.living:
@@ -120,6 +119,7 @@ class Judge:
         """These were started now."""
         if "arbiter" not in programs:
             return
+        self._arbiter_since = self._tool.at
         if self._changer and self._tool.levels.get(self._changer):
             self._unlocked_since = self._tool.at
         if self._unwound_by is not None:
@@ -129,15 +129,16 @@ class Judge:
     def disturbed(self) -> None:
         """What the arbiter keeps may be gone: in doubt it holds, and no last will is demanded of it."""
         self._disturbed, self._unwound_by = True, None
-        self._latched = set()
+        self._latched, self._sensor_fault = set(), False
 
     def power_lost(self) -> None:
-        """Everything has died, and every line is inactive."""
+        """Everything has died, and every line is inactive; what is latched stands in the journal."""
         edges, statuses = self._tool.edges, self._tool.statuses
         self._seen = len(edges), len(statuses)
         self._active = dict.fromkeys(self._active, False)
         self._changed_at = dict.fromkeys(self._changed_at, self._tool.at - SETTLE_US)
         self._held = self._grip_runs = self._unlock_accepted = False
+        self._let_go = {}
         self._unlocked_since = self._unwound_by = None
 
     # What is seen of it
@@ -145,20 +146,18 @@ class Judge:
     def look(self) -> bool:
         """Judge what is new; returns False, as what `VirtualTool.run_until` asks."""
         tool, (edges, statuses) = self._tool, self._seen
-        self._lied()
-        self._watch_devices()
+        self._reality.look()
         if len(tool.edges) > edges:
             self._moved(tool.edges[edges:])
         if len(tool.statuses) > statuses:
-            for status in tool.statuses[statuses:]:
-                self._told(status)
+            for number in range(statuses, len(tool.statuses)):
+                self._told(tool.statuses[number - 1] if number else None, tool.statuses[number])
         self._seen = len(tool.edges), len(tool.statuses)
+        if "grip" in tool.living:
+            self._is_held(tool.statuses[-1])
         since = self._unlocked_since
         if "arbiter" in tool.living and not self._disturbed:
-            latched = set(tool.latched)
-            if gone := self._latched - latched:
-                self._object("latched", f"{', '.join(sorted(gone))} is latched no more, without a reset")
-            self._latched = latched
+            self._still_latched()
         if since is not None and tool.at - since > self._longest_unlock_us:
             self._object("unlock", "the unlock output is active for longer than its longest time (IL-03)")
         if self._unwound_by is not None and tool.at > self._unwound_by:
@@ -183,14 +182,13 @@ class Judge:
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
         if len(active) < len(self._sequence):
-            missing = [name for name in self._sequence if name not in active and not self._lets_go(name)]
+            missing = [
+                name for name in self._sequence if name not in active and not self._reality.lets_go(name)
+            ]
             if missing:
                 self._object("told", f"GRIPPED with {', '.join(missing)} inactive")
-        if self._is_known() and status.lift_allowed:
-            for name in self._sequence:
-                if self._lasts(f"gone {name}"):
-                    self._object("evidence", f"{name} has not gripped for a while, and a lift is allowed")
-        if self._lasts("silent") and not status.alarms:
+        self._is_held(status)
+        if self._reality.lasts("silent") and not status.alarms:
             self._object("told", "GRIPPED with a silent link, without an alarm")
 
     # Rules 1 to 5
@@ -217,6 +215,8 @@ class Judge:
         self._unlock_accepted = False
         if self._description.interlocks.il_01 and any(self._active.values()):
             self._object("unlock", "the unlock output became active with an output of the grip (IL-01)")
+        for why in self._reality.against_an_unlock():
+            self._object("unlock", f"the unlock output became active, and {why}")
 
     def _activated(self, each: Switching) -> None:
         name, before = each.name, self._sequence[: self._sequence.index(each.name)]
@@ -226,31 +226,64 @@ class Judge:
         allowed = self._description.actuators[name].attempts
         if self._attempts[name] > allowed:
             self._object("activation", f"{name} was activated more often than {allowed} times")
+        self._let_go.pop(name, None)
+        if (ended := self._ended.get(name)) is not None and self._has_lived():
+            pause_us = each.at - ended
+            if pause_us < to_us(self._description.actuators[name].reset_s) - NEAR_US:
+                self._object("activation", f"{name} was tried again after {pause_us / 1e6:.3f} s")
         for other in before:
             if not self._active[other]:
                 self._object("activation", f"{name} became active before {other}")
-            elif self._is_known() and self._lasts(f"gone {other}"):
+            elif self._reality.is_known and self._reality.lasts(f"gone {other}"):
                 self._object("activation", f"{name} became active, and {other} does not grip")
         if self._changer and self._tool.levels.get(self._changer):
             self._object("activation", f"{name} became active with the unlock output (IL-05)")
-        if self._description.interlocks.il_05 and self._is_known() and self._lasts("unlocked"):
+        if self._description.interlocks.il_05 and self._reality.is_known and self._reality.lasts("unlocked"):
             self._object("activation", f"{name} became active, and the tool is not locked (IL-05)")
-        if self._description.interlocks.il_05 and self._changer and self._lasts("silent"):
+        if self._description.interlocks.il_05 and self._changer and self._reality.lasts("silent"):
             self._object(
                 "activation", f"{name} became active, and nobody can prove that the tool is locked (IL-05)"
             )
-        if self._lasts("estop"):
+        if self._reality.lasts("estop"):
             self._object("activation", f"{name} became active with an open emergency stop (IL-13)")
 
     def _deactivated(self, each: Switching) -> None:
         name, order = each.name, self._description.releasing
+        self._ended[name] = each.at
         if self._held and not self._may_be_let_go(name):
             self._object("held", f"{name} was deactivated while the part is held (IL-09)")
+        if self._unwinds():
+            self._paused(each, order[: order.index(name)])
+            self._let_go[name] = each.at
         if name == [other for other in self._sequence if self._active[other]][-1]:
             return  # the last one: also when it is tried again
         for other in order[: order.index(name)]:
             if self._active[other] and self._is_unwound(other):
                 self._object("order", f"{name} was deactivated before {other}")
+
+    def _unwinds(self) -> bool:
+        """Whether a deactivation now belongs to a release, not to an attempt that has failed."""
+        tool = self._tool
+        return "grip" not in tool.living or tool.statuses[-1].ee in (RELEASING, RELEASE_ERROR, STAND_BY)
+
+    def _has_lived(self) -> bool:
+        """Whether the arbiter has since the grip was accepted: else lines may be switched later than asked for."""
+        return "arbiter" in self._tool.living and self._arbiter_since <= self._grip_since
+
+    def _paused(self, each: Switching, before: tuple[str, ...]) -> None:
+        """The device before has the time of its release, or does not grip any more."""
+        let_go = [other for other in before if other in self._let_go]
+        if not let_go or not self._has_lived() or not self._reality.is_known:
+            return
+        other = let_go[-1]
+        waited_us = each.at - self._let_go[other]
+        if waited_us < to_us(self._description.actuators[other].release_s) - NEAR_US and self._reality.grips(
+            other
+        ):
+            self._object(
+                "order",
+                f"{each.name} was deactivated {waited_us / 1e6:.3f} s after {other}, which still grips",
+            )
 
     def _unwound(self) -> None:
         """The time of a last will is over."""
@@ -261,14 +294,7 @@ class Judge:
     def _may_be_let_go(self, name: str) -> bool:
         """Whether any ending is declared that does (only without IL-09), or its device hears nothing."""
         held = self._description.endings_of(name).held
-        return "release" in (held.lost, held.sigterm, held.process_death) or self._lets_go(name)
-
-    def _lets_go(self, name: str) -> bool:
-        output, tool = self._description.actuators[name].modbus, self._tool
-        if output is None or output.on_link_loss != "release" or output.keep_alive_ms is None:
-            return False
-        silent = "arbiter" not in tool.living or tool.bench.silent(tool.at, output.link)
-        return silent or not self._is_known()
+        return "release" in (held.lost, held.sigterm, held.process_death) or self._reality.lets_go(name)
 
     def _is_unwound(self, name: str) -> bool:
         """Whether every ending before GRIPPED releases it."""
@@ -287,77 +313,50 @@ class Judge:
 
     # Rules 6 and 7
 
-    def _told(self, status: Status) -> None:
+    def _told(self, before: Status | None, status: Status) -> None:
         ee, tool = status.ee, self._tool
         latched = ee == GRIPPED or (ee == GRIP_ERROR and status.command == Command.NONE)
         if ee in (GRIPPED, GRIP_ERROR, RELEASE_ERROR, RELEASING, STAND_BY) and status.command != Command.GRIP:
             self._grip_runs = False
         if latched and not self._held:
             self._held = True
-            if ee == GRIPPED and status.at == tool.at and self._is_known():
+            if ee == GRIPPED and status.at == tool.at and self._reality.is_known:
                 for name in self._sequence:
-                    if not self._grips(name):
+                    if not self._reality.grips(name):
                         self._object("evidence", f"GRIPPED, and {name} does not grip")
-        if status.held and status.lift_allowed and status.at == tool.at and self._is_known():
+        released = before is not None and before.ee == RELEASING and ee == STAND_BY
+        if released and status.at == tool.at and self._reality.is_known:
             for name in self._sequence:
-                if self._lasts(f"gone {name}"):
-                    self._object("evidence", f"{name} has not gripped for a while, and a lift is allowed")
+                if not self._reality.is_gone(name):
+                    self._object("evidence", f"a release has ended in STAND_BY, and {name} is not gone")
 
-    def _grips(self, name: str) -> bool:
-        """Whether a device really does, by its switch or by what the description asks of its pressure."""
-        device, part = self._tool.bench.devices[name], self._description.actuators[name]
-        if device.grips:
-            return True
-        lost = kind_of(part).limits(part, self._description.supply).get("lost_kpa")
-        return lost is not None and device.pressure_kpa is not None and abs(device.pressure_kpa) > lost
-
-    def _against_a_grip(self) -> Iterator[str]:
-        rules, supply = self._description.interlocks, self._description.supply
-        if self._lasts("silent"):
-            yield "the link is silent (IL-07)"
-        if not self._is_known():
+    def _is_held(self, status: Status) -> None:
+        """Whether GRIPPED, and a leave to lift, are still justified."""
+        if status.ee != GRIPPED:
             return
-        if rules.il_07:
-            yield from (
-                f"{name} still grips (IL-07)" for name in self._sequence if self._lasts(f"grips {name}")
-            )
-        if rules.il_06 and self._lasts("low"):
-            yield f"the air has less than {supply.refuse_kpa:g} kPa (IL-06)"
-        if rules.il_05 and self._lasts("unlocked"):
-            yield "the tool is not locked (IL-05)"
-
-    def _watch_devices(self) -> None:
-        """Note since when something is so."""
-        tool, supply = self._tool, self._description.supply
-        scenario, devices = tool.bench.scenario, tool.bench.devices
-        found = dict[str, bool]()
+        if status.lift_allowed and self._reality.lasts("silent"):
+            self._object("evidence", "the link is silent, and a lift is allowed")
+        if not self._reality.is_read:
+            return
         for name in self._sequence:
-            found[f"grips {name}"] = grips = self._grips(name)
-            found[f"gone {name}"] = not grips
-        kpa = scenario.supply_kpa
-        found["low"] = kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
-        found["estop"] = self._description.e_stop is not None and not scenario.estop_ok
-        found["silent"] = bool(self._description.links) and all(
-            tool.bench.silent(tool.at, name) for name in self._description.links
-        )
-        found["unlocked"] = bool(self._changer) and not devices[TOOL_CHANGER].bits["locked"]
-        for what, so in found.items():
-            if not so:
-                self._since.pop(what, None)
-            else:
-                self._since.setdefault(what, tool.at)
+            if self._reality.lasts(f"gone {name}"):
+                self._object(
+                    "evidence", f"{name} has not gripped for a while, and the end-effector is GRIPPED"
+                )
 
-    def _lasts(self, what: str) -> bool:
-        """Whether it has been so for long enough that everybody knows."""
-        return self._tool.at - self._since.get(what, self._tool.at) > SEEN_US
+    # Rule 10
 
-    def _lied(self) -> None:
-        if self._lying:
-            self._lied_at = self._tool.at
-
-    def _is_known(self) -> bool:
-        """Whether no sensor lies, or did a moment ago."""
-        return self._tool.at - self._lied_at > BELIEVED_US
+    def _still_latched(self) -> None:
+        tool, latched = self._tool, set(self._tool.latched)
+        if gone := self._latched - latched:
+            self._object("latched", f"{', '.join(sorted(gone))} is latched no more, without a reset")
+        self._latched = latched
+        self._sensor_fault = self._sensor_fault or self._reality.lasts("sensor fault")
+        changer = tool.changes[-1].changer if "tool_change" in tool.living else ChangerState.UNKNOWN
+        if self._sensor_fault and changer in (ChangerState.LOCKED, ChangerState.UNLOCKED):
+            self._object(
+                "latched", f"the tool changer is {changer.name} after a sensor fault, without a reset (IL-04)"
+            )
 
     def _object(self, rule: str, what: str, at: int | None = None) -> None:
         seconds = ((self._tool.at if at is None else at) - self._begun) / 1e6

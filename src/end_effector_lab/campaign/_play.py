@@ -21,6 +21,8 @@ from ._judge import Judge
 
 REST_S, STILL_US, DARK_S, MARGIN_US = 0.5, 500_000, 1.0, 30_000_000
 LONGEST_US = 600_000_000
+ALARMS_US = 15_000_000
+"""An alarm that nobody need acknowledge ends by itself by then: a reboot of a device is told for 10 s."""
 SOON_S, KNOWN_S = 0.3, 3.0
 """Waits before the tool is used again: where nothing is wrong; where links, filters and faults must notice it."""
 STAND_BY, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
@@ -204,7 +206,6 @@ class _CaseRun:
         tool = self.tool
         tool.lose_power()
         self._judge.power_lost()
-        self._judge.disturbed()
         self._go(tool.at + round(DARK_S * 1e6))
         for name in reversed(processes(ALL)):
             tool.start(name)
@@ -260,6 +261,8 @@ class _CaseRun:
             self._go(tool.at + STILL_US)
             if before == (len(tool.edges), tool.status.ee) and self._is_still():
                 break
+        if tool.status.held:
+            self._go(tool.at + round(KNOWN_S * 1e6))
         self._judge.at_rest(still=self._is_still())
 
     def _use_again(self) -> None:
@@ -310,6 +313,8 @@ class _CaseRun:
             return "a drop is refused"
         if not self._until(lambda: tool.status.ee == STAND_BY, longest):
             return "a drop does not end in STAND_BY"
+        if not self._until(lambda: not tool.status.alarms, ALARMS_US):
+            return "nothing is wrong any more, and an alarm stays"
         return ""
 
     def _changer_wants_lock(self) -> bool:

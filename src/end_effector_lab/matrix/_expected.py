@@ -25,6 +25,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from end_effector_hal.codecs import carrier_of, shows_noise
 from end_effector_hal.description import Channel, Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import named
@@ -124,7 +125,7 @@ class _Rules:
         if self._is_late:
             outcomes, why = outcomes | self._not_acknowledged(), f"{why}, rule 8"
         latched = {Outcome.HELD, Outcome.STILL_THERE, Outcome.FAILED, Outcome.REFUSED}
-        blind = self._phase == HELD and all(view.keeps == {UNKNOWN} for view in self.views.values())
+        blind = self._phase == HELD and (self._is_blind() or self._is_frozen())
         return ExpectedOutcome(frozenset(outcomes), outcomes <= latched or (blind and self._goes_on), why)
 
     @property
@@ -150,6 +151,18 @@ class _Rules:
         if lets_go(self._description, self._cell):
             found |= {Outcome.AT_REST, Outcome.UNWOUND, Outcome.FAILED, Outcome.RELEASED}
         return found
+
+    def _is_blind(self) -> bool:
+        """Whether nothing proves an actuator any more."""
+        return any(view.keeps == {UNKNOWN} for view in self.views.values())
+
+    def _is_frozen(self) -> bool:
+        """Whether a sensor stands still that is known to move by its noise."""
+        part = self._description.actuators.get(self._cell.place)
+        watched = (
+            part is not None and part.frozen_s is not None and shows_noise(carrier_of(self._description))
+        )
+        return self._cell.name == "frozen-after" and watched and self._cell.command != "drop"
 
     def _outcomes(self) -> tuple[set[Outcome], str]:
         command = self._cell.command
@@ -285,7 +298,8 @@ class _Rules:
             case "lost-after":
                 return SensorView(frozenset({YES, NO}), frozenset({LOST}), _YES)
             case "no-part":
-                return SensorView(frozenset({NO}), frozenset({LOST}), _YES)
+                pending = self._phase == GRIP and name == self._engaged[-1]  # it may be there already
+                return SensorView(frozenset({YES, NO} if pending else {NO}), frozenset({LOST}), _YES)
             case "invalid" if (pulled := self._pulled(name)) is not None:
                 return SensorView(_YES, _YES, frozenset({NO})) if pulled else LET_GO
             case "invalid" if self._has_switch(name):
@@ -362,10 +376,16 @@ class _Rules:
         if cell.name in SILENCING:
             return {YES, NO} if any(map(self._keeps_its_level, self._sequence)) else {YES}
         if cell.name == "supply":
-            return {YES} if (cell.number or 0.0) < description.supply.refuse_kpa else set()
+            low = self._is_air_read() and (cell.number or 0.0) < description.supply.refuse_kpa
+            return {YES} if low else set()
         if cell.name in LYING or cell.name == "alarm" or cell.name == "reboot-after":
             return {YES, NO}
         return self._activation_refused()
+
+    def _is_air_read(self) -> bool:
+        """Whether IL-06 has a sensor, and is not switched off."""
+        supply = self._description.supply.channel in carrier_of(self._description).channels
+        return supply and self._description.interlocks.il_06
 
     def _activation_refused(self) -> set[str]:
         """Whether the line arbiter refuses what the gripping program activates."""

@@ -1,4 +1,4 @@
-"""What is generated from the program and committed: pages of the reference.
+"""What is generated from the program, or from tables of the tests, and committed: pages of the reference.
 
 ``EEHAL_UPDATE=1 pytest tests/unit/docs/test_committed.py`` writes them.
 """
@@ -10,18 +10,21 @@ import sys
 
 import pytest
 
+from tests.support.fmea import fmea_page
 from tests.support.places import DOCS
+from tests.unit.campaign.mutants.page import wrong_products
 
 sys.path.insert(0, str(DOCS))
 from _site import COMMITTED, committed_page
 
 UPDATE = bool(os.environ.get("EEHAL_UPDATE"))
+OF_TESTS = {"fmea": fmea_page, "wrong_products": wrong_products}
 
 
-@pytest.mark.parametrize("name", COMMITTED)
+@pytest.mark.parametrize("name", [*COMMITTED, *OF_TESTS])
 def test_a_page_says_what_the_program_says(name: str) -> None:
     path = DOCS / "reference" / f"{name}.md"
-    page = committed_page(name)
+    page = committed_page(name, OF_TESTS.get(name))
     if UPDATE:
         path.write_text(page, encoding="utf-8")
     assert path.read_text(encoding="utf-8") == page, "see the head of this file"
@@ -35,6 +38,7 @@ def test_a_page_says_what_the_program_says(name: str) -> None:
         ("interlocks", "## IL-09"),
         ("mutants", "## The edges of Gripper"),
         ("ros", "`EndEffectorState`"),
+        ("wrong_products", "a journal that is not written"),
     ],
 )
 def test_what_is_generated_is_there(name: str, written: str) -> None:

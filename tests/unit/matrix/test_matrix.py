@@ -95,6 +95,37 @@ def test_the_rules(name: str, allowed: set[Outcome]) -> None:
     assert outcomes(name) == allowed
 
 
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ("nominal", False),
+        ("invalid:top_vacuum", True),
+        ("frozen-after:cylinder:0", True),
+        ("silent-after:0", True),
+    ],
+)
+def test_blindness_while_a_part_is_held_must_be_told(fault: str, told: bool) -> None:
+    cell = all_cells()[f"{fault} @ grip GRIPPED, between + none"]
+    assert expected(SHIPPED, cell).alarm is told
+
+
+def outcomes_of_a_jaw(name: str) -> set[Outcome]:
+    jaw = load(ROOT / "examples" / "tools" / "double_acting_jaw" / "end_effector.yaml")
+    cell = next(cell for cell in cells_of(jaw, moments(jaw)) if cell.id == name)
+    return set(expected(jaw, cell).outcomes)
+
+
+def test_low_air_refuses_a_grip_only_where_it_is_read() -> None:
+    name = "supply:350 @ rest + none"
+    assert outcomes(name) == {Outcome.REFUSED}
+    assert Outcome.SUCCESS in outcomes_of_a_jaw(name)
+
+
+def test_a_part_may_go_just_before_it_is_noticed() -> None:
+    assert Outcome.HELD in outcomes_of_a_jaw("no-part:jaw @ grip GRIPPED -1ms + none")
+    assert outcomes_of_a_jaw("no-part:jaw @ rest + none") == {Outcome.FAILED}
+
+
 def test_the_rules_follow_the_description() -> None:
     name = "nominal @ grip cylinder on + kill grip"
     assert outcomes(name) == {Outcome.UNWOUND}

@@ -1,0 +1,146 @@
+"""What is really the case, whatever the sensors and the programs say, and since when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.vocabulary import ChangerFault, to_us
+from end_effector_lab.matrix import LYING
+from end_effector_lab.testbench import TOOL_CHANGER
+from end_effector_lab.virtual import VirtualTool
+
+SEEN_US = 1_500_000
+"""By then everything that is the case has been read, filtered and told: a link is down after 1 s."""
+BELIEVED_US = 1_000_000
+"""So long after its end a lie may still be believed: filters, and readings that are not stale yet."""
+NOISE_KPA, FRAMES_US = 1.0, 100_000
+"""By so much, and for so long, what is read differs from what is there."""
+NOT_KNOWN = frozenset({*LYING, "locked-shows", "unlocked-shows", "invalid", "reboot-after", "babble-after"})
+
+
+class Reality:
+    """Looks at the simulated devices of a tool; `look` is called at each instant at which something happens."""
+
+    def __init__(self, description: Description, tool: VirtualTool) -> None:
+        self._description, self._tool = description, tool
+        self._faults: frozenset[str] = frozenset()
+        self._has_wires = any(channel.digital for channel in description.channels.values())
+        self._lied_at = self._silent_at = -SEEN_US
+        # it has been at rest for a while
+        self._since = {what: tool.at - SEEN_US for what, so in self._found().items() if so}
+
+    def suffers(self, scenario: str) -> None:
+        """Another scenario of the testbench is there now."""
+        self._note_lies()
+        self._faults = frozenset(part.strip() for part in scenario.split(","))
+        self._note_lies()
+
+    def look(self) -> None:
+        """Note since when something is so."""
+        self._note_lies()
+        links = self._description.links
+        if any(self._tool.bench.silent(self._tool.at, name) for name in links):
+            self._silent_at = self._tool.at
+        for what, so in self._found().items():
+            if not so:
+                self._since.pop(what, None)
+            else:
+                self._since.setdefault(what, self._tool.at)
+
+    def lasts(self, what: str, us: int = SEEN_US) -> bool:
+        """Whether it has been so for long enough, by default that everybody knows."""
+        return self._tool.at - self._since.get(what, self._tool.at) > us
+
+    def lets_go(self, name: str) -> bool:
+        """Whether its device may let go by itself, because it hears nothing (`on_link_loss`)."""
+        output, tool = self._description.actuators[name].modbus, self._tool
+        if output is None or output.on_link_loss != "release" or output.keep_alive_ms is None:
+            return False
+        silent = "arbiter" not in tool.living or tool.bench.silent(tool.at, output.link)
+        return silent or not self.is_known
+
+    @property
+    def is_known(self) -> bool:
+        """Whether no sensor lies, or did a moment ago."""
+        return self._tool.at - self._lied_at > BELIEVED_US
+
+    @property
+    def is_read(self) -> bool:
+        """Whether no sensor lies, no link is silent, or was a moment ago."""
+        return self.is_known and self._tool.at - self._silent_at > SEEN_US
+
+    def grips(self, name: str) -> bool:
+        """Whether a device really does, by its switch or by what the description asks of its pressure."""
+        return self._tool.bench.devices[name].grips or self._is_over(name, "lost_kpa", 0.0)
+
+    def is_gone(self, name: str) -> bool:
+        """Whether nothing is left of it, by what the description asks of a release."""
+        return not self._tool.bench.devices[name].grips and not self._is_over(name, "gone_kpa", NOISE_KPA)
+
+    def against_a_grip(self) -> Iterator[str]:
+        """Why no grip may begin now, clauses."""
+        rules, supply = self._description.interlocks, self._description.supply
+        if self.lasts("silent"):
+            yield "the link is silent (IL-07)"
+        if not self.is_known:
+            return
+        if rules.il_07:
+            for name in self._description.sequence:
+                if self.lasts(f"grips {name}"):
+                    yield f"{name} still grips (IL-07)"
+        if rules.il_06 and self.lasts("low"):
+            yield f"the air has less than {supply.refuse_kpa:g} kPa (IL-06)"
+        if rules.il_05 and self.lasts("unlocked"):
+            yield "the tool is not locked (IL-05)"
+
+    def against_an_unlock(self) -> Iterator[str]:
+        """Why the unlock output may not become active now, clauses."""
+        rules, changer = self._description.interlocks, self._description.tool_changer
+        if changer is None:
+            return
+        if rules.il_01 and self.is_known and not self.lasts("vented", to_us(changer.vented_s) - FRAMES_US):
+            yield f"a vacuum was not under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s (IL-01)"
+        if rules.il_02 and self.lasts("away"):
+            yield "the sensor of the stand says that the tool is not in it (IL-02)"
+
+    def _found(self) -> dict[str, bool]:
+        tool, supply, changer = self._tool, self._description.supply, self._description.tool_changer
+        scenario, devices = tool.bench.scenario, tool.bench.devices
+        found = dict[str, bool]()
+        for name in self._description.sequence:
+            found[f"grips {name}"] = grips = self.grips(name)
+            found[f"gone {name}"] = not grips
+        kpa = scenario.supply_kpa
+        found["low"] = kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
+        found["estop"] = self._description.e_stop is not None and not scenario.estop_ok
+        found["silent"] = bool(self._description.links) and all(
+            tool.bench.silent(tool.at, name) for name in self._description.links
+        )
+        if changer is not None:
+            found["unlocked"] = not devices[TOOL_CHANGER].bits["locked"]
+            found["vented"] = all(
+                abs(devices[name].pressure_kpa or 0.0) < changer.vented_kpa + NOISE_KPA
+                for name, part in self._description.ordered
+                if kind_of(part).below_ambient
+            )
+            found["away"] = not {"not-in-stand", f"stand-shows:{TOOL_CHANGER}:0"}.isdisjoint(self._faults)
+            told = "tool_change" in tool.living and tool.changes[-1].changer_fault == ChangerFault.SENSOR
+            found["sensor fault"] = told and "arbiter" in tool.living
+        return found
+
+    def _is_over(self, name: str, limit: str, margin_kpa: float) -> bool:
+        device, part = self._tool.bench.devices[name], self._description.actuators[name]
+        kpa = kind_of(part).limits(part, self._description.supply).get(limit)
+        return (
+            kpa is not None
+            and device.pressure_kpa is not None
+            and abs(device.pressure_kpa) > kpa + margin_kpa
+        )
+
+    def _note_lies(self) -> None:
+        at = self._tool.at
+        stays = self._has_wires and self._tool.bench.silent(at)  # a wire that falls silent stays as it is
+        if stays or any(fault.partition(":")[0] in NOT_KNOWN for fault in self._faults):
+            self._lied_at = at

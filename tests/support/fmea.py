@@ -1,0 +1,118 @@
+"""The FMEAs of the shipped tool and of the examples, in ``docs/reference/fmea``: ``python -m tests.support.fmea``.
+
+With names of tools it plays these only; what was played is kept in ``runs/fmea``, so that it goes on where it was
+stopped.
+"""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_lab.matrix import Cell, cells_of, moments, thinned
+
+from .places import DOCS, ROOT
+
+KEPT = DOCS / "reference" / "fmea"
+PLAYED = ROOT / "runs" / "fmea"
+ONLY = "+ none"
+"""Cells without a command: the others are no failure modes."""
+EVERY: Mapping[str, int] = {
+    "verdin_gripper": 5,
+    "area_gripper": 24,
+    "bistable_and_magnet": 1,
+    "diy_record": 3,
+    "diy_text": 2,
+    "diy_vacuum": 1,
+    "double_acting_jaw": 1,
+    "epick_commanded": 1,
+    "gripper_2f85": 1,
+    "six_cups": 18,
+    "two_coil_changer": 1,
+    "two_epick": 4,
+    "two_links": 6,
+}
+"""One cell of so many is played, by the name of the tool: some hundred."""
+ON_A_BUS = ("epick_commanded", "gripper_2f85")
+"""Tools that are played with their outputs on lines: what is commanded over a link has no virtual time."""
+HEAD = ("tool", "FMEA", "cells played", "failure modes", "not explained", "how to play it again")
+
+
+def path_of(name: str) -> Path:
+    """The description of a tool, as it is played."""
+    if name == "verdin_gripper":
+        return profile_path()
+    if name not in ON_A_BUS:
+        return ROOT / "examples" / "tools" / name / "end_effector.yaml"
+    path = PLAYED / f"{name}.yaml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = YAML()
+    given = text.load(ROOT / "examples" / "tools" / name / "end_effector.yaml")
+    on_lines(given)
+    text.dump(given, path)
+    return path
+
+
+def on_lines(description: dict[str, Any]) -> None:
+    """Put lines in place of the outputs that it commands over a link, and leave out the channels that prove these."""
+    for number, part in enumerate(description["actuators"].values()):
+        if bus := part.pop("modbus", None):
+            part["line"] = f"GPIO{number + 5}"
+            for channel in (bus.get("verify"), bus.get("activation", {}).get("ready")):
+                description["channels"].pop(channel, None)
+
+
+def chosen(name: str) -> tuple[Description, list[Cell], int]:
+    """The tool, the cells that are played, and of how many."""
+    description = load(path_of(name))
+    every = [cell for cell in cells_of(description, moments(description)) if ONLY in cell.id]
+    return description, thinned(every, EVERY[name]), len(every)
+
+
+def fmea_page() -> str:
+    """A line for each tool, by its kept FMEA."""
+    lines = [HEAD, ("---",) * len(HEAD), *(tuple(_cells(name)) for name in EVERY)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _cells(name: str) -> Iterator[str]:
+    rows = rows_of(name)
+    yield name
+    yield f"[{name}.csv](fmea/{name}.csv)"
+    yield str(sum(int(row["cells"]) for row in rows))
+    yield str(len({(row["item"], row["failure mode"]) for row in rows}))
+    yield str(sum(int(row["unexplained"]) for row in rows))
+    tool = "" if name == "verdin_gripper" else f" examples/tools/{name}/end_effector.yaml"
+    command = f'eehal matrix{tool} --only "{ONLY}" --every {EVERY[name]} -o runs/fmea/{name}'
+    yield f"`python -m tests.support.fmea {name}`" if name in ON_A_BUS else f"`{command}`"
+
+
+def rows_of(name: str) -> list[dict[str, str]]:
+    """The kept FMEA."""
+    with (KEPT / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def main(names: list[str]) -> int:
+    """Play tools and keep their FMEAs."""
+    for name in names or EVERY:
+        folder = PLAYED / name
+        tool = [] if name == "verdin_gripper" else [str(path_of(name))]
+        asked = ["--only", ONLY, "--every", str(EVERY[name]), "-o", str(folder)]
+        ended = subprocess.run(["eehal", "matrix", *tool, *asked], check=False).returncode
+        if ended not in (0, 4):
+            return ended
+        KEPT.mkdir(exist_ok=True)
+        (KEPT / f"{name}.csv").write_bytes((folder / "fmea.csv").read_bytes())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

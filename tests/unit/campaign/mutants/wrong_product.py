@@ -1,0 +1,34 @@
+"""A mistake that somebody could make in the product, and what finds it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import pytest
+
+Patch = Callable[[pytest.MonkeyPatch], None]
+
+
+class WrongProduct(NamedTuple):
+    """A mutant.
+
+    Attributes:
+        patch: makes the mistake.
+        place: of the mistake: a file below ``src/end_effector_hal``, and a name in it.
+        found_by: the smallest case of a campaign that finds it, in words; or the id of a cell of the matrix.
+        rule: that objects: of the campaign by its name; of the matrix by a part of its sentence.
+        found_in_run: the first run of the campaign with seed 0 that breaks a rule; None: nobody has tried that, or none
+            of the first 150 does.
+    """
+
+    patch: Patch
+    place: str
+    found_by: str
+    rule: str
+    found_in_run: int | None = None
+
+    @property
+    def is_cell(self) -> bool:
+        """Whether a cell finds it, and no case."""
+        return " @ " in self.found_by

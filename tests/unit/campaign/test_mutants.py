@@ -1,0 +1,95 @@
+"""The product with one mistake each: what is said to find it does, and has nothing against the product."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import end_effector_hal
+from end_effector_hal.description import load, profile_path
+from end_effector_lab.campaign import (
+    CoverageMap,
+    case_from_words,
+    kind_of_failure,
+    play_case,
+    read_failures,
+    run_campaign,
+)
+from end_effector_lab.matrix import Cell, cells_of, moments, play
+from end_effector_lab.workers import local_workers
+from tests.support.nightly import NIGHTLY, first_of
+from tests.unit.campaign.mutants import ARBITER, CONTROLLER, MUTANTS
+
+SHIPPED = load(profile_path())
+KNOWN = CoverageMap(SHIPPED)
+LONGEST = 150
+
+
+@cache
+def cells() -> dict[str, Cell]:
+    return {cell.id: cell for cell in cells_of(SHIPPED, moments(SHIPPED))}
+
+
+def objections(found_by: str, seed: int = 0) -> Collection[str]:
+    """Rules that a case breaks, or what is said against a cell."""
+    if " @ " in found_by:
+        return play(SHIPPED, cells()[found_by]).objections
+    return play_case(SHIPPED, case_from_words(found_by, SHIPPED, seed=seed), KNOWN).failures
+
+
+def first_of_each_file() -> list[object]:
+    """Each mutant by its name; an ordinary run takes one of each file of the product."""
+    seen, found = set[str](), list[object]()
+    for name, mutant in MUTANTS.items():
+        file = mutant.place.partition(":")[0]
+        found.append(pytest.param(name, marks=[pytest.mark.nightly] if file in seen else []))
+        seen.add(file)
+    return found
+
+
+@pytest.mark.parametrize("name", first_of_each_file())
+def test_a_mutant_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    mutant = MUTANTS[name]
+    assert not objections(mutant.found_by)
+    mutant.patch(monkeypatch)
+    assert any(mutant.rule in each for each in objections(mutant.found_by))
+
+
+def test_there_are_enough_and_all_are_in_the_product() -> None:
+    assert len(CONTROLLER) >= 20
+    assert len(ARBITER) >= 10
+    assert len(MUTANTS) == len(CONTROLLER) + len(ARBITER)
+    product = Path(end_effector_hal.__file__).parent
+    for mutant in MUTANTS.values():
+        file, _, name = mutant.place.partition(": ")
+        if file != "the UPPAAL file":
+            assert name.rpartition(".")[2] in (product / file).read_text(encoding="utf-8"), mutant.place
+
+
+BY_CHANCE = [name for name, each in MUTANTS.items() if each.found_in_run is not None and not each.is_cell]
+BY_CHANCE.sort(key=lambda name: MUTANTS[name].found_in_run or 0)
+
+
+@pytest.mark.parametrize("name", first_of(BY_CHANCE))
+def test_a_campaign_finds_a_mutant_and_shrinks_it(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mutant = MUTANTS[name]
+    mutant.patch(monkeypatch)
+    most = LONGEST if NIGHTLY else (mutant.found_in_run or 0) + 1
+    campaign = run_campaign(
+        SHIPPED,
+        tmp_path,
+        local_workers(1),
+        seed=0,
+        go_on=lambda so_far, run: run < most and not so_far.failures,
+    )
+    assert campaign.failures
+    smallest = read_failures(tmp_path / "failures")[0]
+    assert len(smallest["happenings"]) <= 5
+    case = case_from_words(smallest["words"], SHIPPED, seed=smallest["seed"])
+    failures = play_case(SHIPPED, case, KNOWN).failures.values()
+    assert smallest["kind"] in map(kind_of_failure, failures)
