@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from random import Random
 
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.codecs.described import CHECKSUMS
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, used_channels
 from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
@@ -152,6 +153,13 @@ class Bench:
             )
             for name, actuator in description.ordered
         ]
+        carried, used = carrier_of(description).channels, used_channels(description)
+        self._at_rest: dict[str, Value] = {
+            name: False if carried[name] is Kind.BIT else 0
+            for name in description.channels
+            if name in carried and name not in used
+        }
+        """Channels that nothing uses: a device sends them all the same."""
         self._driven = tuple(self._stations.values())
         self._alarms = [name for name, declared in description.channels.items() if declared.alarm]
         self._by_line = {line: self._stations[name] for name, line in lines.items()}
@@ -258,7 +266,7 @@ class Bench:
         """
         self._advance(at)
         scenario = self.scenario
-        values: dict[str, Value] = {
+        values: dict[str, Value] = self._at_rest | {
             "tool_present": scenario.tool_present,
             "in_stand": scenario.in_stand,
             "estop_ok": scenario.estop_ok,

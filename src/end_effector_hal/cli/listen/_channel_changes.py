@@ -90,7 +90,10 @@ def print_words(content: dict[str, object]) -> None:
         of = f" of {content['link']}" if "link" in content else ""
         click.echo(f"{at} errors{of}: {said} (newest bytes {content['newest_bytes']})")
     elif content["state"] != "fresh":
-        click.echo(f"{at} {content['channel']} is {content['state']}")
+        from end_effector_hal.sensing import SENT_INVALID
+
+        why = f" ({SENT_INVALID})" if content["state"] == "invalid" else ""
+        click.echo(f"{at} {content['channel']} is {content['state']}{why}")
     else:
         raw, value, unit = content["raw"], content["value"], content.get("unit")
         said = "yes" if value is True else "no" if value is False else str(value)

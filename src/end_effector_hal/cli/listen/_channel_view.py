@@ -70,6 +70,7 @@ class ChannelView:
             if not (name in tool.channels and tool.channels[name].on_board)
         }
         self.values: dict[str, Value] = {}
+        self.came_at: dict[str, int] = {}
         self.arrivals: dict[str, deque[int]] = {name: deque(maxlen=KEPT) for name in self.channels}
         self.due: int | None = None
         self._came: SimpleQueue[Frame | tuple[str, bytes]] = SimpleQueue()
@@ -131,6 +132,7 @@ class ChannelView:
         if link is not None and self.links[link].before is None:  # a listener comes in the middle of one
             self.links[link].before = dict(self._reader.health.links[link].errors)
         self.values.update(came.values)
+        self.came_at.update(dict.fromkeys(came.values, came.at))
         for name, value in came.values.items():
             if value is not None and name in self.arrivals:
                 self.arrivals[name].append(came.at)
@@ -151,13 +153,11 @@ class ChannelView:
 
     def state(self, channel: str, now: int) -> str:
         """Empty where there is a fresh value; else why there is none."""
-        age_s = self.age_s(channel, now)
         if channel not in self.values:
             return "nothing yet"
-        if self.values[channel] is None:
-            return "invalid"
-        stale_us = self.sensors.now.readings.stale_after_us(channel)
-        return "stale" if age_s is None or age_s * 1e6 >= stale_us else ""
+        if now - self.came_at[channel] >= self.sensors.now.readings.stale_after_us(channel):
+            return "stale"
+        return "invalid" if self.values[channel] is None else ""
 
     def raw(self, channel: str) -> float | None:
         """What its source said, before scale and offset; of a codec's own channel, what the codec says."""
