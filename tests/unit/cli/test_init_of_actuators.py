@@ -110,7 +110,8 @@ def test_some_actuators_on_a_link_and_others_on_inputs_of_the_board() -> None:
         on_board = {channel for channel, each in tool.channels.items() if each.on_board}
         assert on_board == {"jaw_open", "jaw_closed", "jaw_part"}, name
         assert len(tool.links) == 1, name
-        assert tool.tool_changer is not None and tool.tool_changer.locked_bit == "locked", name
+        assert tool.tool_changer is not None
+        assert tool.tool_changer.locked_bit == "locked", name
         assert (tool.supply.channel == "none") is (name != "codec"), name
 
 

@@ -22,8 +22,8 @@ from end_effector_hal.errors import UsageError
     "--actuators",
     metavar="NAME:KIND[:LINK],...",
     shell_complete=completed(kinds, separator=",", after_colon=True),
-    help="Of the tool, in the order of a grip; LINK says what proves one of them: the NAME of a link, or none for inputs "
-    "of the board, such as cups:vacuum,jaw:gripper:none.",
+    help="Of the tool, in the order of a grip; LINK says what proves one of them: the NAME of a link, or none for "
+    "inputs of the board, such as cups:vacuum,jaw:gripper:none.",
 )
 @click.option(
     "--link",
