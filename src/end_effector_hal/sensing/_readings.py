@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, FrameSource, sources_of
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, measures_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import to_us
 
@@ -33,6 +33,8 @@ class Readings:
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.carried = carrier.channels
+        self.measures = measures_of(description)
+        """How each is shown."""
         self._sources = sources_of(carrier)
         fresh = [description.freshness_of(source.link) for source in self._sources]
         spans = [

@@ -92,6 +92,8 @@ class Station:
 
 LONGEST_BURST = 16
 NOISE_KPA = 0.1
+NOISE_QUANTITY = 0.001
+"""Of what is no pressure, in its unit."""
 BOOT_US = 300_000
 
 
@@ -160,6 +162,7 @@ class Bench:
             if name in carried and name not in used
         }
         """Channels that nothing uses: a device sends them all the same."""
+        self._quantities = frozenset(name for name, kind in carried.items() if kind is Kind.QUANTITY)
         self._driven = tuple(self._stations.values())
         self._alarms = [name for name, declared in description.channels.items() if declared.alarm]
         self._by_line = {line: self._stations[name] for name, line in lines.items()}
@@ -336,7 +339,8 @@ class Bench:
         self._plant.advance(at)
 
     def _pa(self, channel: str, kpa: float, at: int) -> int:
-        return round((kpa + NOISE_KPA * self._noise.normal(channel, at - self._start)) * 1000)
+        noise = NOISE_QUANTITY if channel in self._quantities else NOISE_KPA
+        return round((kpa + noise * self._noise.normal(channel, at - self._start)) * 1000)
 
     def _parsed(self, scenario: Scenario | str) -> Scenario:
         return parse_scenario(scenario, self._description) if isinstance(scenario, str) else scenario

@@ -10,13 +10,13 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Self
 
 from end_effector_hal.errors import LinkError
-from end_effector_hal.signals import Kind
+from end_effector_hal.signals import GAUGE_PRESSURE, Kind
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from end_effector_hal.description import Description
-    from end_effector_hal.signals import Frame, Value
+    from end_effector_hal.signals import Frame, Measure, Value
 
 LOST_US = 1_000_000
 """Inputs of which nothing has come for so long bring nothing."""
@@ -159,6 +159,10 @@ class ChannelView:
             return "stale"
         return "invalid" if self.values[channel] is None else ""
 
+    def measure(self, channel: str) -> Measure:
+        """How its values are shown."""
+        return self.sensors.now.readings.measures.get(channel, GAUGE_PRESSURE)
+
     def raw(self, channel: str) -> float | None:
         """What its source said, before scale and offset; of a codec's own channel, what the codec says."""
         value, declared = self.values.get(channel), self.tool.channels.get(channel)
@@ -199,7 +203,7 @@ class ChannelView:
             channels.add_row(
                 name,
                 "" if value is None else str(int(raw) if isinstance(raw := self.raw(name), bool) else raw),
-                Text(state, style="red") if state else scaled(value, self.channels[name]),
+                Text(state, style="red") if state else scaled(value, self.channels[name], self.measure(name)),
                 "" if age_s is None else f"{age_s:.2f} s",
                 f"{self.rate_hz(name, now):.1f}",
                 ", ".join(self._users(name)),
@@ -233,10 +237,10 @@ class ChannelView:
                 yield name
 
 
-def scaled(value: Value, kind: Kind) -> str:
+def scaled(value: Value, kind: Kind, measure: Measure) -> str:
     """With its unit."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if kind is Kind.CODE:
         return str(value)
-    return "" if value is None else f"{value / 1000:.1f} kPa"
+    return "" if value is None else measure.text(value)
