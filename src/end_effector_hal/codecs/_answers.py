@@ -79,6 +79,8 @@ def frame_fault(frame: object, kinds: Mapping[str, Kind], last: int, now: int) -
             return f"a frame whose bit {channel} is neither true nor false"
         if kind is Kind.PRESSURE and (type(value) is not int or abs(value) > HIGHEST_PA):
             return f"a frame whose pressure {channel} is no whole number of Pa"
+        if kind is Kind.QUANTITY and (type(value) is not int or abs(value) > HIGHEST_PA):
+            return f"a frame whose quantity {channel} is no whole number of thousandths"
         if kind is Kind.CODE and (type(value) is not int or abs(value) > HIGHEST_PA):
             return f"a frame whose code {channel} is no whole number"
     return ""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from end_effector_hal.description import Description, Link
 
 SEVERAL = "the wiring"
-"""For a sentence: what brings the channels of several links."""
+"""For a sentence: what brings the channels of several links, or of links and inputs of the board."""
 INPUTS = "the board"
 """For a sentence: what brings the inputs of the board."""
 PERIOD_MS = 20
@@ -151,9 +151,9 @@ def carrier_of(description: Description) -> Carrier:
     ]
     if inputs:
         sources.append(FrameSource(own, inputs.period_us))
-    first, *others = codecs.values()
+    first = next(iter(codecs.values()))
     return SeveralSources(
-        " with ".join([SEVERAL if others else first.name, *([INPUTS] if inputs else [])]),
+        SEVERAL,
         {name: kind for each in brought for name, kind in each.channels.items()},
         max(source.period_us for source in sources),
         max(map(resolution_of, brought)),

@@ -108,9 +108,10 @@ class Controller:
         if not self._senses.accepts(frame, frame.at if at is None else at):
             return self._refuse_frame(self._at if at is None else at)
         expired = self._senses.deadline(self._at)
-        self._at = max(self._at, frame.at, at or 0)
+        seen = max(frame.at, self._senses.at)  # after what another source has shown already
+        self._at = max(self._at, seen, at or 0)
         statuses: list[Status] = []
-        if expired is not None and expired < frame.at:
+        if expired is not None and expired < seen:
             events = self._senses.advance(expired)
             self._write_levels()
             self._hold.sample(expired, held=self._statuses.held)
@@ -122,9 +123,9 @@ class Controller:
         events = self._senses.frame(frame)
         self._write_levels()
         held = self._statuses.held
-        told = self._hold.sample(frame.at, held=held) | self._senses.noticed(frame.at, held=held)
+        told = self._hold.sample(seen, held=held) | self._senses.noticed(seen, held=held)
         for event in events:
-            statuses += self._receive(event, self._at, frame.at)
+            statuses += self._receive(event, self._at, seen)
         if not self._statuses.adopted and self._senses.conclusive:
             statuses += self._adopt(self._at)
         told |= self._senses.now.nothing_gripped is not released

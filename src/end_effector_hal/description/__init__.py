@@ -8,6 +8,7 @@ from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
 from .model import (
     PASCAL,
+    QUANTITIES,
     Channel,
     Description,
     DeviceAlarm,
@@ -32,24 +33,25 @@ from .model import (
 from .reading import examine, examine_text, load
 from .rules import (
     BIT,
-    GAUGE_KPA,
     CodecChannels,
     Spans,
     SpanSearch,
     Wanted,
     lost_by_silence,
+    measures_of,
     not_fitted,
     range_kpa,
     slow,
     unproven,
     used_channels,
+    widest,
 )
 
 __all__ = [
     "BIT",
     "CODES",
-    "GAUGE_KPA",
     "PASCAL",
+    "QUANTITIES",
     "Channel",
     "CodecChannels",
     "Description",
@@ -78,6 +80,7 @@ __all__ = [
     "lost_by_silence",
     "markdown",
     "mask_shift",
+    "measures_of",
     "not_fitted",
     "profile_names",
     "profile_path",
@@ -93,4 +96,5 @@ __all__ = [
     "type_bits",
     "unproven",
     "used_channels",
+    "widest",
 ]

@@ -95,8 +95,8 @@ class PositionNode:
         with self._lock:
             if self._senses.accepts(frame, now_us()):
                 self._senses.frame(frame)
-                self._looked_us = frame.at
-                self._publish(frame.at, every=False)
+                self._looked_us = self._senses.at
+                self._publish(self._looked_us, every=False)
 
     def _tick(self) -> None:
         with self._lock:

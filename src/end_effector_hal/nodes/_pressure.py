@@ -67,7 +67,7 @@ class PressureNode:
             if not self._senses.accepts(frame, now_us()):
                 return
             self._senses.frame(frame)
-            self._looked_us = frame.at
+            self._looked_us = self._senses.at
             readings = self._senses.now.readings
             for channel in self._pressures:
                 if channel in frame.values or channel not in readings.carried:

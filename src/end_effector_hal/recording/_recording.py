@@ -16,7 +16,7 @@ from typing import Any
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import carrier_of
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, measures_of, used_channels
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator
@@ -159,11 +159,13 @@ class Recording(Closing):
             except OSError as error:
                 raise UsageError(f"Cannot be written: {error.strerror}.", where=str(folder)) from None
             channels = () if isinstance(tool, RunInfo) else pressure_channels(tool)
+            measures = {} if isinstance(tool, RunInfo) else measures_of(tool)
+            units = {name: measures[name].unit for name in channels}
             self._readings = None if isinstance(tool, RunInfo) else Readings(tool, carrier_of(tool))
             self._alarms = AlarmsWriter(self.folder / "alarms.csv", limits)
             undo.callback(self._alarms.close)
             pressures = self.folder / "pressures.csv"
-            self._pressures = PressuresWriter(pressures, channels, limits) if channels else None
+            self._pressures = PressuresWriter(pressures, channels, limits, units) if channels else None
             if self._pressures is not None:
                 undo.callback(self._pressures.close)
             changer = isinstance(tool, RunInfo) or tool.tool_changer is not None
@@ -332,10 +334,15 @@ def hash_of(content: Mapping[str, Any], model: bytes) -> str:
 
 
 def pressure_channels(description: Description) -> tuple[str, ...]:
-    """Channels of pressures that the link carries: the actuators' in sequence order, then the supply."""
+    """Channels of pressures that the link carries: the actuators' in sequence order, then the supply.
+
+    After them the quantities, such as a distance, that the evidence of an actuator looks at.
+    """
     carried = carrier_of(description).channels
     wanted = [*(actuator.channel for _, actuator in description.ordered), description.supply.channel]
-    return tuple(name for name in dict.fromkeys(wanted) if carried.get(name) is Kind.PRESSURE)
+    pressures = [name for name in dict.fromkeys(wanted) if carried.get(name) is Kind.PRESSURE]
+    quantities = [name for name in used_channels(description) if carried.get(name) is Kind.QUANTITY]
+    return (*pressures, *quantities)
 
 
 def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:

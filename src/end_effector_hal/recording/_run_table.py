@@ -11,11 +11,11 @@ from pathlib import Path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording.tables import (
     BEGUN,
-    UNIT,
     AlarmRow,
     ChangerRow,
     PressuresLog,
     StatesLog,
+    column_of,
 )
 from end_effector_hal.vocabulary import ChangerState
 
@@ -47,7 +47,8 @@ def write_run_table(
     """Write one table of a recording: a row for each instant at which anything in it has changed.
 
     Columns: ``time_s``, the columns of ``states.csv``, ``tool_changer`` where there is one, ``alarms`` (how many
-    stand), and ``CHANNEL_gauge_kpa`` for each pressure. What has not changed is repeated; what is not known is ``NaN``.
+    stand), ``CHANNEL_gauge_kpa`` for each pressure and ``CHANNEL_mm`` (or another unit) for each quantity. What has
+    not changed is repeated; what is not known is ``NaN``.
     States that were left in the instant of their entry have a row each.
 
     Raises:
@@ -92,5 +93,12 @@ def _alarms(rows: Sequence[AlarmRow]) -> _Columns:
 def _pressures(log: PressuresLog | None) -> list[_Columns]:
     if log is None:
         return []
-    rows = [["NaN" if kpa is None else f"{kpa:.2f}" for kpa in values] for _, values in log.samples]
-    return [_Columns(tuple(f"{channel}{UNIT}" for channel in log.channels), log.times_s, rows)]
+    digits = [3 if channel in log.units else 2 for channel in log.channels]
+    rows = [
+        [
+            "NaN" if value is None else f"{value:.{decimals}f}"
+            for value, decimals in zip(values, digits, strict=True)
+        ]
+        for _, values in log.samples
+    ]
+    return [_Columns(tuple(column_of(channel, log.units) for channel in log.channels), log.times_s, rows)]

@@ -17,7 +17,7 @@ from ._predicates import (
     proven_by_arbiter,
 )
 from ._readings import Readings
-from ._sensor_set import SensorSet
+from ._sensor_set import SENT_INVALID, SensorSet
 from ._sensor_state import SensorState
 from ._stand import ToolPlace, tool_place
 
@@ -28,6 +28,7 @@ __all__ = [
     "NO_FAULT",
     "NO_LATCHED_FAULT",
     "PARKED",
+    "SENT_INVALID",
     "FrameJudge",
     "HoldMonitor",
     "Predicates",

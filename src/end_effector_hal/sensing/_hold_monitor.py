@@ -14,7 +14,7 @@ from end_effector_hal.vocabulary import Evidence, display_name
 
 from ._alarms import AlarmLog
 from ._device_faults import refuses
-from ._sensor_set import SensorSet
+from ._sensor_set import SENT_INVALID, SensorSet
 
 _SECURE = attrgetter("secure")
 KEPT = "outputs stay as they are, only a Drop releases"
@@ -151,9 +151,11 @@ class HoldMonitor:
     def _readable(self, index: int, name: str, at: int) -> None:
         who = display_name(name)
         if self._senses.now.evidence[index] is Evidence.UNKNOWN:
-            self._log.raise_(
-                AlarmKind.STALE, name, f"No valid reading of {who} while it holds a part; {KEPT}.", at
-            )
+            readings, part = self._senses.now.readings, self._description.actuators[name]
+            sent = any(readings.sent_invalid(each, at) for each in kind_of(part).channel_names(part))
+            why = f" ({SENT_INVALID})" if sent else ""
+            text = f"No valid reading of {who} while it holds a part{why}; {KEPT}."
+            self._log.raise_(AlarmKind.STALE, name, text, at)
         else:
             self._log.end(AlarmKind.STALE, name, f"{who} had no valid reading for a while; it is read again.")
 

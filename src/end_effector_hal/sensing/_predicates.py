@@ -89,7 +89,12 @@ class Predicates:
         if not self._senses.accepts(frame, now):
             return self._objections(frame) if frame.at <= now else {}
         self._senses.frame(frame)
-        return self._said(frame.at)
+        return self._said(self.at)
+
+    @property
+    def at(self) -> int:
+        """µs, of the newest frame that counted."""
+        return self._senses.at
 
     def advance(self, at: int) -> dict[str, bool]:
         """What holds at ``at`` µs, if nothing came since the last frame."""

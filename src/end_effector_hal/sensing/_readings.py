@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, FrameSource, sources_of
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, measures_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import to_us
 
@@ -24,12 +25,16 @@ class Readings:
     MEMORY: ClassVar = {
         "_values": dict[str, int | bool],
         "_at": dict[str, int],
+        "_invalid": dict[str, int],
+        "_heard": dict[str, int],
         "_last_frame": int | None,
         "_arrived": frozenset[str],
     }
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.carried = carrier.channels
+        self.measures = measures_of(description)
+        """How each is shown."""
         self._sources = sources_of(carrier)
         fresh = [description.freshness_of(source.link) for source in self._sources]
         spans = [
@@ -55,18 +60,39 @@ class Readings:
         """Of the slowest source."""
         self._values: dict[str, int | bool] = {}
         self._at: dict[str, int] = {}
+        self._numbers = {
+            channel: str(number) for number, source in enumerate(self._sources) for channel in source.channels
+        }
+        self._relayed = description.arbiter_inputs
+        own = {name for name, each in description.channels.items() if each.on_board}
+        self._on_board = tuple([bool(source.channels) and source.channels <= own for source in self._sources])
+        self._invalid: dict[str, int] = {}
+        """When a frame last brought a channel without a value, by channels of which no valid value has come since."""
+        self._heard: dict[str, int] = {}
+        """When a frame last came, by the numbers of several sources."""
         self._last_frame: int | None = None
         self._arrived: frozenset[str] = frozenset()
         self._ends: tuple[dict[str, int] | None, list[int]] = None, []
         """Of which readings it is known when each turns stale or a source goes down, and these times in order."""
 
-    def take(self, frame: Frame) -> None:
-        """Remember what a frame carries; an invalid value refreshes nothing."""
-        self._last_frame = frame.at
+    def take(self, frame: Frame, doubted: Collection[str] = ()) -> None:
+        """Remember what a frame carries; an invalid value refreshes nothing.
+
+        Args:
+            frame: as far as it is believed.
+            doubted: channels that came with a value which is not believed; they are invalid in the frame.
+        """
+        self._last_frame = max(frame.at, self.last_frame)
+        if len(self._sources) > 1 and (number := self._number_of(frame)):
+            self._heard = {**self._heard, number: frame.at}
         valid = {channel: value for channel, value in frame.values.items() if value is not None}
         self._values.update(valid)
         self._at = {**self._at, **dict.fromkeys(valid, frame.at)}  # another one: so `_ends` are new
         self._arrived = frozenset(valid)
+        if self._invalid or len(valid) < len(frame.values):
+            before = {name: at for name, at in self._invalid.items() if name not in frame.values}
+            now = [name for name in frame.values if name not in valid and name not in doubted]
+            self._invalid = before | dict.fromkeys(now, frame.at)
 
     def forget(self, channel: str) -> None:
         """What was read is nothing any more."""
@@ -89,6 +115,11 @@ class Readings:
         if at - self._at[channel] >= self.stale_after_us(channel):
             return None
         return self._values[channel]
+
+    def sent_invalid(self, channel: str, at: int) -> bool:
+        """Whether frames with a channel come, and bring no valid value: its device lives, and has no reading of it."""
+        then = self._invalid.get(channel)
+        return then is not None and at - then < self.stale_after_us(channel)
 
     def stale_after_us(self, channel: str) -> int:
         """How long a reading of a channel counts."""
@@ -114,6 +145,17 @@ class Readings:
             ]
         )
 
+    @property
+    def last_frame(self) -> int:
+        """µs, the latest stamp of a frame; 0: none has come."""
+        return self._last_frame or 0
+
+    def source_of(self, frame: Frame) -> str:
+        """Who brings a frame, by its channels: one of the sources whose stamps are in order."""
+        number, first = self._number_of(frame), next(iter(frame.values), "")
+        # input lines that the line arbiter reads come by another way than those of this process
+        return f"{number} relay" if first in self._relayed else number
+
     def fresh(self, at: int) -> bool:
         """Whether a frame has come so lately that what it carries is not stale."""
         return self._last_frame is not None and at - self._last_frame < self.stale_us
@@ -121,7 +163,7 @@ class Readings:
     def link_up(self, at: int) -> bool:
         """Whether each source has sent a frame within the time after which the link is down.
 
-        Of several sources, one that sends nothing valid is down as well.
+        Of several sources, the inputs of the board are down as well while none of them can be read.
         """
         return not self.down(at)
 
@@ -152,8 +194,20 @@ class Readings:
         return None
 
     def _last_of_sources(self) -> list[int]:
-        """µs of the last valid value of each source; one that has brought none is long gone."""
-        return [
-            max([self._at[name] for name in source.channels if name in self._at], default=-down_us)
-            for source, down_us in zip(self._sources, self._down_us, strict=True)
-        ]
+        """µs of the last frame of each link, and of the last valid value of the board; before the first: long gone.
+
+        A frame of a link was sent by a device, whatever it says; one of the board is made here.
+        """
+        last = []
+        for number, source in enumerate(self._sources):
+            gone = -self._down_us[number]
+            if self._on_board[number]:
+                last.append(
+                    max([self._at[name] for name in source.channels if name in self._at], default=gone)
+                )
+            else:
+                last.append(self._heard.get(str(number), gone))
+        return last
+
+    def _number_of(self, frame: Frame) -> str:
+        return self._numbers.get(next(iter(frame.values), ""), "")

@@ -26,6 +26,8 @@ _EVIDENCE_CHANNELS = {
 _RANK = {Evidence.UNKNOWN: 0, Evidence.PARTIAL: 1, Evidence.GONE: 2, Evidence.CONFIRMED: 3}
 
 
+SENT_INVALID = "frames come, and say that the value is invalid or beyond its range"
+"""The link is well; see to the sensor."""
 _Proven = tuple[tuple[Evidence, ...], ToolEvidence, tuple[int, ...]]
 """Evidence, of the tool as well, and what has gripped nothing."""
 
@@ -89,6 +91,11 @@ class SensorSet:
         return self.now.conclusive
 
     @property
+    def at(self) -> int:
+        """µs, of the newest frame that counted: what a late one of another source shows is seen then, not before."""
+        return self.now.readings.last_frame
+
+    @property
     def refused(self) -> int:
         """Frames that did not count because of their stamp, since the start."""
         return self._stamps.refused
@@ -99,7 +106,8 @@ class SensorSet:
 
     def accepts(self, frame: Frame, now: int) -> bool:
         """Whether a frame that is here at ``now`` counts, by its stamp; one that does not is told, no more."""
-        passes = self._stamps.passes(frame.at, now, self.now.readings.stale_after(frame))
+        readings = self.now.readings
+        passes = self._stamps.passes(frame.at, now, readings.stale_after(frame), readings.source_of(frame))
         self.revision += not passes
         return passes
 
@@ -156,8 +164,12 @@ class SensorSet:
             if name not in settling and silent.isdisjoint(self._channels[name])
         ]
         told = {channel for name in unknown for channel in self._channels[name]} if held else set()
-        if missing := [name for name in lacking if name not in told]:
-            said.append(f"No valid reading of {', '.join(missing)}.")
+        missing = [name for name in lacking if name not in told]
+        invalid = [name for name in missing if readings.sent_invalid(name, at)]
+        if gone := [name for name in missing if name not in invalid]:
+            said.append(f"No valid reading of {', '.join(gone)}.")
+        if invalid:
+            said.append(f"No valid reading of {', '.join(invalid)}: {SENT_INVALID}.")
         if not held and (anew := [name for name in unknown if not self._channels[name] & set(lacking)]):
             names = ", ".join(map(display_name, anew))
             said.append(f"{names}: readings are back; evidence not re-established yet.")

@@ -91,16 +91,17 @@ class SensorState:
         Each item is one change, done when it is asked for; True: it was the last one.
         """
         judged = self._rules.judge(frame)
+        at = max(frame.at, self.readings.last_frame)
         if judged.rebooted:
             for channel in judged.rebooted:
                 self.readings.forget(channel)
             self.readings.idle()
-            self._sample(frame.at)
+            self._sample(at)
             yield False
-        self.readings.take(judged.frame)
+        self.readings.take(judged.frame, judged.doubted)
         for channel in judged.doubted:
             self.readings.forget(channel)
-        self._sample(frame.at)
+        self._sample(at)
         yield True
 
     def wait(self, at: int) -> None:

@@ -1,6 +1,7 @@
 """What comes in from the wires, before anybody judges it: frames, streaks, trends, stamps; pure."""
 
 from ._frame import Frame, Kind, Value
+from ._measure import GAUGE_PRESSURE, Measure, MeasuredReadings
 from ._memory import INLINE, PART, clone, memory_of, recall, same_memory
 from ._readings import ChannelReadings
 from ._stamps import StampGate
@@ -8,11 +9,14 @@ from ._streak import Streak
 from ._trend import Trend
 
 __all__ = [
+    "GAUGE_PRESSURE",
     "INLINE",
     "PART",
     "ChannelReadings",
     "Frame",
     "Kind",
+    "Measure",
+    "MeasuredReadings",
     "StampGate",
     "Streak",
     "Trend",

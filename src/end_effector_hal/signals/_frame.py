@@ -15,6 +15,8 @@ class Kind(Enum):
 
     PRESSURE = "pressure"
     """Gauge pressure, integer Pa; a vacuum is negative."""
+    QUANTITY = "quantity"
+    """What else is measured (mm, %, V …), integer thousandths of the channel's unit."""
     BIT = "bit"
     """A boolean: a position bit, or "present" where the channel has the name of a pressure."""
     CODE = "code"
@@ -29,7 +31,7 @@ class Frame:
         at: µs of its last byte, on the monotonic clock of the reader; 0 in a frame that is to be encoded.
         seq: sequence number, or None where the codec carries none.
         device_ms: the device's own clock in ms, or None.
-        values: channel to gauge pressure in Pa, bit, code, or None: carried, but invalid.
+        values: channel to gauge pressure in Pa, thousandths of another unit, bit, code, or None: carried, but invalid.
     """
 
     at: int

@@ -1,4 +1,4 @@
-"""Which time stamps count: those that are not ahead of now, not too old, and not before the last that counted."""
+"""Which time stamps count: not ahead of now, not too old, and not before the last of their source that counted."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ _OLD = "too old"
 
 
 class StampGate:
-    """Lets stamps of one source pass or refuses them; a refusal is counted and told, and moves nothing else.
+    """Lets stamps of one kind pass or refuses them; a refusal is counted and told, and moves nothing else.
 
     Args:
         what: that is stamped, for a sentence; plural.
         old_us: what is so old, or older, is refused; None: age does not matter.
-        in_order: whether what is older than the last that passed is refused.
+        in_order: whether what is older than the last of its source that passed is refused.
     """
 
     MEMORY: ClassVar = {
         "refused": int,
-        "_last": int | None,
+        "_last": dict[str, int],
         "_until": int | None,
         "_text": str,
         "_said_us": int,
@@ -33,21 +33,22 @@ class StampGate:
         self._what, self._old_us, self._in_order = what, old_us, in_order
         self.refused = 0
         """How many, since the start."""
-        self._last: int | None = None
+        self._last: dict[str, int] = {}
         self._until: int | None = None
         self._text, self._said_us = "", 0
 
-    def passes(self, stamp: object, now: int, old_us: int | None = None) -> bool:
+    def passes(self, stamp: object, now: int, old_us: int | None = None, source: str = "") -> bool:
         """Whether a stamp counts.
 
         Args:
             stamp: µs on the monotonic clock, as it came: whatever it is.
             now: µs on the same clock.
             old_us: what is so old is refused; default: of the gate.
+            source: whose order it is a part of: others may be later, or have been delivered before.
         """
-        why = self._why_not(stamp, now, self._old_us if old_us is None else old_us)
+        why = self._why_not(stamp, now, self._old_us if old_us is None else old_us, source)
         if not why and type(stamp) is int:
-            self._last = stamp
+            self._last[source] = stamp
             return True
         self.refused += 1
         late = type(stamp) is int and 0 <= now - stamp < LATE_US and why == _OLD
@@ -75,12 +76,12 @@ class StampGate:
         """µs at which the notice ends by itself."""
         return self._until if self._until is not None and self._until > at else None
 
-    def _why_not(self, stamp: object, now: int, old_us: int | None) -> str:
+    def _why_not(self, stamp: object, now: int, old_us: int | None, source: str) -> str:
         if type(stamp) is not int or not 0 <= stamp <= HIGHEST:
             return "stamped with what is no time"
         if stamp > now:
             return "stamped ahead of now"
-        if self._in_order and self._last is not None and stamp < self._last:
+        if self._in_order and stamp < self._last.get(source, 0):
             return "stamped before the one that came last"
         if old_us is not None and now - stamp >= old_us:
             return _OLD

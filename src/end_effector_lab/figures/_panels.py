@@ -25,7 +25,7 @@ _GAP_S = 1.5
 
 @dataclass(frozen=True)
 class PanelCurve:
-    """One channel, kPa gauge; NaN where there was none."""
+    """One channel, kPa gauge or the unit of its panel; NaN where there was none."""
 
     title: str
     colour: str
@@ -115,7 +115,11 @@ def panels_of(
     actuators: tuple[str, ...],
     alarms: Sequence[AlarmRow] = (),
 ) -> list[Panel]:
-    """Vacuums in one panel, pressures above ambient in another; a channel without any value is left out."""
+    """Vacuums in one panel, pressures above ambient in another, each other unit in its own.
+
+    A channel without any value is left out.
+    """
+    others: dict[str, Panel] = {}
     below, above = Panel("vacuum\n[gauge kPa]", below=True), Panel("pressure\n[gauge kPa]", below=False)
     colours = {name: CURVES[index % len(CURVES)] for index, name in enumerate(actuators)}
     for channel in pressures.channels if pressures else ():
@@ -123,6 +127,11 @@ def panels_of(
         curve = pressures.curve(channel)
         values = [value for value in curve if value is not None]
         if not values:
+            continue
+        if unit := pressures.units.get(channel):
+            panel = others.setdefault(unit, Panel(f"measured\n[{unit}]", below=False))
+            colour = CURVES[(len(actuators) + len(panel.curves)) % len(CURVES)]
+            panel.curves.append(PanelCurve(display_name(channel), colour, *_broken(pressures.times_s, curve)))
             continue
         owner = _owner(channel, info, actuators)
         panel = below if _is_below_ambient(owner, values, info) else above
@@ -136,7 +145,7 @@ def panels_of(
                 if limit := _limit(info, owner, word):
                     panel.lines.setdefault((word, sign * limit), []).append(title)
             panel.forecasts += _forecasts(title, colour, sign, alarms)
-    return [panel for panel in (below, above) if panel.curves]
+    return [panel for panel in (below, above, *others.values()) if panel.curves]
 
 
 def _limit(info: RunInfo, actuator: str, word: str) -> float | None:

@@ -19,7 +19,7 @@ function plot_run(table, picture)
   fclose(file);
   data = cell2mat(cells);
   time = data(:, 1);
-  pressures = find(~cellfun('isempty', regexp(names, '_gauge_kpa$')));
+  pressures = find(strcmp(names, 'alarms'), 1) + 1:numel(names);  % or other quantities: the unit ends the name
   states = setdiff(2:numel(names), [pressures, find(strcmp(names, 'alarms'))]);
 
   if nargin < 2
@@ -57,7 +57,11 @@ function plot_run(table, picture)
     subplot(3, 1, 3);
     plot(time, data(:, pressures), 'linewidth', 1.2);
     xlim([time(1), time(end) + eps]);
-    ylabel('gauge kPa');
+    if any(cellfun('isempty', regexp(names(pressures), '_gauge_kpa$')))
+      ylabel('gauge kPa, or as named');
+    else
+      ylabel('gauge kPa');
+    end
     legend(strrep(strrep(names(pressures), '_gauge_kpa', ''), '_', ' '), 'location', 'eastoutside');
     set(gca, 'xgrid', 'on');
   end

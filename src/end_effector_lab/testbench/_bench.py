@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from random import Random
 
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.codecs.described import CHECKSUMS
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, used_channels
 from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
@@ -91,6 +92,8 @@ class Station:
 
 LONGEST_BURST = 16
 NOISE_KPA = 0.1
+NOISE_QUANTITY = 0.001
+"""Of what is no pressure, in its unit."""
 BOOT_US = 300_000
 
 
@@ -152,6 +155,14 @@ class Bench:
             )
             for name, actuator in description.ordered
         ]
+        carried, used = carrier_of(description).channels, used_channels(description)
+        self._at_rest: dict[str, Value] = {
+            name: False if carried[name] is Kind.BIT else 0
+            for name in description.channels
+            if name in carried and name not in used
+        }
+        """Channels that nothing uses: a device sends them all the same."""
+        self._quantities = frozenset(name for name, kind in carried.items() if kind is Kind.QUANTITY)
         self._driven = tuple(self._stations.values())
         self._alarms = [name for name, declared in description.channels.items() if declared.alarm]
         self._by_line = {line: self._stations[name] for name, line in lines.items()}
@@ -258,7 +269,7 @@ class Bench:
         """
         self._advance(at)
         scenario = self.scenario
-        values: dict[str, Value] = {
+        values: dict[str, Value] = self._at_rest | {
             "tool_present": scenario.tool_present,
             "in_stand": scenario.in_stand,
             "estop_ok": scenario.estop_ok,
@@ -328,7 +339,8 @@ class Bench:
         self._plant.advance(at)
 
     def _pa(self, channel: str, kpa: float, at: int) -> int:
-        return round((kpa + NOISE_KPA * self._noise.normal(channel, at - self._start)) * 1000)
+        noise = NOISE_QUANTITY if channel in self._quantities else NOISE_KPA
+        return round((kpa + noise * self._noise.normal(channel, at - self._start)) * 1000)
 
     def _parsed(self, scenario: Scenario | str) -> Scenario:
         return parse_scenario(scenario, self._description) if isinstance(scenario, str) else scenario

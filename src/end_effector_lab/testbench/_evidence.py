@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from end_effector_hal.description import BIT, GAUGE_KPA, Description, Spans, SpanSearch, Wanted, range_kpa
+from end_effector_hal.description import BIT, Description, Spans, SpanSearch, Wanted, range_kpa, widest
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import EvidenceConditions, named
@@ -67,7 +67,9 @@ def shown_by_conditions(description: Description) -> dict[str, ShownByConditions
         if part.evidence is None:
             continue
         free = {
-            leaf.channel: BIT if leaf.bit else range_kpa(description, leaf.channel) or GAUGE_KPA
+            leaf.channel: BIT
+            if leaf.bit
+            else range_kpa(description, leaf.channel) or widest(description, leaf.channel)
             for leaf in part.evidence.leaves
             if leaf.channel not in taken
         }

@@ -156,12 +156,12 @@ def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
     result = check("--json", replace=NIBBLE)
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
-        "bottom_vacuum: bottom is carried by legacy-nibble as a bit: thresholds are off",
+        "bottom_vacuum: bottom is a switch, on or off, and no pressure: thresholds are off",
         "cylinder: channel: none: cylinder_extended alone proves extended, thresholds are off: "
         "that its air is lost is not seen",
         "cylinder: retracted_bit: none: retracted is taken as the opposite of extended: "
         "a rod that stops on its way is taken for retracted",
-        "top_vacuum: top is carried by legacy-nibble as a bit: thresholds are off",
+        "top_vacuum: top is a switch, on or off, and no pressure: thresholds are off",
         "supply: channel: none: IL-06 is off, 600 kPa is taken for it: a lack of air is not seen",
         "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
         NO_E_STOP,

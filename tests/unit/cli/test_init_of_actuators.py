@@ -33,6 +33,9 @@ TOOLS = [
     ("a:vacuum,b:vacuum,c:gripper", ("--link", "left:modbus-rtu-epick,right:ees1-ascii,none")),
     ("a:vacuum,b:vacuum", ("--link", "x:modbus-rtu-epick", "--link", "y:modbus-rtu-epick")),
     ("on:vacuum,locked:vacuum", ("--link", "text")),
+    ("cups:vacuum,jaw:gripper:none,rod:cylinder:none", ("--link", "modbus")),
+    ("cups:vacuum:ees1-ascii,jaw:gripper", ("--link", "ees1-ascii", "--link", "none")),
+    ("jaw:gripper:none,cups:vacuum", ()),
     ("top:vacuum,other:vacuum,rod:cylinder", ("--link", "legacy-nibble", "--tool-changer")),
 ]
 
@@ -44,7 +47,11 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     ("actuators", "options"),
-    [*TOOLS[1:6], *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[6:])],
+    [
+        *TOOLS[1:6],
+        TOOLS[-1],
+        *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[6:-1]),
+    ],
 )
 def test_it_is_checked_and_proven_without_an_edit(actuators: str, options: tuple[str, ...]) -> None:
     result = CliRunner().invoke(
@@ -56,7 +63,8 @@ def test_it_is_checked_and_proven_without_an_edit(actuators: str, options: tuple
     assert checked.faults == ()
     tool = load(path)
     assert (tool.name, tool.source.parent.name) == ("my_2nd_tool", "My 2nd Tool")
-    assert [f"{name}:{part.kind}" for name, part in tool.ordered] == actuators.split(",")
+    wanted = [":".join(each.split(":")[:2]) for each in actuators.split(",")]
+    assert [f"{name}:{part.kind}" for name, part in tool.ordered] == wanted
     assert (tool.tool_changer is None) is ("--no-tool-changer" in options)
     assert (tool.lines.backend == "virtual") is ("--virtual" in options)
     proof = prove(load_network(tool.automata_path, model_constants(tool)))
@@ -88,6 +96,28 @@ def test_actuators_are_distributed_among_links_in_turn_or_as_they_name_them() ->
         tool = load(Path(name, "end_effector.yaml"))
         assert {part.channel: tool.channels[part.channel].link for _, part in tool.ordered} == links
         assert len({link.port for link in tool.links.values()}) == 2
+
+
+def test_some_actuators_on_a_link_and_others_on_inputs_of_the_board() -> None:
+    for name, options in (
+        ("implied", ["--actuators", "cups:vacuum,jaw:gripper:none", "--link", "text"]),
+        ("given", ["--actuators", "cups:vacuum:text,jaw:gripper:none", "--link", "none", "--link", "text"]),
+        ("named", ["--actuators", "cups:vacuum,jaw:gripper:none", "--link", "front:text"]),
+        ("codec", ["--actuators", "cups:vacuum,jaw:gripper:none", "--link", "ees1-ascii"]),
+    ):
+        CliRunner().invoke(eehal, ["init", name, *options], catch_exceptions=False)
+        tool = load(Path(name, "end_effector.yaml"))
+        on_board = {channel for channel, each in tool.channels.items() if each.on_board}
+        assert on_board == {"jaw_open", "jaw_closed", "jaw_part"}, name
+        assert len(tool.links) == 1, name
+        assert tool.tool_changer is not None
+        assert tool.tool_changer.locked_bit == "locked", name
+        assert (tool.supply.channel == "none") is (name != "codec"), name
+
+
+def test_actuators_that_are_all_on_inputs_of_the_board_have_no_link() -> None:
+    CliRunner().invoke(eehal, ["init", "tool", "--actuators", "jaw:gripper:none"], catch_exceptions=False)
+    assert not load(Path("tool/end_effector.yaml")).links
 
 
 @pytest.mark.parametrize(
@@ -147,6 +177,18 @@ def test_actuators_are_distributed_among_links_in_turn_or_as_they_name_them() ->
         (
             ["--actuators", "a:vacuum:fron", "--link", "front:text"],
             "a: no --link is named 'fron'. Did you mean 'front'?",
+        ),
+        (
+            ["--actuators", "a:vacuum:board", "--link", "text"],
+            "a: no --link is named 'board'. There are: text, none (inputs of the board).",
+        ),
+        (
+            ["--actuators", "a:vacuum,b:gripper:none", "--link", "x:text,y:text"],
+            "The link 'y' would prove no actuator. Name fewer links",
+        ),
+        (
+            ["--actuators", "a:gripper:none", "--link", "text"],
+            "The link 'text' would prove no actuator. Name fewer links",
         ),
         (["--virtual"], "No actuators are named. Give --actuators, such as"),
     ],

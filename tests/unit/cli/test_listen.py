@@ -15,6 +15,7 @@ from click.testing import CliRunner, Result
 
 from end_effector_hal.cli.listen import _listen
 from end_effector_hal.errors import LinkBusyError, LinkError, UsageError
+from end_effector_hal.sensing import SENT_INVALID
 from end_effector_hal.wires.link import PtyPair, open_port
 from end_effector_lab.processes import EEHAL
 from tests.unit.cli.doctor.parts import Machine, Sender, frame
@@ -64,7 +65,7 @@ def test_what_is_invalid_and_what_cannot_be_read_is_told(machine: Machine) -> No
 
     with PtyPair(machine.port) as wire, Sender(wire, message):
         result = listen(machine)
-    assert " s  top is invalid\n" in result.stdout
+    assert f" s  top is invalid ({SENT_INVALID})\n" in result.stdout
     assert " s  bottom -70.0 kPa (raw -70000)\n" in result.stdout
     assert " format (newest bytes " in result.stdout
 

@@ -27,6 +27,22 @@ def test_what_is_made_can_be_made() -> None:
     assert {"demo", "demo-ros2", "docs"} <= made <= there
 
 
+def test_who_has_no_ros_and_who_has_ros_2_find_their_first_command() -> None:
+    lines = block("sh").splitlines()
+    first = {word: next(i for i, line in enumerate(lines) if word in line) for word in ("--no-ros", "ros2")}
+    assert "git clone" in lines[0]
+    assert first["--no-ros"] < 4
+    assert lines[first["ros2"]].startswith("make demo-ros2")
+
+
+def test_what_computes_at_length_is_found_from_the_first_pages() -> None:
+    pages = (README, (ROOT / "docs/index.md").read_text(encoding="utf-8"))
+    for page in pages:
+        for command in ("campaign", "matrix", "compare", "tune", "verify --sweep"):
+            assert f"`eehal {command}`" in page
+        assert "how-to/cluster.md" in page
+
+
 def test_each_link_leads_to_a_file() -> None:
     links = {target.partition("#")[0] for target in re.findall(r"\]\(([^)]+)\)", README)}
     here = {target for target in links if "://" not in target}

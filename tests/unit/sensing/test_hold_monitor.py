@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.sensing import SensorSet
+from end_effector_hal.sensing import SENT_INVALID, SensorSet
 from end_effector_hal.sensing._hold_monitor import HoldMonitor
 from end_effector_hal.signals import Frame
 from tests.support.nightly import first_of
@@ -213,7 +213,8 @@ def test_stale_while_held_is_told_and_stays_told_when_it_is_over(description: De
     status = tool.status
     assert (status.ee, status.evidence[2], status.held, status.lift_allowed) == (GRIPPED, 0, True, False)
     assert status.alarms == (
-        "No valid reading of Top vacuum while it holds a part; outputs stay as they are, only a Drop releases.",
+        f"No valid reading of Top vacuum while it holds a part ({SENT_INVALID}); outputs stay as they are, only a "
+        "Drop releases.",
     )
     choose(tool, "nominal")
     tool.run(3.0)

@@ -7,7 +7,7 @@ import pytest
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.sensing import SensorSet
+from end_effector_hal.sensing import SENT_INVALID, SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence
 from tests.support.virtual_tool import VirtualTool
@@ -92,7 +92,7 @@ def test_silence_is_told_while_it_is_short_and_when_the_link_is_down(description
 
 def test_one_channel_without_a_value_is_named(description: Description) -> None:
     status = choose(ready(description), "invalid:top_vacuum", 0.2)
-    assert status.alarms == ("No valid reading of top.",)
+    assert status.alarms == (f"No valid reading of top: {SENT_INVALID}.",)
     assert status.evidence[2] == Evidence.UNKNOWN
 
 

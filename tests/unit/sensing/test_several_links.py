@@ -98,3 +98,52 @@ def test_a_recording_that_begins_in_the_middle_goes_on_alike(tool: Description) 
     assert same_memory(clone(senses.now), senses.now)
     assert not same_memory(second, senses.now)
     assert first.doubts(at + 20 * MS) == senses.now.doubts(at + 20 * MS) != ()
+
+
+def confirmed(tool: Description) -> tuple[SensorSet, int]:
+    senses = SensorSet(tool, carrier_of(tool))
+    at = 0
+    for number in range(20):
+        for channel in ("one", "two"):
+            at += 10 * MS
+            sent = Frame(at, number, 20 * number, {channel: -70_000 - number})
+            assert senses.accepts(sent, at)
+            senses.frame(sent)
+    return senses, at
+
+
+def test_a_link_that_waited_to_be_read_counts_and_no_clock_is_wrong(tool: Description) -> None:
+    """As seen: the machine was late by 60 ms, another source was read first, and an alarm spoke of a wrong clock."""
+    senses, at = confirmed(tool)
+    now = at + 100 * MS
+    newest = Frame(now, 20, 400, {"two": -70_000})
+    assert senses.accepts(newest, now)
+    senses.frame(newest)
+    for number, late in enumerate((20, 40)):
+        waited = Frame(at + late * MS, 20 + number, 400 + 20 * number, {"one": -71_000 - number})
+        assert senses.accepts(waited, now)
+        senses.frame(waited)
+    assert senses.notices(now, held=True) == ()
+    assert senses.at == now
+    readings = senses.now.readings
+    assert readings.get("one", at + 189 * MS) == -71_001
+    assert readings.get("one", at + 190 * MS) is None, "it is as old as its own stamp says"
+    assert senses.now.evidence == (Evidence.CONFIRMED, Evidence.CONFIRMED)
+
+
+def test_what_waited_until_it_was_stale_is_told_as_a_standstill(tool: Description) -> None:
+    senses, at = confirmed(tool)
+    now = at + 400 * MS
+    newest = Frame(now, 20, 400, {"two": -70_000})
+    assert senses.accepts(newest, now)
+    senses.frame(newest)
+    assert not senses.accepts(Frame(at + 20 * MS, 20, 400, {"one": -71_000}), now)
+    (said,) = senses.refusals(now)
+    assert said.endswith("one is too old. Did the machine stand still?")
+
+
+def test_a_source_that_goes_back_itself_has_a_wrong_clock(tool: Description) -> None:
+    senses, at = confirmed(tool)
+    assert not senses.accepts(Frame(at - 50 * MS, 20, 400, {"two": -71_000}), at)
+    (said,) = senses.refusals(at)
+    assert "stamped before the one that came last. Is a clock wrong" in said

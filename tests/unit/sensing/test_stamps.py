@@ -9,7 +9,7 @@ import pytest
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description, examine_text, load, profile_path
 from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame, StampGate, Value, memory_of, recall
@@ -116,6 +116,21 @@ def test_the_same_fault_is_the_same_alarm_each_time() -> None:
 
 
 # A whole tool: one wrong frame changes nothing but an alarm
+
+
+TWO_LINKS = """\
+name: tool
+links:
+  left: {port: /dev/a, frame: {text: {}}}
+  right: {port: /dev/b, frame: {text: {}}}
+channels:
+  cup: {link: left, text: {field: 1}, unit: kPa}
+  stop: {link: right, text: {field: 1}}
+sequence: [cup]
+actuators: {cup: {kind: vacuum, line: A, channel: cup}}
+e_stop: {channel: stop}
+supply: {channel: none}
+"""
 
 
 def script(tool: VirtualTool, wrong: object = None) -> list[Status]:
@@ -234,6 +249,21 @@ def test_the_publisher_sends_no_stamp_that_is_ahead_of_now(
         publisher.frame(Frame(now[0], None, None, values))
         now[0] += 20_000
     assert told == [1_000_000, 1_040_000, 1_080_000, 1_100_000, 1_140_000, 1_180_000]
+
+
+def test_a_late_frame_of_another_source_is_news_to_the_line_arbiter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The arbiter ignores what is older than what it knows: an open e-stop is told with the newest frame's time."""
+    tool = examine_text(TWO_LINKS, "tool.yaml").description
+    assert tool
+    told: list[tuple[bool, int]] = []
+    publisher = PredicatePublisher(tool, clock=lambda: 1_100_000)
+    monkeypatch.setattr(
+        publisher._sender, "send", lambda said, at: told.append((said["e_stop_closed"], at)) or True
+    )
+    publisher.frame(Frame(1_000_000, None, None, {"stop": True}))
+    publisher.frame(Frame(1_100_000, None, None, {"cup": -70_000}))
+    publisher.frame(Frame(1_040_000, None, None, {"stop": False}))
+    assert told == [(True, 1_000_000), (True, 1_100_000), (False, 1_100_000)]
 
 
 def test_what_was_refused_is_part_of_what_a_segment_begins_with(description: Description) -> None:

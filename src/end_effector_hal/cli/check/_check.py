@@ -17,6 +17,7 @@ from end_effector_hal.description import (
     Fault,
     examine,
     load,
+    measures_of,
     profile_path,
     socket_path,
     used_channels,
@@ -192,6 +193,13 @@ def _hints(description: Description) -> Iterator[str]:
                 f"{description.where(*description.link_path(name), 'frame')}: without a checksum a digit that is lost "
                 "on the way is a reading like any other; declare it where the device can send one, or let "
                 "conditions hold for some time (for_ms, samples)"
+            )
+    for name, part in description.ordered:
+        measure = measures_of(description).get(part.channel)
+        if part.evidence is None and measure and measure.decimals > 1:
+            yield (
+                f"{description.where('actuators', name)}: {name} has thresholds that are finer than 0.1 kPa, as which "
+                "alarms and the page show a pressure; `eehal listen` shows all their decimals"
             )
     used = {*used_channels(description), *(name for name, each in description.channels.items() if each.alarm)}
     for name in [each for each in description.channels if each not in used]:

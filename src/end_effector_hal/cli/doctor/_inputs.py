@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from end_effector_hal.description import Channel, Description, Inputs
+from end_effector_hal.description import Channel, Description, Inputs, measures_of
 from end_effector_hal.errors import WireError
+from end_effector_hal.signals import Measure
 from end_effector_hal.wires import holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
@@ -25,10 +26,10 @@ def look_at_inputs(description: Description, chips: str = CHIPS) -> CheckResults
         yield _virtual(Path(description.lines.path or ""), lines)
     elif lines:
         yield from look_for_lines(_say, lines, chips, INPUT_CONSUMER, "the reader of the sensors")
-    folder = Path((description.inputs or Inputs()).iio)
+    folder, measures = Path((description.inputs or Inputs()).iio), measures_of(description)
     for name, channel in description.channels.items():
         if channel.analog:
-            yield _analog(name, channel, folder)
+            yield _analog(name, channel, folder, measures[name])
 
 
 def _virtual(path: Path, lines: tuple[str, ...]) -> CheckResult:
@@ -46,7 +47,7 @@ def _virtual(path: Path, lines: tuple[str, ...]) -> CheckResult:
     return _say.ok(f"virtual chip {path}; high: {', '.join(high) or 'none'}; read by {held or 'nobody'}")
 
 
-def _analog(name: str, channel: Channel, folder: Path) -> CheckResult:
+def _analog(name: str, channel: Channel, folder: Path, measure: Measure) -> CheckResult:
     from end_effector_hal.wires.inputs import AnalogReader
 
     reader = AnalogReader(folder, {name: channel})
@@ -55,4 +56,4 @@ def _analog(name: str, channel: Channel, folder: Path) -> CheckResult:
         return _say.missing(reader.errors[name].rstrip("."), "Is the converter wired, its driver loaded?")
     if value is None:
         return _say.warning(f"{name} shows what its sensor cannot mean", "Is a wire off, or the range wrong?")
-    return _say.ok(f"{name}: {value / 1000:.1f} kPa")
+    return _say.ok(f"{name}: {measure.text(value)}")

@@ -20,9 +20,10 @@ from end_effector_hal.errors import UsageError
 @click.argument("folder", type=PathName())
 @click.option(
     "--actuators",
-    metavar="NAME:KIND,...",
+    metavar="NAME:KIND[:LINK],...",
     shell_complete=completed(kinds, separator=",", after_colon=True),
-    help="Of the tool, in the order of a grip.",
+    help="Of the tool, in the order of a grip; LINK says what proves one of them: the NAME of a link, or none for "
+    "inputs of the board, such as cups:vacuum,jaw:gripper:none.",
 )
 @click.option(
     "--link",
@@ -31,7 +32,7 @@ from end_effector_hal.errors import UsageError
     multiple=True,
     shell_complete=completed(links_known, separator=",", after_colon=True),
     help="text, binary, modbus, none (inputs of the board), or a codec; several times with a NAME each, such as "
-    "front:text: the actuators are distributed among them in turn, or as NAME:KIND:LINK says.  [default: text]",
+    "front:text: the actuators are distributed among them in turn, or as their LINK says.  [default: text]",
 )
 @click.option("--tool-changer/--no-tool-changer", default=None, help="Whether one is fitted.  [default: yes]")
 @click.option("--virtual", is_flag=True, help="On virtual lines and a pty in FOLDER, for `eehal testbench`.")
@@ -91,9 +92,11 @@ def _described(
     virtual: bool,
     asking: bool,
 ) -> str:
-    from ._new_tool import LINKS, new_description, wanted_actuators, wanted_links
+    from ._new_tool import BOARD, LINKS, new_description, wanted_actuators, wanted_links
 
     wanted = wanted_actuators(actuators)
+    if not links and all(each.link == BOARD for each in wanted):
+        links = (BOARD,)
     if not links:
         links = (_asked(f"Link ({', '.join(LINKS)}, or a codec)", "text") if asking else "text",)
     wanted_by = wanted_links(links)

@@ -46,7 +46,7 @@ Ask = Callable[[str], str]
 
 @dataclass(frozen=True)
 class WantedActuator:
-    """One of the tool, in the order of a grip; ``link``: the name of the one that proves it, empty: any."""
+    """One of the tool, in the order of a grip; ``link``: what proves it, a name or a kind of link; empty: any."""
 
     name: str
     kind: DeviceKind[Any]
@@ -55,14 +55,19 @@ class WantedActuator:
 
 @dataclass(frozen=True)
 class WantedLink:
-    """What proves actuators: one of `LINKS`, or a codec; ``name``: among several, empty for the only one."""
+    """What proves actuators: one of `LINKS`, or a codec; ``name``: among several links, empty for the only one."""
 
     name: str
     what: str
 
+    @property
+    def said(self) -> str:
+        """How an actuator says that it is this one."""
+        return self.name or self.what
+
 
 def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
-    """Of ``cups:vacuum,jaw:gripper``, or with the link of each, ``cups:vacuum:front``; raises UsageError."""
+    """Of ``cups:vacuum,jaw:gripper``, or with what proves each, ``cups:vacuum:front``; raises UsageError."""
     found: dict[str, WantedActuator] = {}
     for each in text.split(","):
         name, colon, rest = each.strip().partition(":")
@@ -87,8 +92,9 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
 
 
 def wanted_links(texts: Sequence[str]) -> tuple[WantedLink, ...]:
-    """Of ``text``, or of ``front:text`` and ``arm:modbus``; raises UsageError."""
+    """Of ``text``, or of ``front:text`` and ``arm:modbus``, or of one of these and ``none``; raises UsageError."""
     each_text = [each.strip() for text in texts for each in text.split(",")]
+    several = len([each for each in each_text if each != BOARD]) > 1
     found: dict[str, WantedLink] = {}
     for each in each_text:
         name, colon, what = each.partition(":")
@@ -99,7 +105,7 @@ def wanted_links(texts: Sequence[str]) -> tuple[WantedLink, ...]:
                 f"{name!r} is no name of a link.",
                 todo="Write lower-case letters, digits and '_': front:text.",
             )
-        if not name and len(each_text) > 1:
+        if not name and several:
             raise UsageError(f"The link {each!r} has no name.", todo=f"Write NAME:{each}, one for each link.")
         if name in found:
             raise UsageError(f"Two links are named {name!r}.", todo="Give each a name of its own.")
@@ -133,7 +139,8 @@ def new_description(
 
     Args:
         folder: where it will stand; names the tool.
-        actuators: in the order of a grip.
+        actuators: in the order of a grip. One that says `BOARD` is proven by inputs of the board, also where no such
+            link is wanted.
         links: they prove the actuators. Of several each gets those that name it, and the others in turn.
         tool_changer: whether one is fitted.
         virtual: on virtual lines and a pty in the folder, for the testbench.
@@ -142,24 +149,28 @@ def new_description(
     Raises:
         UsageError: the link carries too little, or the description would have a fault.
     """
+    named = any(link.name for link in links if link.what != BOARD)
     shares = _shares(actuators, links, tool_changer=tool_changer)
-    changers_link = next((link for link in links if link.what in LINKS), links[0]) if tool_changer else None
+    declaring = (link for link in links if link.what in LINKS and (named or link.what != BOARD))
+    changers_link = next(declaring, links[0]) if tool_changer else None
     given: dict[str, dict[str, str]] = {}
     stanzas: list[str] = []
     declared: list[str] = []
     carried: dict[str, Kind] = {}
+    air: Mapping[str, Kind] = {}
     for number, (link, share) in enumerate(shares.items()):
         channels = _channels(link, share, tool_changer=link is changers_link)
         given |= channels.given
         if not link.name:
-            carried = channels.carried
+            carried = dict(channels.carried)
+            air = {} if link.what in LINKS else carried
         stanzas += _link(folder, link, number, channels, virtual=virtual) if link.what != BOARD else ()
         declared += channel_lines(link.what, link.name, channels) if link.what in LINKS or link.name else ()
         carried |= {name: kind for name, kind in channels.carried.items() if name in CHANGER_DEFAULTS}
     text = "\n".join(
         [
             *_head(folder, virtual=virtual),
-            *(["", "links:" if links[0].name else "link:"] if stanzas else ()),
+            *(["", "links:" if named else "link:"] if stanzas else ()),
             *stanzas,
             *(CHANNELS_HEAD if declared else ()),
             *declared,
@@ -170,7 +181,7 @@ def new_description(
                 for line in _actuator(each, number, given[each.name], ask)
             ),
             *(_changer(len(actuators) + 1, carried) if tool_changer else ()),
-            *_supply(carried if not declared else {}),
+            *_supply(air),
             "",
             "# bounds: grip_s, release_s and cancel_s are computed from the times above; write them to require less.",
             "",
@@ -196,13 +207,14 @@ def _shares(
     actuators: Sequence[WantedActuator], links: Sequence[WantedLink], *, tool_changer: bool
 ) -> dict[WantedLink, list[WantedActuator]]:
     """The actuators of each link; raises UsageError where one fits nowhere, or a link would carry nothing."""
-    shares: dict[WantedLink, list[WantedActuator]] = {link: [] for link in links}
-    by_name = {link.name: link for link in links}
+    by_name = {link.said: link for link in links}
+    if BOARD not in by_name and any(each.link == BOARD for each in actuators):
+        by_name[BOARD] = WantedLink(BOARD, BOARD)
+    shares: dict[WantedLink, list[WantedActuator]] = {link: [] for link in by_name.values()}
     for number, each in enumerate(actuators):
         if each.link and each.link not in by_name:
-            todo = (
-                did_you_mean(each.link, by_name) or f"there are: {', '.join(filter(None, by_name)) or 'none'}"
-            )
+            known = [*(name for name in by_name if name != BOARD), f"{BOARD} (inputs of the board)"]
+            todo = did_you_mean(each.link, [*by_name, BOARD]) or f"there are: {', '.join(known)}"
             raise UsageError(
                 f"{each.name}: no --link is named {each.link!r}.", todo=f"{todo[0].upper()}{todo[1:]}."
             )
@@ -210,7 +222,7 @@ def _shares(
         choice = [by_name[each.link]] if each.link else [*links[turn:], *links[:turn]]
         fits = (link for link in choice if _fits(link, [*shares[link], each], tool_changer=tool_changer))
         shares[next(fits, choice[0])].append(each)
-    idle = [link.name for link, share in shares.items() if not share]
+    idle = [link.said for link, share in shares.items() if not share]
     if idle:
         raise UsageError(
             f"The link {idle[0]!r} would prove no actuator.",

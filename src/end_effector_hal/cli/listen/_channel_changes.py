@@ -12,10 +12,10 @@ from end_effector_hal.signals import Kind
 from ._channel_view import ChannelView
 
 if TYPE_CHECKING:
-    from end_effector_hal.signals import Value
+    from end_effector_hal.signals import Measure, Value
 
-STEP_KPA = 0.5
-"""A pressure that moves by less is told as it was."""
+STEP = 5
+"""What moves by less than this in its last decimal is told as it was: 0.5 kPa."""
 
 
 class ChannelChanges:
@@ -35,9 +35,10 @@ class ChannelChanges:
             state, value = heard.state(name, now), heard.values[name]
             if self._changed(name, state, value):
                 self._told[name] = (state, value)
-                pressed = heard.channels.get(name) is Kind.PRESSURE and not isinstance(value, bool)
-                unit = {"unit": "kPa"} if pressed and value is not None else {}
-                shown = None if state else value if value is None or not pressed else value / 1000
+                kind, measure = heard.channels.get(name), heard.measure(name)
+                measured = kind in (Kind.PRESSURE, Kind.QUANTITY) and not isinstance(value, bool)
+                unit = {"unit": measure.unit} if measured and value is not None else {}
+                shown = None if state else value if value is None or not measured else value / 1000
                 self._tell(
                     {"event": "channel", "time_s": seconds, "channel": name, "raw": heard.raw(name),
                      "value": shown,
@@ -74,10 +75,11 @@ class ChannelChanges:
             return value != before
         if self._heard.channels.get(name) is Kind.CODE:
             return value != before
-        return abs(value - before) >= STEP_KPA * 1000
+        return abs(value - before) >= STEP * 10.0 ** (3 - self._heard.measure(name).decimals)
 
 
-def print_words(content: dict[str, object]) -> None:
+def print_words(measure_of: Callable[[str], Measure], content: dict[str, object]) -> None:
+    """A line for people; ``measure_of``: how the values of a channel are shown."""
     at = f"{content['time_s']:9.3f} s "
     if content["event"] == "evidence":
         click.echo(f"{at} {content['actuator']} is {content['evidence']}")
@@ -90,9 +92,13 @@ def print_words(content: dict[str, object]) -> None:
         of = f" of {content['link']}" if "link" in content else ""
         click.echo(f"{at} errors{of}: {said} (newest bytes {content['newest_bytes']})")
     elif content["state"] != "fresh":
-        click.echo(f"{at} {content['channel']} is {content['state']}")
+        from end_effector_hal.sensing import SENT_INVALID
+
+        why = f" ({SENT_INVALID})" if content["state"] == "invalid" else ""
+        click.echo(f"{at} {content['channel']} is {content['state']}{why}")
     else:
         raw, value, unit = content["raw"], content["value"], content.get("unit")
         said = "yes" if value is True else "no" if value is False else str(value)
-        shown = f"{value:.1f} {unit}" if isinstance(value, float) else said
+        decimals = measure_of(str(content["channel"])).decimals
+        shown = f"{value:.{decimals}f} {unit}" if isinstance(value, float) else said
         click.echo(f"{at} {content['channel']} {shown} (raw {int(raw) if isinstance(raw, bool) else raw})")

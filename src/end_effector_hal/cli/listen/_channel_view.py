@@ -10,13 +10,13 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Self
 
 from end_effector_hal.errors import LinkError
-from end_effector_hal.signals import Kind
+from end_effector_hal.signals import GAUGE_PRESSURE, Kind
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from end_effector_hal.description import Description
-    from end_effector_hal.signals import Frame, Value
+    from end_effector_hal.signals import Frame, Measure, Value
 
 LOST_US = 1_000_000
 """Inputs of which nothing has come for so long bring nothing."""
@@ -70,6 +70,7 @@ class ChannelView:
             if not (name in tool.channels and tool.channels[name].on_board)
         }
         self.values: dict[str, Value] = {}
+        self.came_at: dict[str, int] = {}
         self.arrivals: dict[str, deque[int]] = {name: deque(maxlen=KEPT) for name in self.channels}
         self.due: int | None = None
         self._came: SimpleQueue[Frame | tuple[str, bytes]] = SimpleQueue()
@@ -131,6 +132,7 @@ class ChannelView:
         if link is not None and self.links[link].before is None:  # a listener comes in the middle of one
             self.links[link].before = dict(self._reader.health.links[link].errors)
         self.values.update(came.values)
+        self.came_at.update(dict.fromkeys(came.values, came.at))
         for name, value in came.values.items():
             if value is not None and name in self.arrivals:
                 self.arrivals[name].append(came.at)
@@ -151,13 +153,15 @@ class ChannelView:
 
     def state(self, channel: str, now: int) -> str:
         """Empty where there is a fresh value; else why there is none."""
-        age_s = self.age_s(channel, now)
         if channel not in self.values:
             return "nothing yet"
-        if self.values[channel] is None:
-            return "invalid"
-        stale_us = self.sensors.now.readings.stale_after_us(channel)
-        return "stale" if age_s is None or age_s * 1e6 >= stale_us else ""
+        if now - self.came_at[channel] >= self.sensors.now.readings.stale_after_us(channel):
+            return "stale"
+        return "invalid" if self.values[channel] is None else ""
+
+    def measure(self, channel: str) -> Measure:
+        """How its values are shown."""
+        return self.sensors.now.readings.measures.get(channel, GAUGE_PRESSURE)
 
     def raw(self, channel: str) -> float | None:
         """What its source said, before scale and offset; of a codec's own channel, what the codec says."""
@@ -199,7 +203,7 @@ class ChannelView:
             channels.add_row(
                 name,
                 "" if value is None else str(int(raw) if isinstance(raw := self.raw(name), bool) else raw),
-                Text(state, style="red") if state else scaled(value, self.channels[name]),
+                Text(state, style="red") if state else scaled(value, self.channels[name], self.measure(name)),
                 "" if age_s is None else f"{age_s:.2f} s",
                 f"{self.rate_hz(name, now):.1f}",
                 ", ".join(self._users(name)),
@@ -233,10 +237,10 @@ class ChannelView:
                 yield name
 
 
-def scaled(value: Value, kind: Kind) -> str:
+def scaled(value: Value, kind: Kind, measure: Measure) -> str:
     """With its unit."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if kind is Kind.CODE:
         return str(value)
-    return "" if value is None else f"{value / 1000:.1f} kPa"
+    return "" if value is None else measure.text(value)

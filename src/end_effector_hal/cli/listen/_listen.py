@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -95,7 +96,7 @@ def _show(heard: ChannelView, end: int | None, *, as_json: bool) -> None:
         return True
 
     if as_json or not sys.stdout.isatty():
-        changes = ChannelChanges(heard, _print_json if as_json else print_words)
+        changes = ChannelChanges(heard, _print_json if as_json else partial(print_words, heard.measure))
         while hear():
             changes.tell(now_us())
         return

@@ -1,8 +1,10 @@
 """What an end-effector is made of: frozen, typed stanzas."""
 
 from ._channels import (
+    COUNTS,
     HEXADECIMAL,
     PASCAL,
+    QUANTITIES,
     Channel,
     DeviceAlarm,
     DigitalInput,
@@ -22,8 +24,10 @@ from ._description import Description, camel_case, socket_path
 from ._stanzas import EStop, Freshness, Link, ToolChanger
 
 __all__ = [
+    "COUNTS",
     "HEXADECIMAL",
     "PASCAL",
+    "QUANTITIES",
     "Channel",
     "Description",
     "DeviceAlarm",

@@ -6,7 +6,7 @@ The keys are those that users of ESPHome, Home Assistant and Telegraf know: ``ad
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import BeforeValidator, Field
 
@@ -14,7 +14,9 @@ from end_effector_hal.kinds.stanza import LineName, Name, Names, Part, Word
 from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import MOST_CHANNELS
 
-Unit = Literal["Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi", "inHg"]
+Unit = Literal[
+    "Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi", "inHg", "mm", "deg", "%", "V", "mA", "N", "degC"
+]  # fmt: skip
 PASCAL: dict[str, float] = {
     "Pa": 1.0,
     "hPa": 100.0,
@@ -26,6 +28,11 @@ PASCAL: dict[str, float] = {
     "inHg": 3_386.389,
 }
 """Pa of each unit of a pressure."""
+
+QUANTITIES: tuple[str, ...] = tuple(unit for unit in get_args(Unit) if unit not in PASCAL)
+"""Units of what is no pressure; a value counts thousandths of it."""
+COUNTS: dict[str, float] = PASCAL | dict.fromkeys(QUANTITIES, 1_000.0)
+"""What a value in a frame counts of each unit: Pa, or thousandths."""
 
 HIGHEST_PA = 2**31 - 1
 
@@ -195,7 +202,8 @@ class Channel(Part):
     digital: DigitalInput | None = Field(default=None, description="an input line of the board")
     analog: AnalogInput | None = Field(default=None, description="an analog input of the board (Linux IIO)")
     unit: Unit | None = Field(
-        default=None, description="of raw * scale + offset, a gauge pressure (vacuum negative); absent: a bit"
+        default=None,
+        description="of raw * scale + offset: a gauge pressure (vacuum negative), or another quantity; absent: a bit",
     )
     scale: Factor = Field(
         default=1.0, description="units per count; of an analog input, per its own unit (mV)"
@@ -230,7 +238,9 @@ class Channel(Part):
         """What it carries; of `codec` its codec knows it."""
         if any(each.code is not None for each in self.alarm):
             return Kind.CODE
-        return Kind.BIT if self.unit is None else Kind.PRESSURE
+        if self.unit is None:
+            return Kind.BIT
+        return Kind.PRESSURE if self.unit in PASCAL else Kind.QUANTITY
 
     def alarm_of(self, value: Value) -> DeviceAlarm | None:
         """What is wrong by a value; None: nothing, or nobody knows."""
@@ -241,15 +251,15 @@ class Channel(Part):
 
     @property
     def step_pa(self) -> float:
-        """Pa of the smallest step of a pressure, as far as it is known; a floating value has none."""
-        step = abs(self.scale) * PASCAL[self.unit or "Pa"]
+        """Pa (or thousandths) of the smallest step of a value, as far as it is known; a floating one has none."""
+        step = abs(self.scale) * COUNTS[self.unit or "Pa"]
         if self.text is not None:
             return step * 10.0 ** -(self.text.decimals or 0)
         place = self.record or self.modbus
         return 1.0 if place is not None and place.value_type == "float32" else step
 
     def value(self, raw: float) -> Value:
-        """What a raw value means: gauge Pa, a bit, a code, or None: nothing that the sensor can mean."""
+        """What a raw value means: gauge Pa, thousandths of another unit, a bit, a code; None: nothing it can mean."""
         if raw != raw or raw in self.invalid:
             return None
         if self.kind is Kind.CODE:
@@ -260,11 +270,11 @@ class Channel(Part):
         scaled = raw * self.scale + self.offset
         if self.range is not None and not self.range[0] <= scaled <= self.range[1]:
             return None
-        pascal = scaled * PASCAL[self.unit]
-        return round(pascal) if abs(pascal) <= HIGHEST_PA else None
+        counts = scaled * COUNTS[self.unit]
+        return round(counts) if abs(counts) <= HIGHEST_PA else None
 
     def raw(self, value: int | bool) -> float:
-        """A raw value that means this (Pa, bit, code): what a simulated sensor sends."""
+        """A raw value that means this (Pa, thousandths, bit, code): what a simulated sensor sends."""
         if self.kind is Kind.CODE:
             return float(value)
         if self.unit is None:
@@ -273,7 +283,7 @@ class Channel(Part):
                 return float(on)
             others = {*self.on, *self.invalid}
             return float(self.on[0] if on else next(n for n in range(len(others) + 1) if n not in others))
-        return (value / PASCAL[self.unit] - self.offset) / self.scale
+        return (value / COUNTS[self.unit] - self.offset) / self.scale
 
 
 class TextFrame(Part):

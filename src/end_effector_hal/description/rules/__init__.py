@@ -5,15 +5,15 @@ from ._codec import not_fitted, slow, unproven
 from ._declared import channel_faults
 from ._frames import frame_faults
 from ._limits import limit_faults
+from ._measures import measures_of
 from ._order import order_faults
 from ._outputs import lost_by_silence, output_faults
 from ._shared import shared_faults
-from ._span_search import BIT, GAUGE_KPA, Spans, SpanSearch, Wanted, range_kpa
+from ._span_search import BIT, Spans, SpanSearch, Wanted, range_kpa, widest
 from ._stanzas import rule_faults
 
 __all__ = [
     "BIT",
-    "GAUGE_KPA",
     "CodecChannels",
     "SpanSearch",
     "Spans",
@@ -22,6 +22,7 @@ __all__ = [
     "frame_faults",
     "limit_faults",
     "lost_by_silence",
+    "measures_of",
     "not_fitted",
     "order_faults",
     "output_faults",
@@ -31,4 +32,5 @@ __all__ = [
     "slow",
     "unproven",
     "used_channels",
+    "widest",
 ]

@@ -154,7 +154,8 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
         told = not use.bit and not use.condition and use.stanza in unproven
         if told or use.channel in codec.channels:
             continue
-        kind = Kind.BIT if use.bit else Kind.PRESSURE
+        quantity = any(key in _OF_QUANTITIES for key, _ in use.thresholds)
+        kind = Kind.BIT if use.bit else Kind.QUANTITY if quantity else Kind.PRESSURE
         known = codec.of(kind)
         if known:
             expected = f"a {kind.value} of {codec.codec}: {', '.join(known)}"
@@ -180,15 +181,42 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
 
 
 def no_bits(description: Description, codec: CodecChannels) -> Iterator[Fault]:
-    """Pressures where something that says yes or no is named."""
+    """Pressures where something that says yes or no is named, and quantities where a pressure is."""
     for use in uses(description):
         carries, place = codec.channels.get(use.channel), description.place(*use.stanza, use.key)
-        if use.bit and (carries is Kind.PRESSURE or (carries is Kind.CODE and use.key != "alarm")):
+        if use.bit and (
+            carries in (Kind.PRESSURE, Kind.QUANTITY) or (carries is Kind.CODE and use.key != "alarm")
+        ):
             what, found = f"{use.channel!r} is a {carries.value}", f"{use.key}: {use.channel}"
             yield Fault.at(place, "EE-225", what, found=found, expected="a bit")
         elif use.condition and not use.bit and carries is Kind.BIT:
             hint = f"write {{on: {use.channel}}}"
             yield Fault.at(place, "EE-225", f"{use.channel!r} is a bit", expected="a pressure", hint=hint)
+        elif not use.bit and carries is Kind.QUANTITY and not use.condition:
+            what = f"{use.channel!r} is measured in {description.channels[use.channel].unit}"
+            hint = "conditions under `evidence` can look at it" if use.stanza[0] == "actuators" else ""
+            yield Fault.at(place, "EE-225", what, expected="a pressure", hint=hint)
+        elif use.condition and not use.bit:
+            yield from _wrong_thresholds(description, use, carries)
+
+
+_OF_QUANTITIES = ("below", "above", "between")
+
+
+def _wrong_thresholds(description: Description, use: Use, carries: Kind | None) -> Iterator[Fault]:
+    """The thresholds of a pressure are in kPa, those of another quantity in the unit of its channel."""
+    for key in dict.fromkeys(key for key, _ in use.thresholds):
+        place = description.place(*use.stanza, key)
+        if carries is Kind.QUANTITY and key not in _OF_QUANTITIES:
+            unit = description.channels[use.channel].unit
+            what, expected = (
+                f"{use.channel!r} is measured in {unit}",
+                f"{key.removesuffix('_kpa')}: …, in {unit}",
+            )
+            yield Fault.at(place, "EE-225", what, found=key, expected=expected)
+        elif carries is Kind.PRESSURE and key in _OF_QUANTITIES:
+            what, expected = f"{use.channel!r} is a pressure", f"{key}_kpa: …, gauge kPa"
+            yield Fault.at(place, "EE-225", what, found=key, expected=expected)
 
 
 def impossible_thresholds(description: Description) -> Iterator[Fault]:

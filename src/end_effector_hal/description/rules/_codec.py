@@ -97,7 +97,7 @@ def not_fitted(description: Description, codec: CodecChannels) -> list[str]:
 def _actuator(name: str, actuator: Actuator, codec: CodecChannels) -> Iterator[str]:
     carries = codec.channels.get(actuator.channel)
     if carries is Kind.BIT:
-        yield f"{name}: {actuator.channel} is carried by {codec.codec} as a bit: thresholds are off"
+        yield f"{name}: {actuator.channel} is a switch, on or off, and no pressure: thresholds are off"
     if actuator.frozen_s is not None and carries is Kind.PRESSURE and not codec.noise_shows:
         yield f"{name}: {codec.codec} counts too coarsely to show a frozen sensor: frozen_s is off"
     if actuator.evidence is not None:
@@ -110,7 +110,7 @@ def _supply(description: Description, codec: CodecChannels) -> Iterator[str]:
     supply = description.supply
     carries = codec.channels.get(supply.channel)
     if carries is Kind.BIT:
-        yield f"supply pressure: carried by {codec.codec} as a bit: IL-06 has no thresholds"
+        yield f"supply: {supply.channel} is a switch, on or off, and no pressure: IL-06 has no thresholds"
     elif carries is None:
         taken = f"{number(supply.nominal_kpa)} kPa is taken for it"
         yield f"supply: channel: {supply.channel}: IL-06 is off, {taken}: a lack of air is not seen"

@@ -12,7 +12,7 @@ from end_effector_hal.kinds.stanza import EvidenceConditions
 from end_effector_hal.signals import Kind
 
 from ._channels import CodecChannels
-from ._span_search import BIT, GAUGE_KPA, Spans, SpanSearch, Wanted, range_kpa
+from ._span_search import BIT, Spans, SpanSearch, Wanted, range_kpa, unit_of, widest
 
 CODE = "EE-227"
 
@@ -38,7 +38,7 @@ def overlapping_evidence(description: Description) -> Iterator[str]:
             continue
         both = [(asked.confirmed, True), (asked.gone, True)]
         if (found := SpanSearch().solved(both, _spans(description, asked))) is not None:
-            shown = " and ".join(_shown(channel, found) for channel in asked.gone.channels)
+            shown = " and ".join(_shown(description, channel, found) for channel in asked.gone.channels)
             yield (
                 f"{name}: evidence: 'confirmed' and 'gone' hold at once where {shown}: it is unknown there "
                 f"({description.where('actuators', name, 'evidence', 'gone')})"
@@ -49,16 +49,16 @@ def _spans(description: Description, asked: EvidenceConditions, *, ranges: bool 
     return {
         leaf.channel: BIT
         if leaf.bit
-        else (range_kpa(description, leaf.channel) if ranges else None) or GAUGE_KPA
+        else (range_kpa(description, leaf.channel) if ranges else None) or widest(description, leaf.channel)
         for leaf in asked.leaves
     }
 
 
-def _shown(channel: str, spans: Spans) -> str:
+def _shown(description: Description, channel: str, spans: Spans) -> str:
     low, high = spans[channel]
     if (low, high) in ((0.0, 0.0), (1.0, 1.0)):
         return f"{channel} is {'on' if low else 'off'}"
-    return f"{channel} has {number(low)} to {number(high)} kPa"
+    return f"{channel} has {number(low)} to {number(high)} {unit_of(description, channel)}"
 
 
 def _is_impossible(wanted: list[Wanted], spans: Spans) -> bool:
@@ -84,8 +84,9 @@ def _impossible_conditions(description: Description, name: str, asked: EvidenceC
 
 
 def _by_range(description: Description, channel: str) -> str:
-    low, high = range_kpa(description, channel) or GAUGE_KPA
-    return f"something between {number(low)} and {number(high)} kPa, the range of {channel}"
+    low, high = range_kpa(description, channel) or widest(description, channel)
+    unit = unit_of(description, channel)
+    return f"something between {number(low)} and {number(high)} {unit}, the range of {channel}"
 
 
 def _impossible_limits(description: Description, codec: CodecChannels, name: str) -> Iterator[Fault]:

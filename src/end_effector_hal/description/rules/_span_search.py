@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from math import inf
 
-from end_effector_hal.description.model import PASCAL, Description
+from end_effector_hal.description.model import COUNTS, PASCAL, Description
 from end_effector_hal.kinds.stanza import Condition
 
 MOST_STEPS = 20_000
 GAUGE_KPA = -100.0, 2000.0
+QUANTITY = -1e6, 1e6
 
 Span = tuple[float, float]
-"""kPa from the first to the second; of a bit (0, 0), (1, 1), or (0, 1): either."""
+"""kPa, or the unit of a quantity, from the first to the second; of a bit (0, 0), (1, 1), or (0, 1): either."""
 Spans = Mapping[str, Span]
 """By channel."""
 Wanted = tuple[Condition, bool]
@@ -21,12 +22,28 @@ BIT: Span = (0.0, 1.0)
 
 
 def range_kpa(description: Description, channel: str) -> Span | None:
-    """What the pressure of a channel can mean by its ``range``; None: it has none."""
+    """What a channel can mean by its ``range``, kPa or the unit of a quantity; None: it has none."""
     declared = description.channels.get(channel)
     if declared is None or declared.unit is None or declared.range is None:
         return None
-    low, high = (each * PASCAL[declared.unit] / 1000 for each in declared.range)
+    low, high = (each * COUNTS[declared.unit] / 1000 for each in declared.range)
     return low, high
+
+
+def widest(description: Description, channel: str) -> Span:
+    """What a channel could show at all, whatever its range."""
+    return QUANTITY if _is_quantity(description, channel) else GAUGE_KPA
+
+
+def unit_of(description: Description, channel: str) -> str:
+    """The unit of what is shown of a channel: kPa, or that of its quantity."""
+    declared = description.channels.get(channel)
+    return str(declared.unit) if declared and _is_quantity(description, channel) else "kPa"
+
+
+def _is_quantity(description: Description, channel: str) -> bool:
+    declared = description.channels.get(channel)
+    return declared is not None and declared.unit is not None and declared.unit not in PASCAL
 
 
 class SpanSearch:
@@ -82,8 +99,7 @@ def _narrowed(leaf: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
 def _allowed(leaf: Condition, holds: bool) -> list[Span]:
     if leaf.on is not None:
         return [(1.0, 1.0) if holds else (0.0, 0.0)]
-    if leaf.between_kpa is not None:
-        first, last = leaf.between_kpa
-        return [(first, last)] if holds else [(-inf, first), (last, inf)]
-    limit, below = (leaf.above_kpa or 0.0, not holds) if leaf.below_kpa is None else (leaf.below_kpa, holds)
-    return [(-inf, limit) if below else (limit, inf)]
+    first, last = leaf.span
+    if holds:
+        return [(first, last)]
+    return [span for span in ((-inf, first), (last, inf)) if span[0] < span[1]]

@@ -86,16 +86,14 @@ def _read(this: Condition) -> _Asked:
         return lambda sample: (
             None if (value := sample.readings.get(channel, sample.at)) is None else bool(value)
         )
-    low, high = this.between_kpa or (None, None)
-    below, above = this.below_kpa, this.above_kpa
+    low, high = this.span
+    closed = this.between_kpa is not None or this.between is not None
 
     def passes(sample: _Sample) -> bool | None:
         value = sample.readings.get(channel, sample.at)
         if value is None or isinstance(value, bool):
-            return None  # a bit has no pressure
-        kpa = value / 1000
-        if low is not None and high is not None:
-            return low <= kpa <= high
-        return kpa < below if below is not None else above is not None and kpa > above
+            return None  # a bit has no thresholds
+        measured = value / 1000  # kPa of Pa, or units of thousandths
+        return low <= measured <= high if closed else low < measured < high
 
     return passes

@@ -15,6 +15,7 @@ DEEPEST, MOST = 6, 64
 """Levels of one condition, and conditions of one actuator, each ``all``, ``on`` … counted."""
 
 _Gauge = Annotated[float | None, Field(ge=-110, le=2000)]
+_Quantity = Annotated[float | None, Field(ge=-1e6, le=1e6)]
 
 
 class Leaf(NamedTuple):
@@ -24,8 +25,8 @@ class Leaf(NamedTuple):
         path: of the condition that names it, from the one that was asked.
         key: that names it.
         channel: its name.
-        bit: whether it says yes or no; else it is a pressure.
-        thresholds: key and gauge kPa of each.
+        bit: whether it says yes or no; else it is measured.
+        thresholds: key and value of each; gauge kPa, or the unit of the channel.
     """
 
     path: tuple[str | int, ...]
@@ -36,7 +37,9 @@ class Leaf(NamedTuple):
 
 
 class Condition(Part):
-    """What channels show. Exactly one of `all`, `any`, `not`, `on`, or `channel` with one of the three thresholds.
+    """What channels show. Exactly one of `all`, `any`, `not`, `on`, or `channel` with one threshold.
+
+    The threshold of a pressure has `_kpa` in its key; that of another quantity has the unit of its channel.
 
     A channel without a fresh, valid reading makes its condition unknown. `any` is true with one that is true, `all` is
     false with one that is false, whatever the others are; else one that is unknown makes them unknown, and `not` too.
@@ -50,11 +53,20 @@ class Condition(Part):
     )
     not_: Condition | None = Field(default=None, alias="not", description="this condition does not hold")
     on: Name | None = Field(default=None, description="this bit is on")
-    channel: Name | None = Field(default=None, description="the pressure that a threshold belongs to")
+    channel: Name | None = Field(default=None, description="what is measured, to which a threshold belongs")
     below_kpa: _Gauge = Field(default=None, description="gauge pressure less than this; a vacuum is negative")
     above_kpa: _Gauge = Field(default=None, description="gauge pressure more than this; a vacuum is negative")
     between_kpa: Annotated[tuple[float, ...] | None, Field(strict=False)] = Field(
         default=None, description="gauge pressure from the first to the second, both included"
+    )
+    below: _Quantity = Field(
+        default=None, description="less than this, in the unit of the channel (mm, %, V, …)"
+    )
+    above: _Quantity = Field(
+        default=None, description="more than this, in the unit of the channel (mm, %, V, …)"
+    )
+    between: Annotated[tuple[float, ...] | None, Field(strict=False)] = Field(
+        default=None, description="from the first to the second, both included, in the unit of the channel"
     )
     for_ms: Annotated[int, Field(ge=0, le=60_000)] = Field(
         default=0, description="without a break for at least this long, seen by the samples at its ends"
@@ -83,6 +95,10 @@ class Condition(Part):
             low, high = self.between_kpa if len(self.between_kpa) == 2 else (inf, -inf)
             if not -110 <= low < high <= 2000:
                 raise _wrong("'between_kpa' is no range", "[low, high], gauge kPa from -110 to 2000")
+        if self.between is not None:
+            low, high = self.between if len(self.between) == 2 else (inf, -inf)
+            if not -1e6 <= low < high <= 1e6:
+                raise _wrong("'between' is no range", "[low, high], in the unit of the channel")
         if self.depth > DEEPEST:
             raise _wrong("conditions stand too deep in each other", f"at most {DEEPEST} levels")
         return self
@@ -112,15 +128,31 @@ class Condition(Part):
         if self.on is not None:
             yield Leaf((), "on", self.on, True, ())
         elif self.channel is not None:
-            limits = {"below_kpa": self.below_kpa, "above_kpa": self.above_kpa}
-            found = tuple((key, value) for key, value in limits.items() if value is not None)
-            found += tuple(("between_kpa", value) for value in self.between_kpa or ())
+            limits = {key: getattr(self, key) for key in _THRESHOLDS}
+            found = tuple(
+                (key, each)
+                for key, value in limits.items()
+                if value is not None
+                for each in (value if isinstance(value, tuple) else (value,))
+            )
             yield Leaf((), "channel", self.channel, False, found)
         key = "not" if self.not_ is not None else "all" if self.all else "any"
         for index, part in enumerate(self.parts):
             inside: tuple[str | int, ...] = (key,) if self.not_ is not None else (key, index)
             for leaf in part.leaves:
                 yield leaf._replace(path=(*inside, *leaf.path))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """What its threshold allows: both ends belong to it where it is a range, else none; kPa, or the unit."""
+        between = self.between_kpa or self.between
+        if between is not None:
+            return between[0], between[1]
+        below = self.below if self.below_kpa is None else self.below_kpa
+        if below is not None:
+            return -inf, below
+        above = self.above if self.above_kpa is None else self.above_kpa
+        return (inf if above is None else above), inf
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -163,7 +195,7 @@ class Condition(Part):
         return any(known) if self.any else all(known)
 
 
-_THRESHOLDS = ("below_kpa", "above_kpa", "between_kpa")
+_THRESHOLDS = ("below_kpa", "above_kpa", "between_kpa", "below", "above", "between")
 _SAYS = ("all", "any", "not_", "on", *_THRESHOLDS)
 _DEFAULTS = {field.alias or key: field.default for key, field in Condition.model_fields.items()}
 

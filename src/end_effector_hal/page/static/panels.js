@@ -122,7 +122,7 @@ export function showEvent(entry, epoch, scroll = true) {
     if (detail.received) lines.push(`event ${detail.received}`);
     lines.push(`late by ${detail.late_ms.toFixed(1)} ms`);
     const readings = Object.entries(detail.readings).map(([name, value]) =>
-      `${name} ${value === null ? "no valid reading" : typeof value === "boolean" ? (value ? "on" : "off") : `${value.toFixed(1)} kPa`}`);
+      `${name} ${value === null ? "no valid reading" : typeof value === "boolean" ? (value ? "on" : "off") : typeof value === "string" ? value : `${value.toFixed(1)} kPa`}`);
     if (readings.length) lines.push(`readings: ${readings.join(", ")}`);
   }
   const code = Object.assign(document.createElement("code"), { textContent: lines.join("\n") });

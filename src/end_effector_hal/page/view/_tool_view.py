@@ -11,6 +11,7 @@ from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, program_of
+from end_effector_hal.signals import GAUGE_PRESSURE
 from end_effector_hal.verification.proof import Verdict, kept_verdict
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
@@ -269,8 +270,13 @@ class ToolView:
         if controller is None:
             return {}
         at, now = controller.at, controller.senses.now
+        measures = now.readings.measures
         values = {name: now.readings.get(name, at) for name in now.readings.carried}
         return {
-            name: value if value is None or isinstance(value, bool) else value / 1000
+            name: value
+            if value is None or isinstance(value, bool)
+            else value / 1000
+            if measures.get(name, GAUGE_PRESSURE) == GAUGE_PRESSURE
+            else measures[name].text(value)
             for name, value in values.items()
         }

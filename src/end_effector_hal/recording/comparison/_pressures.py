@@ -73,7 +73,8 @@ def pressure_differences(
         for each in _stretches(_Curve.of(first, name), _Curve.of(second, name), shifts, within_s, within_kpa):
             side = "higher" if each.kpa > 0 else "lower"
             length = each.end_s - each.start_s
-            text = f"up to {abs(each.kpa):.1f} kPa {side} in the second, for {length:.2f} s"
+            unit = first.units.get(name, "kPa")
+            text = f"up to {abs(each.kpa):.1f} {unit} {side} in the second, for {length:.2f} s"
             yield RunDifference(name, text, each.start_s, shifts.second_s(each.start_s))
 
 

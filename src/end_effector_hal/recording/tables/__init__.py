@@ -2,12 +2,11 @@
 
 from ._alarms import BEGUN, AlarmRow, AlarmsWriter, read_alarms
 from ._changer import ChangerRow, ChangerWriter, read_changer
-from ._pressures import UNIT, PressuresLog, PressuresWriter, read_pressures
+from ._pressures import PressuresLog, PressuresWriter, column_of, read_pressures
 from ._states import StatesLog, StatesRow, StatesWriter, read_states
 
 __all__ = [
     "BEGUN",
-    "UNIT",
     "AlarmRow",
     "AlarmsWriter",
     "ChangerRow",
@@ -17,6 +16,7 @@ __all__ = [
     "StatesLog",
     "StatesRow",
     "StatesWriter",
+    "column_of",
     "read_alarms",
     "read_changer",
     "read_pressures",

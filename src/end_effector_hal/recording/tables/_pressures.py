@@ -1,11 +1,11 @@
-"""``pressures.csv``: gauge pressures in kPa, thinned to what a figure needs."""
+"""``pressures.csv``: gauge pressures in kPa, and other quantities in their units, thinned to what a figure needs."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from operator import itemgetter
 from pathlib import Path
 
@@ -15,21 +15,32 @@ from end_effector_hal.recording.tables._rows import Line, TableWriter, read_head
 FIXED = ("time_s",)
 UNIT = "_gauge_kpa"
 """After the name of a channel, in the header; not in recordings of before 0.2."""
+KPA = "kPa"
+OF_QUANTITIES = {
+    "mm": "_mm", "deg": "_deg", "%": "_percent", "V": "_v", "mA": "_ma", "N": "_n", "degC": "_degc"
+}  # fmt: skip
+"""The same of what is no pressure, by its unit."""
+_UNITS = {UNIT: KPA} | {ending: unit for unit, ending in OF_QUANTITIES.items()}
 PERIOD_S, JITTER_S = 0.02, 0.005
 LONGEST_GAP_S = 0.5
-STEP_KPA = 0.2
+STEP_KPA, STEP = 0.2, 0.005
+"""What counts as steady: of a pressure, and of another quantity in its unit."""
 
 Sample = tuple[float, tuple[float | None, ...]]
 
 
 @dataclass(frozen=True)
 class PressuresLog:
-    """Samples in order of time: seconds since start, gauge kPa per channel, None = invalid or stale."""
+    """Samples in order of time: seconds since start, gauge kPa per channel, None = invalid or stale.
+
+    Of a channel in ``units`` it is a quantity in that unit, and no pressure.
+    """
 
     channels: tuple[str, ...]
     samples: tuple[Sample, ...]
     source: str = ""
     note: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def times_s(self) -> tuple[float, ...]:
@@ -45,20 +56,28 @@ class PressuresLog:
 class PressuresWriter(TableWriter):
     """Writes at most 50 samples a second, and of a steady pressure two a second.
 
-    A sample is left out while every channel stays within 0.2 kPa of the last written one, for at most 0.5 s.
+    A sample is left out while every channel stays within 0.2 kPa (or 0.005 of another unit) of the last written one,
+    for at most 0.5 s.
     When a pressure moves again the last sample left out is written too, so that the edge keeps its steepness.
     A channel that becomes invalid or valid is written at once. After samples that could not be written a row without
     values comes first, at the time of the first of them. Safe to use from several threads.
     """
 
     def __init__(
-        self, path: str | Path, channels: Sequence[str], limits: RecordingLimits | None = None
+        self,
+        path: str | Path,
+        channels: Sequence[str],
+        limits: RecordingLimits | None = None,
+        units: Mapping[str, str] | None = None,
     ) -> None:
         self._channels = tuple(channels)
+        units = {name: unit for name, unit in (units or {}).items() if unit != KPA}
+        self._steps = tuple(STEP if channel in units else STEP_KPA for channel in self._channels)
+        self._decimals = tuple(3 if channel in units else 2 for channel in self._channels)
         self._gap: Sample | None = None
         self._left_out: Sample | None = None
         self._due_s = 0.0
-        super().__init__(path, (*FIXED, *_columns(Path(path), self._channels)), limits)
+        super().__init__(path, (*FIXED, *_columns(Path(path), self._channels, units)), limits)
         self._last = self._resumed(lambda line: _sample(line, self._channels, 0.0))
 
     @property
@@ -94,18 +113,24 @@ class PressuresWriter(TableWriter):
 
     def _steady(self, values: Sequence[float | None]) -> bool:
         assert self._last is not None
-        pairs = zip(self._last[1], values, strict=True)
-        return all(old is None or new is None or abs(new - old) < STEP_KPA for old, new in pairs)
+        pairs = zip(self._last[1], values, self._steps, strict=True)
+        return all(old is None or new is None or abs(new - old) < step for old, new, step in pairs)
 
     def _append(self, sample: Sample, *, with_left_out: bool) -> None:
         before = (self._gap, self._left_out if with_left_out else None)
         rows = sorted((row for row in before if row is not None), key=itemgetter(0))
         self._gap = self._gap or (sample[0], (None,) * len(self._channels))
-        self._file.append("".join(map(_text, [*rows, sample])))
+        self._file.append("".join(map(self._text, [*rows, sample])))
         self._last, self._left_out, self._gap = sample, None, None
 
     def _opening(self) -> str:
-        return _text(self._last) if self._last is not None else ""
+        return self._text(self._last) if self._last is not None else ""
+
+    def _text(self, sample: Sample) -> str:
+        time_s, values = sample
+        pairs = zip(values, self._decimals, strict=True)
+        numbers = ("" if value is None else f"{value:.{decimals}f}" for value, decimals in pairs)
+        return ",".join([f"{time_s:.6f}", *numbers]) + "\n"
 
     def close(self) -> None:
         """Write the last sample left out and close the file; may be called again."""
@@ -123,7 +148,8 @@ def read_pressures(path: str | Path) -> PressuresLog:
     A last line without its end is dropped and reported in ``note``: its last number may have lost digits.
     """
     lines = read_lines(path)
-    channels = _without_unit(read_header(lines, path, FIXED))
+    units = _units_of(read_header(lines, path, FIXED))
+    channels = tuple(units)
     samples: list[Sample] = []
     note = ""
     for line in lines:
@@ -133,31 +159,36 @@ def read_pressures(path: str | Path) -> PressuresLog:
         sample = _sample(line, channels, samples[-1][0] if samples else 0.0)
         if not samples or sample != samples[-1]:  # a segment begins with the last row of the one before it
             samples.append(sample)
-    return PressuresLog(channels, tuple(samples), str(path), note)
+    quantities = {channel: unit for channel, unit in units.items() if unit != KPA}
+    return PressuresLog(channels, tuple(samples), str(path), note, quantities)
 
 
-def _columns(path: Path, channels: tuple[str, ...]) -> tuple[str, ...]:
+def column_of(channel: str, units: Mapping[str, str]) -> str:
+    """The name of a column: the channel with its unit; one that is not in ``units`` is a gauge pressure."""
+    return f"{channel}{OF_QUANTITIES.get(units.get(channel, KPA), UNIT)}"
+
+
+def _columns(path: Path, channels: tuple[str, ...], units: Mapping[str, str]) -> tuple[str, ...]:
     """The names of the columns; a file of an earlier version goes on with its own."""
     with suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
         if file.readline() == ",".join((*FIXED, *channels)) + "\n":
             return channels
-    return tuple(f"{channel}{UNIT}" for channel in channels)
+    return tuple(column_of(channel, units) for channel in channels)
 
 
-def _without_unit(columns: tuple[str, ...]) -> tuple[str, ...]:
-    """The channels of a header: all of its columns have the unit, or, in recordings of before, none."""
-    if not all(column.endswith(UNIT) and column != UNIT for column in columns):
-        return columns
-    return tuple(column.removesuffix(UNIT) for column in columns)
+def _units_of(columns: tuple[str, ...]) -> dict[str, str]:
+    """The unit of each channel of a header: all of its columns have one, or, in recordings of before, none."""
+    found: dict[str, str] = {}
+    for column in columns:
+        ending = next((each for each in _UNITS if column.endswith(each) and column != each), None)
+        if ending is None:
+            return dict.fromkeys(columns, KPA)
+        found[column.removesuffix(ending)] = _UNITS[ending]
+    return found if len(found) == len(columns) else dict.fromkeys(columns, KPA)
 
 
 def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) and abs(value) < 1e9 else None
-
-
-def _text(sample: Sample) -> str:
-    time_s, values = sample
-    return ",".join([f"{time_s:.6f}", *("" if value is None else f"{value:.2f}" for value in values)]) + "\n"
 
 
 def _sample(line: Line, channels: tuple[str, ...], earliest_s: float) -> Sample:

@@ -85,16 +85,19 @@ class PredicatePublisher:
             pass_on: called with it once the owner was told what it changes.
         """
         proven: Mapping[str, bool] = {}
+        at = frame.at
         if self._needed:
             with self._lock:
                 proven = self._needed_of(self._predicates.frame(frame, self._clock()))
+                # the arbiter ignores what is older than what it knows: a late frame is news all the same
+                at = max(frame.at, self._predicates.at)
                 if proven and proven != self._sent:
-                    self._send(proven, frame.at)
+                    self._send(proven, at)
                     proven = {}
         pass_on(frame)
-        if proven and frame.at >= self._due:
+        if proven and at >= self._due:
             with self._lock:
-                self._send(proven, frame.at)
+                self._send(proven, at)
 
     def repeat(self) -> None:
         """Say again what is still proven; called every `REPEAT_US` where it ``repeats``."""

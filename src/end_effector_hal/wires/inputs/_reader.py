@@ -214,7 +214,9 @@ class InputsReader:
             if self._clock() - began > SLOW_US:
                 self._deliver(values, self._clock())
                 values, began = {}, self._clock()
-        self._deliver(values | self._levels(), self._clock())
+        # the time before they are read: an edge that comes while this thread waits is later than they are
+        at = self._clock()
+        self._deliver(values | self._levels(), at)
         self._judge()
 
     def _levels(self) -> dict[str, Value]:
@@ -239,7 +241,8 @@ class InputsReader:
             self._take_edge(edge)
         if came.lost:
             self._lost += 1
-            self._deliver(self._levels(), self._clock())
+            at = self._clock()
+            self._deliver(self._levels(), at)
 
     def _take_edge(self, edge: LineEdge) -> None:
         self._edges += 1

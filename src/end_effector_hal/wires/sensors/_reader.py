@@ -37,8 +37,8 @@ class SensorReader:
 
     Args:
         description: the tool.
-        on_frame: each frame, at once, in the order of their stamps: one that another source has overtaken by moments
-            gets the stamp of that; one that is older keeps its own.
+        on_frame: each frame, at once, those of one source in the order of their stamps: one that another source has
+            overtaken by moments gets the stamp of that; one that is older keeps its own.
         on_change: each change of the state of a source, with its name for a sentence.
         on_bytes: whatever comes over a link, by its name, before it is decoded.
 
@@ -69,14 +69,15 @@ class SensorReader:
         changed = partial(self._changed, "inputs of the board")
         self._inputs = InputsReader(description.with_inputs(own), self._deliver, changed) if own else None
         relay = relay_path(socket_path(description), "inputs")
-        self._relayed = RelayedInputs(relay, relayed, self._deliver, changed) if relayed else None
+        deliver = partial(self._deliver, source="relay")
+        self._relayed = RelayedInputs(relay, relayed, deliver, changed) if relayed else None
 
     def _reader(
         self, description: Description, name: str, on_bytes: Callable[[bytes], None] | None
     ) -> LinkReader:
         """Of the port; or of the line arbiter, where that masters the bus because it commands devices on it."""
         link, codec, connect = description.links[name], codec_of(description, name), None
-        deliver = partial(self._deliver, waits_us=answers_us(codec))
+        deliver = partial(self._deliver, source=f"link {name}", waits_us=answers_us(codec))
         if name in description.buses:
             from end_effector_hal.codecs.modbus import RelayedBus
             from end_effector_hal.wires.bus import bus_relay
@@ -132,11 +133,11 @@ class SensorReader:
             with self._change_lock:
                 self._on_change(source, health)
 
-    def _deliver(self, frame: Frame, waits_us: int = 0) -> None:
+    def _deliver(self, frame: Frame, source: str = "", waits_us: int = 0) -> None:
         with self._lock:
             if self._closed:
                 return
-            self._on_frame(self._order.next(frame, waits_us))
+            self._on_frame(self._order.next(frame, source, waits_us))
 
 
 LONGEST_ANSWERS_US = 150_000

@@ -76,8 +76,8 @@ def matched(
             [CUP, ANALOG],
             "{kind: vacuum, line: A, channel: top}",
             [
-                "8:39: the declared frame with the board carries nothing that could confirm 'a' (top), expected a "
-                "free channel of the declared frame with the board: cup, adc [EE-225]"
+                "8:39: the wiring carries nothing that could confirm 'a' (top), expected a "
+                "free channel of the wiring: cup, adc [EE-225]"
             ],
         ),
         (
