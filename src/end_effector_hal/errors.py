@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from timed_automata.errors import Diagnostic, ModelError, RangeError, ReportedError, UsageError
+from timed_automata.errors import Diagnostic, ModelError, RangeError, ReportedError, StoppedError, UsageError
 
 __all__ = [
     "ArbiterError",
@@ -22,6 +22,7 @@ __all__ = [
     "RangeError",
     "ReportedError",
     "RosError",
+    "StoppedError",
     "UsageError",
     "WireError",
     "WorkersError",

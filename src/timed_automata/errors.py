@@ -77,3 +77,10 @@ class RangeError(ModelError):
     """An assignment, an index or a division left its range while the network ran: the model is wrong."""
 
     code = "EE-301"
+
+
+class StoppedError(ReportedError):
+    """An exploration was stopped before its end, by what it tells its progress to: what it was asked is not decided."""
+
+    code = "EE-302"
+    exit_code = 4

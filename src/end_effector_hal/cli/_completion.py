@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from click.shell_completion import CompletionItem, get_completion_class
 
-from end_effector_hal.description import Description, load, profile_names, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
+
+if TYPE_CHECKING:
+    from end_effector_hal.description import Description
 
 SHELLS = ("bash", "zsh", "fish")
 Names = Callable[[click.Context], Iterable[str]]
@@ -63,6 +66,8 @@ def completed(names: Names, *, separator: str = "", after_colon: bool = False) -
 
 def typed_tool(context: click.Context) -> Description:
     """The tool whose description is typed already, else the shipped one; raises DescriptionError."""
+    from end_effector_hal.description import load, profile_path
+
     # behind an option without its value, which is being typed, click leaves the arguments as they are
     given = context.params.get("description") or next(iter(context.args), None)
     return load(Path(str(given)) if given else profile_path())
@@ -86,6 +91,8 @@ def links(_: click.Context) -> Iterable[str]:
 
 def profiles(_: click.Context) -> Iterable[str]:
     """Shipped tools."""
+    from end_effector_hal.description import profile_names
+
     return profile_names()
 
 

@@ -59,6 +59,13 @@ T = TypeVar("T")
     help="Prove DESCRIPTION with each of these values of a key; given again: each combination.",
 )
 @click.option("--jobs", type=click.IntRange(1), help="Processes of a sweep; default: one for each processor.")
+@click.option(
+    "--memory",
+    "most_gib",
+    type=click.FloatRange(0.1),
+    metavar="GIB",
+    help="Stop beyond it; default: at three times what the machine, or the container, has left.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Of dask.distributed: its workers prove the sweep.")
 def command(
     description: Path | None,
@@ -70,6 +77,7 @@ def command(
     free: str | None,
     sweeps: tuple[str, ...],
     jobs: int | None,
+    most_gib: float | None,
     scheduler: str | None,
 ) -> None:
     """Prove what the automata must do, with the constants of DESCRIPTION, or show a run that does not.
@@ -90,6 +98,8 @@ def command(
     flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
     steps it takes some twenty times as long; all some hundred times, and 1.3 GB.
 
+    A proof that takes too much memory is stopped: what it leaves open is told, the exit code is 4, no verdict is kept.
+
     With --sweep the values of some keys are varied: which combinations hold, what fails first, the worst cases.
     KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR a table, JSON and, of two keys, a map of each
     worst case; FILE.png: of the grip. The exit code is 4 when no combination holds. No verdict is kept.
@@ -100,7 +110,7 @@ def command(
     from end_effector_hal.verification.proof import prove
 
     if sweeps:
-        if model is not None or deaths or every or free is not None:
+        if model is not None or deaths or every or free is not None or most_gib is not None:
             raise UsageError("A sweep is of a DESCRIPTION as it is.", todo="Leave the other options out.")
         path = description or profile_path()
         sys.exit(sweep()(path, sweeps, scheduler=scheduler, jobs=jobs, output=output, as_json=as_json))
@@ -116,17 +126,18 @@ def command(
         figures()  # without what draws them nothing is proven
     elif output is not None:
         check_replaceable(output)
+    most_bytes = None if most_gib is None else round(most_gib * 2**30)
     with Progress("Proving", shown=not as_json) as progress:
 
         def tell(what: str, states: int) -> None:
             progress(_doing(what, states))
 
         if free is not None:
-            proof = prove(source.network, tell, flickers=True)
+            proof = prove(source.network, tell, flickers=True, most_bytes=most_bytes)
         elif source.description is not None:
-            proof = prove_tool(source.description, source.network, tell)
+            proof = prove_tool(source.description, source.network, tell, most_bytes=most_bytes)
         else:
-            proof = prove(source.network, tell)
+            proof = prove(source.network, tell, most_bytes=most_bytes)
     drawing = Drawing()
     files = _write(source, proof, output, drawing) if output is not None else {}
     if as_json:
@@ -140,7 +151,7 @@ def command(
         _print(source, proof, files, every=every, free=free is not None)
     if drawing.note:
         click.echo(f"Note: {drawing.note}", err=True)
-    if source.description is not None and free is None:
+    if source.description is not None and free is None and not proof.stopped:
         _keep(source.description, content, proof)
     if not proof.holds:
         sys.exit(_FAILED)
@@ -213,6 +224,10 @@ def _print_what_is_to_be_said(source: Source, proof: Proof) -> None:
     told = [
         each for each in proof.findings if not each.decided or (each.holds and each.remark not in ("", UNMET))
     ]
+    if proof.stopped:
+        stopped = [each for each in told if not each.decided]
+        told = [each for each in told if each.decided]
+        click.echo(_wrapped(f"{len(stopped)} {stopped[0].remark}", ""))
     for finding in told[:_MOST_LISTED]:
         _print_line(finding, most=1)
     if len(told) > _MOST_LISTED:
@@ -250,7 +265,8 @@ def _print_verdict(proof: Proof, *, every: bool, free: bool) -> None:
     count = len(proof.findings)
     failed = sum(not finding.holds and finding.decided for finding in proof.findings)
     left = sum(not finding.decided for finding in proof.findings)
-    verdict = f"{failed} of {count} fail" if failed else f"all {count} hold"
+    held = f"{count - left} of {count} hold" if left else f"all {count} hold"
+    verdict = f"{failed} of {count} fail" if failed else held
     verdict += f", {left} are not decided" if left else ""
     hint = "" if every else "  (--all lists every requirement" + (" and run)" if failed else ")")
     color = "red" if failed else "yellow" if left else "green"

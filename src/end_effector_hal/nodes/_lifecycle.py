@@ -31,12 +31,14 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
     verdict = kept_verdict(description)
     if verdict is None and prove_now:
         content = content_hash(description)
-        verdict = proof_verdict(content, prove_tool(description, network_of(description)))
+        proof = prove_tool(description, network_of(description))
+        verdict = proof_verdict(content, proof)
         if content_hash(description) != content:
             what = "The description or its automata have changed while they were proven."
             raise UsageError(what, where=str(description.source), todo="Configure again.")
-        with suppress(UsageError):  # the next one proves it again, then
-            keep_verdict(verdict)
+        if not proof.stopped:
+            with suppress(UsageError):  # the next one proves it again, then
+                keep_verdict(verdict)
     if verdict is None:
         raise UsageError(
             f"Nothing is known of a proof of {description.name} as it is now.",

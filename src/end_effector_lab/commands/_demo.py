@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import click
 
 from end_effector_hal.cli import PathName, completed, end_in_order, print_document, seed_option
-from end_effector_hal.description import did_you_mean
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
@@ -164,6 +163,8 @@ def chosen(description: Description, names: Sequence[str], *, everything: bool) 
     if unknown := [name for name in names if name not in by_name]:
         if why := [f"{name} cannot be played: {left_out[name]}" for name in unknown if name in left_out]:
             raise UsageError(why[0], where=description.where("link", "codec"))
+        from end_effector_hal.description import did_you_mean
+
         guesses = " ".join(filter(None, (did_you_mean(name, by_name) for name in unknown)))
         todo = f"{guesses[:1].upper()}{guesses[1:]} There are: {', '.join(by_name)}.".lstrip()
         raise UsageError(f"there is no scenario {', '.join(unknown)}.", todo=todo)

@@ -8,8 +8,6 @@ from pathlib import Path
 import click
 
 from end_effector_hal.cli import PathName, Progress, completed, print_document, profiles
-from end_effector_hal.codecs import load_tool
-from end_effector_hal.description import tool_path
 
 
 @click.command("import", short_help="make a recording of a bag of ROS")
@@ -42,6 +40,8 @@ def command(
 
     Exit code 0: all of it was imported; 1: a part; 2: nothing.
     """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import tool_path
     from end_effector_lab.bags import import_bag, open_bag
 
     tool = None

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from end_effector_hal.cli import PathName, Progress, figures, print_document
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import read_story
-from end_effector_lab.figures import STYLES, RecordedRun, save
+
+if TYPE_CHECKING:
+    from end_effector_lab.figures import RecordedRun
+
+STYLES = ("timeline", "paper")
+"""Those of the figures, which would be loaded whenever somebody asks for help."""
 
 
 @click.command("plot", short_help="draw a recorded run")
@@ -27,6 +32,8 @@ def command(recording: Path, style: str, output: Path | None, csv: bool, as_json
     Pressures and the source of the run are taken from pressures.csv and run.json beside it. Without -o the
     figure is written beside the recording, as PNG and as SVG.
     """
+    from end_effector_lab.figures import RecordedRun, save
+
     figures()  # without what draws them nothing is read or written
     states = recording / "states.csv" if recording.is_dir() else recording
     if recording.is_dir() and not states.exists():
@@ -71,6 +78,8 @@ def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | N
 
 
 def _report(run: RecordedRun, files: list[Path], as_json: bool) -> None:
+    from end_effector_hal.recording import read_story
+
     story = read_story(run.log, run.info)
     if as_json:
         answer = {

@@ -66,7 +66,7 @@ class Explorer:
 
     Args:
         network: a loaded network.
-        progress: called with the number of states of the search at hand now and then.
+        progress: called with the number of states of the search at hand now and then; it may end it with an error.
     """
 
     def __init__(self, network: Network, progress: Progress | None = None) -> None:
@@ -156,7 +156,9 @@ class Explorer:
         for symmetric in (False, True):
             limits = Limits(self.network, asked, symmetric=symmetric)
             space = SymbolicSpace(self.discrete, limits, delays=False)
-            search = LassoSearch(space, within, None if symmetric else partial(_possible, space))
+            search = LassoSearch(
+                space, within, None if symmetric else partial(_possible, space), self._progress
+            )
             reach = Search(SymbolicSpace(self.discrete, limits), self._progress)
             with self._searching(space):
                 found = (

@@ -96,7 +96,7 @@ def overview(
     Args:
         network: a loaded network.
         queries: any; those of other kinds than ``A[]``, ``E<>`` and ``-->`` are left open.
-        progress: called with the number of states now and then.
+        progress: called with the number of states now and then; it may end the exploration with an error.
         stop: at the first ``A[]`` that may not hold; the rest then says nothing.
         most_states: end after so many; then only what was seen is said.
         reaction: of what is executed, for `late`; None: nothing is.
@@ -107,10 +107,11 @@ def overview(
     """
     with without_collector():
         exploration = _Exploration(network, queries, progress, reaction)
-        exploration.run(stop=stop, most_states=most_states)
-        found = exploration.result()
-        exploration.close()
-        return found
+        try:
+            exploration.run(stop=stop, most_states=most_states)
+            return exploration.result()
+        finally:
+            exploration.close()
 
 
 class _Exploration:
@@ -121,7 +122,7 @@ class _Exploration:
         progress: Progress | None = None,
         reaction: ReactionBound | None = None,
     ) -> None:
-        self.network, self.queries = network, queries
+        self.network, self.queries, self._progress = network, queries, progress
         self._unseen: dict[tuple[int, bool], Data] = {}  # number of the query; False: only its premise
         self._expected: set[tuple[int, bool]] = set()  # those that should happen
         self._cases: dict[int, ZoneCondition] = {}
@@ -241,6 +242,11 @@ class _Exploration:
             self._stuck = True
             self._stopped = not discrete.endless
 
+    def _tell(self, _: int) -> None:
+        """A search within this one goes on."""
+        if self._progress is not None:
+            self._progress(self.search.states)
+
     def _finish(self, stage: Stage) -> None:
         """Judge a stage as a whole, and forget its states."""
         arcs = list(taken(stage.records))
@@ -248,7 +254,7 @@ class _Exploration:
         within = [one for one in arcs if one[1].stage is stage]  # no cycle leaves a stage
         self._zeno = self._zeno or zeno_cycle(within) is not None
         for response in self._responses.values():
-            response.judge(self._later)
+            response.judge(self._later, self._tell)
         self._later.forget()
         for bound in self._bounded.values():
             bound.forget()

@@ -290,3 +290,22 @@ def test_a_query_that_cannot_be_asked_is_open_and_the_others_are_answered(
     assert marks == ["FAILS", "open"]
     assert re.search(message, told)
     assert "1 are not decided" in told
+
+
+def test_a_proof_that_takes_too_much_memory_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts = Template(
+        "P", ["a -> a; guard: x >= 1; do: n = (n + 1) % 3000, x = 0"], invariants={"a": "x <= 1"}
+    )
+    written("clock x; int[0,2999] n;", counts, ("A[] n >= 0", "[least] Not less."))
+    monkeypatch.setattr("end_effector_hal.verification.proof._memory.TIMES_LEFT", 0)
+    result = run("--model", "model.xml")
+    assert result.exit_code == 4
+    assert "5 not decided: stopped after 1,000 states, " in result.stdout
+    assert "0 of 5 hold, 5 are not decided" in result.stdout
+
+
+def test_a_verdict_that_was_stopped_is_not_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setattr("end_effector_hal.verification.proof._memory.TIMES_LEFT", 0)
+    assert run().exit_code == 4
+    assert not (tmp_path / "state").exists()

@@ -51,23 +51,34 @@ def coil_networks(description: Description) -> dict[str, Network]:
     return {name: load_network(COILS_FILE, values) for name, values in coil_constants(description).items()}
 
 
-def prove_tool(description: Description, network: Network, progress: Progress | None = None) -> Proof:
+def prove_tool(
+    description: Description,
+    network: Network,
+    progress: Progress | None = None,
+    *,
+    most_bytes: int | None = None,
+) -> Proof:
     """The proof of a tool, and after it that of each output of two coils, whose ids begin with its name.
 
     Args:
         description: the tool.
         network: of its automata, with its constants.
-        progress: see `prove`.
+        progress, most_bytes: see `prove`.
     """
     automata = description.automata
-    proof = prove(network, progress, executed=(*automata.grip, *automata.tool_change))
+    proof = prove(network, progress, executed=(*automata.grip, *automata.tool_change), most_bytes=most_bytes)
     proven: list[tuple[dict[str, int], Proof]] = []  # many zones have the same times
     for name, values in coil_constants(description).items():
         lemma = next((known for constants, known in proven if constants == values), None)
         if lemma is None:
-            lemma = prove(load_network(COILS_FILE, values), progress)
+            lemma = prove(load_network(COILS_FILE, values), progress, most_bytes=most_bytes)
             proven.append((values, lemma))
-            proof = replace(proof, states=proof.states + lemma.states, seconds=proof.seconds + lemma.seconds)
+            proof = replace(
+                proof,
+                states=proof.states + lemma.states,
+                seconds=proof.seconds + lemma.seconds,
+                stopped=proof.stopped or lemma.stopped,
+            )
         proof = replace(proof, findings=(*proof.findings, *(_named(name, each) for each in lemma.findings)))
     return proof
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
+from end_effector_hal.errors import StoppedError
 from timed_automata import Network, make_network
 from timed_automata.explore import CoverageReport, Explorer, Overview, ReactionBound, overview
 
 from ._finding import Finding
 
+_LOCATIONS = "locations", "Every location can be reached."
+_EDGES = "edges", "Every edge can fire."
+_CHANNELS = "channels", "Every channel has both ends."
 _ROOM = "Every time-out that is executed is due D ({} ms) before its invariant ends it."
 _TIME = "time", "Time can always pass: no timelock, and no endless run in finite time."
 _NO_TIMELOCK = "timelock", "Nowhere is time stopped: no timelock."
@@ -33,15 +38,22 @@ def checks(
         else _time(explorer, found, *_TIME)
     )
     return (
-        _nothing("locations", "Every location can be reached.", missing.locations),
-        _nothing("edges", "Every edge can fire.", missing.edges),
-        _nothing("channels", "Every channel has both ends.", found.open_channels),
+        _nothing(*_LOCATIONS, missing.locations),
+        _nothing(*_EDGES, missing.edges),
+        _nothing(*_CHANNELS, found.open_channels),
         *room,
         time,
     )
 
 
-def without_unused(network: Network, found: Overview) -> Overview:
+def open_checks(reaction: ReactionBound | None, remark: str, *, flickers: bool) -> tuple[Finding, ...]:
+    """The same where the exploration did not come to its end; ``remark``: why."""
+    room = () if reaction is None else (("room", _ROOM.format(reaction.room)),)
+    asked = (_LOCATIONS, _EDGES, _CHANNELS, *room, _NO_TIMELOCK if flickers else _TIME)
+    return tuple(Finding(id_, sentence, "", False, 0, 0.0, remark, decided=False) for id_, sentence in asked)
+
+
+def without_unused(network: Network, found: Overview, progress: Callable[[int], None]) -> Overview:
     """Take what happens with the constants of the file itself for switched off by those that were given.
 
     A tool with one step has no step before another one: the edges for that are not dead, they are not needed.
@@ -49,11 +61,16 @@ def without_unused(network: Network, found: Overview) -> Overview:
     missing = found.coverage
     if not network.replaced or not (missing.edges or missing.locations):
         return found
-    there = overview(make_network(network.document), []).coverage
+    there = overview(make_network(network.document), [], progress).coverage
     edges = tuple(edge for edge in missing.edges if edge in there.edges)
     locations = tuple(location for location in missing.locations if location in there.locations)
     unused = tuple(edge for edge in missing.edges if edge not in there.edges)
     return replace(found, coverage=CoverageReport(locations, edges, (*missing.disabled, *unused)))
+
+
+def not_decided(error: StoppedError) -> str:
+    """The remark of what was stopped."""
+    return f"not decided: {error}"
 
 
 def _nothing(id_: str, sentence: str, faults: tuple[str, ...]) -> Finding:
@@ -65,10 +82,14 @@ def _time(explorer: Explorer, found: Overview, id_: str, sentence: str) -> Findi
     if not (found.stopped or found.zeno):
         return Finding(id_, sentence, "", True, 0, 0.0)
     begun, verdict = perf_counter(), None
-    if found.stopped:
-        verdict = explorer.timelock()
-    if (verdict is None or verdict.holds) and found.zeno:
-        verdict = explorer.zeno()
+    try:
+        if found.stopped:
+            verdict = explorer.timelock()
+        if (verdict is None or verdict.holds) and found.zeno:
+            verdict = explorer.zeno()
+    except StoppedError as error:
+        seconds = perf_counter() - begun
+        return Finding(id_, sentence, "", False, 0, seconds, not_decided(error), decided=False)
     assert verdict is not None
     remark = "" if verdict.trace is None else verdict.trace.remark
     seconds = perf_counter() - begun

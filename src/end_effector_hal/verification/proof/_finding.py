@@ -130,12 +130,14 @@ class Proof:
         states: symbolic states of the one exploration that most of them come from.
         seconds: in all.
         off: edges that cannot fire with these constants, and could with others.
+        stopped: whether some are open because that took too much memory.
     """
 
     findings: tuple[Finding, ...]
     states: int
     seconds: float
     off: tuple[str, ...] = ()
+    stopped: bool = False
 
     @property
     def holds(self) -> bool:

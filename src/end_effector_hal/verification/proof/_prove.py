@@ -6,13 +6,14 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from time import perf_counter
 
-from end_effector_hal.errors import RangeError
+from end_effector_hal.errors import RangeError, StoppedError
 from timed_automata import Network, Trace
 from timed_automata.explore import Explorer, Overview, ReactionBound, RunTimeError, Verdict, overview, relaxed
 from timed_automata.queries import Query
 
-from ._checks import checks, without_unused
+from ._checks import checks, not_decided, open_checks, without_unused
 from ._finding import UNMET, Finding, Proof, Requirement, WorstCase, stored_requirements
+from ._memory import MemoryBound
 
 Progress = Callable[[str, int], None]
 _FAR = 4  # times the required bound: a worst case beyond is told as "at least"
@@ -25,6 +26,7 @@ def prove(
     *,
     executed: Collection[str] = (),
     flickers: bool = False,
+    most_bytes: int | None = None,
 ) -> Proof:
     """Prove or refute every requirement of a network.
 
@@ -34,13 +36,15 @@ def prove(
         executed: templates that a program executes: their time-outs must leave the room `D`, a constant of the file.
         flickers: its sensors may change any number of times at one instant. Such a run is endless and takes no time,
             so that only timelocks are asked for, not whether time diverges.
+        most_bytes: of memory that this process may take; None: see `MemoryBound`. What needs more is left open.
 
     A query that is not well-formed, or outside of the supported subset, is left open; the others are answered.
 
     Raises:
         ModelError: two queries have one id.
     """
-    proving = _Proving(network, progress or (lambda *_: None), executed, flickers)
+    bound = MemoryBound(most_bytes)
+    proving = _Proving(network, progress or (lambda *_: None), executed, flickers, bound)
     proof = proving.proof()
     findings = list(proof.findings)
     for at, finding in proving.unread:
@@ -50,9 +54,15 @@ def prove(
 
 class _Proving:
     def __init__(
-        self, network: Network, progress: Progress, executed: Collection[str], flickers: bool
+        self,
+        network: Network,
+        progress: Progress,
+        executed: Collection[str],
+        flickers: bool,
+        memory: MemoryBound,
     ) -> None:
-        self.flickers = flickers
+        self.flickers, self.memory = flickers, memory
+        self.stopped, self.states = False, 0
         stored = stored_requirements(network)
         self.requirements = tuple(each for each in stored if isinstance(each, Requirement))
         self.unread = [(at, each) for at, each in enumerate(stored) if isinstance(each, Finding)]
@@ -66,14 +76,16 @@ class _Proving:
             found = overview(
                 self.network,
                 queries,
-                lambda states: self.progress("all requirements", states),
+                self._telling("all requirements"),
                 reaction=self.reaction,
             )
-        except RangeError:
-            return self._out_of_range()
-        seconds = perf_counter() - self.begun
-        found = without_unused(self.network, found)
-        explorer = Explorer(self.network, lambda states: self.progress("the shortest runs", states))
+            seconds = perf_counter() - self.begun
+            found = without_unused(self.network, found, self._telling("all requirements"))
+        except RangeError as error:
+            return self._out_of_range(error)
+        except StoppedError as error:
+            return self._all_open(not_decided(error))
+        explorer = Explorer(self.network, self._telling("the shortest runs"))
         others = self._others(explorer, found)
         extra = checks(explorer, found, self.reaction, flickers=self.flickers)
         answered = sum(answer is not None for answer in found.answers)
@@ -86,7 +98,27 @@ class _Proving:
             check if check.seconds else replace(check, states=found.states, seconds=share) for check in extra
         ]
         off = tuple(map(str, found.coverage.disabled))
-        return Proof(tuple(findings), found.states, perf_counter() - self.begun, off)
+        stopped = self.stopped or not all(check.decided for check in extra)
+        return Proof(tuple(findings), found.states, perf_counter() - self.begun, off, stopped)
+
+    def _telling(self, what: str) -> Callable[[int], None]:
+        """What an exploration tells its progress to; it ends where there is too little memory."""
+
+        def tell(states: int) -> None:
+            self.states = states
+            self.progress(what, states)
+            self.memory.check(states)
+
+        return tell
+
+    def _all_open(self, remark: str) -> Proof:
+        findings = [each.finding(False, 0, 0.0, remark, decided=False) for each in self.requirements]
+        findings += open_checks(self.reaction, remark, flickers=self.flickers)
+        return Proof(tuple(findings), self.states, perf_counter() - self.begun, stopped=True)
+
+    def _open(self, number: int, error: StoppedError) -> Finding:
+        self.stopped = True
+        return self.requirements[number].finding(False, 0, 0.0, not_decided(error), decided=False)
 
     def _finding(self, number: int, requirement: Requirement, found: Overview, share: float) -> Finding:
         """Of what the one exploration has answered."""
@@ -112,19 +144,31 @@ class _Proving:
         if together:
             self.progress("the shortest runs", 0)
             begun = perf_counter()
-            verdicts = explorer.check_all([self.requirements[number].query for number in together])
-            share = (perf_counter() - begun) / len(together)
-            for number, verdict in zip(together, verdicts, strict=True):
-                findings[number] = self._exact(number, verdict, share)
-        late = [number for number in together if number in found.bounded and not findings[number].holds]
+            try:
+                verdicts = explorer.check_all([self.requirements[number].query for number in together])
+            except StoppedError as error:
+                findings |= {number: self._open(number, error) for number in together}
+            else:
+                share = (perf_counter() - begun) / len(together)
+                for number, verdict in zip(together, verdicts, strict=True):
+                    findings[number] = self._exact(number, verdict, share)
+        late = [
+            number
+            for number in together
+            if number in found.bounded and findings[number].decided and not findings[number].holds
+        ]
         for number, worst in self._worst_cases(late, found).items():
             findings[number] = replace(findings[number], worst=worst, remark=_told(worst))
         for number in open_:
             if number not in findings:
                 requirement, begun = self.requirements[number], perf_counter()
                 self.progress(requirement.id, 0)
-                verdict = explorer.check(requirement.query)
-                findings[number] = self._exact(number, verdict, perf_counter() - begun)
+                try:
+                    verdict = explorer.check(requirement.query)
+                except StoppedError as error:
+                    findings[number] = self._open(number, error)
+                else:
+                    findings[number] = self._exact(number, verdict, perf_counter() - begun)
         return findings
 
     def _worst_cases(self, late: list[int], found: Overview) -> dict[int, WorstCase]:
@@ -132,12 +176,15 @@ class _Proving:
         if not late:
             return {}
         most = {number: _FAR * max(1, found.bounded[number].most) for number in late}
-        wider = overview(
-            self.network,
-            [relaxed(self.requirements[number].query, most[number]) for number in late],
-            lambda states: self.progress("worst cases", states),
-            most_states=_LONG * max(found.states, 1000),
-        )
+        try:
+            wider = overview(
+                self.network,
+                [relaxed(self.requirements[number].query, most[number]) for number in late],
+                self._telling("worst cases"),
+                most_states=_LONG * max(found.states, 1000),
+            )
+        except StoppedError:
+            return {}  # that it is late has been shown
         answers = {}
         for at, number in enumerate(late):
             declared, seen = found.bounded[number].most, wider.bounded[at]
@@ -152,10 +199,10 @@ class _Proving:
         remark = remark or self._nowhere(number, holds=verdict.holds)
         return self.requirements[number].finding(verdict.holds, verdict.states, seconds, remark, trace)
 
-    def _out_of_range(self) -> Proof:
+    def _out_of_range(self, found: RangeError) -> Proof:
         """A run of the network leaves a range, or what a query asks does: nothing else is said of such a model."""
         self.progress("the shortest run", 0)
-        explorer = Explorer(self.network, lambda states: self.progress("the shortest run", states))
+        explorer = Explorer(self.network, self._telling("the shortest run"))
         queries: list[Query | str] = ["A[] true", *(each.query for each in self.requirements)]
         for query in queries:
             try:
@@ -164,6 +211,8 @@ class _Proving:
                 return self._left_range(error, error.trace)
             except RangeError as error:  # in what the query asks: there is no step that does it
                 return self._left_range(error, None)
+            except StoppedError:
+                return self._left_range(found, None)
         raise AssertionError("a value leaves its range in no run")
 
     def _left_range(self, error: RangeError, trace: Trace | None) -> Proof:

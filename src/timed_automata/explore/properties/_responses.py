@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 from timed_automata.explore.properties._verdict import Extreme
-from timed_automata.explore.search import LassoSearch, Only, SearchNode, Start, Within, ZoneCondition
+from timed_automata.explore.search import (
+    LassoSearch,
+    Only,
+    Progress,
+    SearchNode,
+    Start,
+    Within,
+    ZoneCondition,
+)
 from timed_automata.explore.states import SymbolicSpace
 from timed_automata.explore.zones import (
     INFINITY,
@@ -151,7 +159,7 @@ class LeadsTo:
         """Note a symbolic state in which p may hold."""
         self._nodes.append(node)
 
-    def judge(self, space: SymbolicSpace) -> None:
+    def judge(self, space: SymbolicSpace, progress: Progress | None = None) -> None:
         """Look at what follows the states noted since the last time, and forget them.
 
         Zones are too large here, never too small: that q follows is true, that it does not may be wrong.
@@ -164,6 +172,6 @@ class LeadsTo:
         self._nodes = []
         self.met = self.met or bool(starts)
         if self.holds and starts:
-            self.holds = LassoSearch(space, self._within).lasso(starts) is None
+            self.holds = LassoSearch(space, self._within, progress=progress).lasso(starts) is None
         for condition in (self._only.inside, self._within.inside, self._within.outside):
             condition.forget()

@@ -17,7 +17,7 @@ from timed_automata.explore.search._concrete import Ending, Leg, anywhere
 from timed_automata.explore.search._conditions import Within
 from timed_automata.explore.search._cycles import components, shortest_cycle
 from timed_automata.explore.search._deadlock import MOST_DOUBTS, Deadlocks
-from timed_automata.explore.search._reach import OutOfRangeError
+from timed_automata.explore.search._reach import EVERY, OutOfRangeError, Progress
 from timed_automata.explore.states import Action, Move, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import (
     Zone,
@@ -68,12 +68,17 @@ class LassoSearch:
         space: where to search.
         within: the condition.
         confirmed: whether a run that ends is one of the network; not asked for those without an end. None: it is.
+        progress: called with the number of states now and then.
     """
 
     def __init__(
-        self, space: SymbolicSpace, within: Within, confirmed: Callable[[Lasso], bool] | None = None
+        self,
+        space: SymbolicSpace,
+        within: Within,
+        confirmed: Callable[[Lasso], bool] | None = None,
+        progress: Progress | None = None,
     ) -> None:
-        self.space, self.within = space, within
+        self.space, self.within, self._progress = space, within, progress
         self.states = self.doubts = 0
         self._confirmed = confirmed
         self._deadlocks = Deadlocks()
@@ -142,6 +147,8 @@ class LassoSearch:
                 return None
             known = self._known[record, zone] = LassoState(record, zone, parent, action, start)
             self.states += 1
+            if self._progress is not None and not self.states % EVERY:
+                self._progress(self.states)
             waiting.append(known)
         return known
 

@@ -18,7 +18,7 @@ from timed_automata.explore.states import Action, Form, StateRecord, SymbolicSpa
 from timed_automata.explore.zones import Zone
 
 Progress = Callable[[int], None]
-_EVERY = 1000  # states between two words on progress
+EVERY = 1000  # states between two words on progress
 _UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
 
 
@@ -106,7 +106,7 @@ class Search:
         else:
             record.passed = [node]
         self.states += 1
-        if self._progress is not None and not self.states % _EVERY:
+        if self._progress is not None and not self.states % EVERY:
             self._progress(self.states)
         self._put(node)
         return node
