@@ -5,6 +5,6 @@ Rooms: ``view``, what is shown, computed from records; ``link``, the sockets of 
 ``page``; ``static``, what the browser runs.
 """
 
-from ._html import report_html
+from ._html import report_data, report_html, runs_html
 
-__all__ = ["report_html"]
+__all__ = ["report_data", "report_html", "runs_html"]

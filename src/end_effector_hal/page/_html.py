@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from base64 import b64encode
+from collections.abc import Mapping
 from hashlib import sha256
 from html import escape
 from importlib.resources import files
@@ -41,28 +42,48 @@ def report_html(title: str, contents: list[dict[str, Any]], verdicts: list[dict[
         contents: documents of recordings.
         verdicts: what was said of each by `judge_recording`.
     """
+    return _one_file(title, {"recordings": report_data(contents, verdicts)})
+
+
+def report_data(contents: list[dict[str, Any]], verdicts: list[dict[str, Any]]) -> bytes:
+    """Documents with their verdicts, as a file holds them."""
+    return to_json({"contents": contents, "verdicts": verdicts}, fallback=dict)
+
+
+def runs_html(title: str, rows: list[dict[str, Any]], runs: Mapping[int, bytes]) -> str:
+    """Many runs in one file: a table of them, and behind a row the run as `report_html` has it.
+
+    Args:
+        title: of the file.
+        rows: ``name, started, tool, story, length_s, ok, replay`` of each.
+        runs: `report_data` by the number of the row; what is not among them is in the table only.
+    """
+    data = {f"run-{number}": each for number, each in runs.items()}
+    return _one_file(title, {"index": to_json(rows), **data})
+
+
+def _one_file(title: str, data: Mapping[str, bytes]) -> str:
     script = _one_script("recording.js")
     plot, style = _text("uPlot.iife.min.js"), _text("uPlot.min.css") + _text("style.css")
     licence = _text("uPlot.LICENSE.txt").replace("*/", "* /")
     plot = f"/*\n{licence}*/\n{plot}"
-    data = to_json({"contents": contents, "verdicts": verdicts}, fallback=dict).decode()
     policy = (
         f"default-src 'none'; script-src {_hash(plot)} {_hash(script)}; style-src {_hash(style)}; img-src data:; "
         "base-uri 'none'; form-action 'none'"
     )
     html = page_html(title, recorded=True)
     head = re.compile(r"<link rel=\"icon\".*?(?=</head>)", re.DOTALL)
-    # what stands in a script element ends at the first </script>, whatever it is: no < is left in the data
-    data = data.replace("<", "\\u003c")
     inside = (
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n<link rel="icon" href="data:,">\n'
         f"<style>{style}</style>\n<script>{plot}</script>\n"
     )
     html = head.sub(lambda _: inside, html, count=1)
-    last = (
-        f'<script type="application/json" id="recordings">{data}</script>\n<script>{script}</script>\n</body>'
+    # what stands in a script element ends at the first </script>, whatever it is: no < is left in the data
+    texts = {name: each.decode().replace("<", "\\u003c") for name, each in data.items()}
+    kept = "".join(
+        f'<script type="application/json" id="{name}">{text}</script>\n' for name, text in texts.items()
     )
-    return html.replace("</body>", last)
+    return html.replace("</body>", f"{kept}<script>{script}</script>\n</body>")
 
 
 def _text(name: str) -> str:

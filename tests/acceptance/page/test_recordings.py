@@ -204,6 +204,45 @@ def test_a_report_is_one_file_that_asks_for_nothing(chromium: Any, report: Path,
     close(page)
 
 
+def test_a_report_of_a_folder_begins_with_a_table_and_opens_each_run(
+    chromium: Any, retried: Path, nominal: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "runs"
+    for each in (retried, nominal):
+        shutil.copytree(each, folder / each.name)
+    (folder / "<i>torn").mkdir()
+    (folder / "<i>torn" / "grip.mcap").write_bytes((nominal / "grip.mcap").read_bytes()[:1000])
+    page = opened(chromium, f"file://{reported(tmp_path, folder, expected=1)}")
+    shows(page, "about", "3 runs in the order of their names")
+    shows(
+        page,
+        "judged",
+        "2 with identical decisions, every step allowed by the automata; 1 not, or not wholly read.",
+    )
+    rows = page.locator("#runs-rows tr")
+    assert rows.count() == 3
+    assert "The trace ends after 1000 bytes" in rows.first.inner_text()
+    assert page.locator("#runs-rows a").all_inner_texts() == ["nominal", "retried"]
+    assert not page.is_visible("#cards")
+    shot(page, "report-runs", whole=True)
+    page.locator("#runs-rows a", has_text="retried").click()
+    shows(page, "summaries", "Cylinder confirmed on attempt 2: GRIPPED")
+    assert not page.is_visible("#runs")
+    page.fill("#scrub", "5.2")
+    shows(page, "state-word", "GRIPPING")
+    link = page.get_attribute("#link", "href")
+    assert link == "#run=2&t=5.200"
+    other = opened(chromium, f"{page.url.partition('#')[0]}{link}")
+    shows(other, "moment", "5.200 s")
+    close(other)
+    page.click("#all-runs")
+    shows(page, "about", "3 runs in the order of their names")
+    page.go_back()
+    shows(page, "state-word", "GRIPPING")
+    assert len({url.partition("#")[0] for url in page.asked}) == 1
+    close(page)
+
+
 def test_what_a_recording_says_is_text(chromium: Any, retried: Path, tmp_path: Path) -> None:
     """A reason of the same length, so that the file is readable but for its checksum."""
     folder = Path(shutil.copytree(retried, tmp_path / "run"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from bisect import bisect_right
 from itertools import accumulate
@@ -14,6 +15,7 @@ from click.testing import CliRunner
 from pydantic_core import to_json
 
 from end_effector_hal.cli._main import eehal
+from end_effector_hal.cli.recorded import _report as report_module
 from end_effector_hal.cli.recorded._recordings import open_recordings
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
@@ -275,7 +277,7 @@ def test_the_command_writes_one_file(grip: Path, copy: Path, tmp_path: Path) -> 
     last.write_bytes(last.read_bytes()[:-20_000])
     ran = CliRunner().invoke(eehal, ["report", str(grip), str(copy), "-o", str(out)])
     assert ran.exit_code == 1
-    assert "Note: grip-3.mcap is not whole" in ran.output
+    assert "Note, run: grip-3.mcap is not whole" in ran.output
     told = CliRunner().invoke(eehal, ["report", str(grip), str(copy), "-o", str(out), "--json"])
     document = json.loads(told.stdout)
     assert (told.exit_code, document["ok"], document["exit_code"], document["file"]) == (
@@ -290,6 +292,62 @@ def test_the_command_writes_one_file(grip: Path, copy: Path, tmp_path: Path) -> 
     assert any("grip-3.mcap is not whole" in note for note in cut["notes"])
     refused = CliRunner().invoke(eehal, ["report", str(tmp_path / "nowhere")])
     assert isinstance(refused.exception, UsageError)
+
+
+def test_a_folder_of_runs_is_one_file_with_their_table(grip: Path, tmp_path: Path) -> None:
+    """One that is torn, or has no description, stands in the table with its reason; the others are in the file."""
+    runs, out = tmp_path / "runs", tmp_path / "out.html"
+    for name in ("a", "b/deep", "cut", "torn"):
+        shutil.copytree(grip, runs / name)
+    shutil.copy(grip / "grip.mcap", runs / "b" / "deep" / "other.txt")
+    last = runs / "cut" / "grip-3.mcap"
+    last.write_bytes(last.read_bytes()[:-20_000])
+    for trace in (runs / "torn").glob("*.mcap"):
+        trace.write_bytes(trace.read_bytes()[:1000])
+    (runs / "tables").mkdir()
+    (runs / "tables" / "states.csv").write_text("time_s,end_effector,command,<b>cup\n0.0,6,-1,0\n")
+    ran = CliRunner().invoke(eehal, ["report", str(runs), "-o", str(out)])
+    assert ran.exit_code == 1
+    assert "b/deep: Cylinder never confirmed: grip ABORTED after 3 attempts" in ran.output
+    assert "torn: Cannot be read: The trace ends after 1000 bytes" in ran.output
+    assert "Note, cut: grip-3.mcap is not whole" in ran.output
+    html = out.read_text()
+    found = {
+        name: json.loads(text)
+        for name, text in re.findall(r'<script type="application/json" id="([\w-]+)">(.*?)</script>', html)
+    }
+    assert list(found) == ["index", "run-0", "run-1", "run-2"]
+    rows = {row["name"]: row for row in found["index"]}
+    assert list(rows) == ["a", "b/deep", "cut", "tables", "torn"]
+    assert [row["ok"] for row in rows.values()] == [True, True, False, False, False]
+    assert rows["cut"]["replay"].endswith("It is not whole.")
+    assert "Name it: --description FILE." in rows["tables"]["story"]
+    assert found["run-1"]["contents"][0]["recording"]["name"] == "deep"
+    assert str(tmp_path) not in html  # it may be mailed
+
+
+def test_a_file_of_runs_is_bounded(grip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(report_module, "MOST_RUNS", 1)
+    runs, out = tmp_path / "runs", tmp_path / "out.html"
+    for name in ("a", "b"):
+        shutil.copytree(grip, runs / name)
+    ran = CliRunner().invoke(eehal, ["report", str(runs), "-o", str(out), "--json"])
+    first, second = json.loads(ran.stdout)["recordings"]
+    assert (ran.exit_code, first["replay_ok"], second["replay_ok"]) == (1, True, None)
+    assert second["story"].startswith("Not read: one file holds")
+    assert 'id="run-1"' not in out.read_text()
+
+
+def test_a_page_of_a_folder_of_runs_says_what_to_name(grip: Path, tmp_path: Path) -> None:
+    shutil.copytree(grip, tmp_path / "runs" / "a")
+    for words in (
+        ("page", "runs"),
+        ("report", "runs", "runs/a"),
+        ("report", "runs", "--what-if", "tool.yaml"),
+    ):
+        ran = CliRunner().invoke(eehal, [each.replace("runs", str(tmp_path / "runs")) for each in words])
+        assert isinstance(ran.exception, UsageError)
+        assert "This is no recording, it holds 1 of them." in str(ran.exception), words
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import os
 import shutil
 from collections.abc import Callable, Sequence
 from math import isfinite
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles, RecordingPart
 
 TRACE, BAGS = ".mcap", (".bag", ".active", ".db3")
+TABLE, OF_BAG = "states.csv", "metadata.yaml"
 GROUP, NAME = "end_effector_hal.bags", "lab"
 
 
@@ -67,6 +69,17 @@ def is_recording(path: Path) -> bool:
     return path.is_dir() or path.suffix in (TRACE, *BAGS)
 
 
+def runs_in(folder: Path) -> tuple[Path, ...]:
+    """The recordings in a folder that is none itself, however deep, by name; links to folders are not followed."""
+    if not folder.is_dir() or _is_run(os.listdir(folder)):
+        return ()
+    return tuple(sorted(Path(each) for each, _, names in os.walk(folder) if _is_run(names)))
+
+
+def _is_run(names: Sequence[str]) -> bool:
+    return any(name in (TABLE, OF_BAG) or name.endswith(TRACE) for name in names)
+
+
 def open_recordings(
     paths: Sequence[Path], description: Path | None, other: Path | None = None
 ) -> list[RecordingFiles | OtherFiles | RecordedTables]:
@@ -93,15 +106,19 @@ def part_of(since_s: float | None, until_s: float | None) -> RecordingPart:
 def _open(path: Path, description: Path | None) -> RecordingFiles | RecordedTables:
     from end_effector_hal.page.recorded import RecordedTables, RecordingFiles
 
-    if path.suffix in BAGS or (path / "metadata.yaml").exists():
+    if path.suffix in BAGS or (path / OF_BAG).exists():
         return _bag(path, description)
     try:
         return RecordingFiles(path, None if description is None else _tool(path, description))
     except UsageError as error:
-        if (path / "states.csv").exists() and not list(path.glob(f"*{TRACE}")):
+        if (path / TABLE).exists() and not list(path.glob(f"*{TRACE}")):
             return RecordedTables(path, _tool(path, description))
         if path.suffix == TRACE and path.is_file() and description is not None:
             return _bag(path, description)
+        if runs := runs_in(path):
+            what = f"This is no recording, it holds {len(runs)} of them."
+            todo = f"Name one of them ({runs[0]}), or write all into one file: `eehal report {path}`."
+            raise UsageError(what, where=str(path), todo=todo) from None
         if path.suffix == TRACE:
             todo = f"{error.todo} A bag of ROS is shown with --description FILE.".strip()
             raise UsageError(error.what, where=error.where, todo=todo) from None

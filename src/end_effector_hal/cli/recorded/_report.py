@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, refuse_inputs, write_whole
 from end_effector_hal.cli._progress import Progress
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.vocabulary import printable
 
-from ._recordings import open_recordings, part_of, recording_options
+from ._recordings import open_recordings, part_of, recording_options, runs_in
+
+if TYPE_CHECKING:
+    from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles, RecordingPart
 
 SUFFIXES = (".html", ".htm")
+MOST_RUNS, MOST_BYTES = 200, 64_000_000
+"""So many runs are in one file, and of so many bytes together."""
+_FULL = f"one file holds {MOST_RUNS} runs or {MOST_BYTES // 1_000_000} MB. Report a folder of it."
 
 
 @click.command("report")
@@ -37,44 +45,130 @@ def command(
     It is the page of `eehal page RECORDING`: what happened, why a grip failed, times against the worst cases, what the
     replay says, and every moment to scrub through. With a second recording both are compared.
 
+    RECORDING may also be a folder of runs, however deep: then the file begins with a table of them, and opens each. A
+    run that cannot be read stands there with the reason.
+
     Exit code 0: written, and the replay agrees; 1: written, and it does not, or something cannot be read.
     """
-    from end_effector_hal.page import report_html
-    from end_effector_hal.page.recorded import judge_recording, read_recording
-
     if output is not None:
         _check_name(output, recordings, [each for each in (description, other) if each is not None])
-    files = open_recordings(recordings, description, other)
     part = part_of(since, until)
-    contents, verdicts = [], []
-    for each in files:
-        with Progress(f"reading {each.name}", shown=not as_json) as progress:
-            contents.append(read_recording(each, part, partial(_tell, progress, each.name)))
-            progress(f"judging {each.name}")
-            verdicts.append(judge_recording(each))
-    title = " and ".join(each.name for each in files)
-    target = output or Path(f"{'-'.join(each.path.resolve().stem for each in files)}.html")
-    write_whole(target, report_html(title, contents, verdicts).encode())
-    code = int(any(verdict["ok"] is False for verdict in verdicts) or not all(each.whole for each in files))
-    told = [
-        {
-            "name": content["recording"]["name"],
-            "story": content["summary"]["story"],
-            "replay_ok": verdict["ok"],
-            "replay": verdict["text"],
-            "notes": content["recording"]["notes"],
-        }
-        for content, verdict in zip(contents, verdicts, strict=True)
-    ]
+    if runs := runs_in(recordings[0]) if len(recordings) == 1 and other is None else ():
+        html, told = _runs(recordings[0], runs, description, part, shown=not as_json)
+        stem = recordings[0].resolve().stem
+    else:
+        html, told, stem = _one(open_recordings(recordings, description, other), part, shown=not as_json)
+    target = output or Path(f"{stem}.html")
+    write_whole(target, html.encode())
+    code = int(any(not each.good for each in told))
     if as_json:
-        print_document({"ok": not code, "exit_code": code, "file": str(target), "recordings": told})
+        document = [each.as_json() for each in told]
+        print_document({"ok": not code, "exit_code": code, "file": str(target), "recordings": document})
         raise click.exceptions.Exit(code)
     click.echo(str(target))
-    for one in told:
-        click.echo(f"{one['name']}: {one['story']}. {one['replay']}")
-        for note in one["notes"]:
-            click.echo(f"Note: {note}", err=True)
+    for each in told:
+        click.echo(f"{each.name}: {each.story.removesuffix('.')}. {each.replay}".rstrip())
+        for note in each.notes:
+            click.echo(f"Note: {note}" if len(told) == 1 else f"Note, {each.name}: {note}", err=True)
     raise click.exceptions.Exit(code)
+
+
+@dataclass(frozen=True)
+class _Reported:
+    """What is printed of a recording.
+
+    Attributes:
+        ok: what the replay says; None: nobody can say.
+        whole: all of it could be read.
+    """
+
+    name: str
+    story: str
+    ok: bool | None
+    replay: str
+    notes: list[str]
+    whole: bool
+
+    @property
+    def good(self) -> bool:
+        return self.ok is not False and self.whole
+
+    def as_json(self) -> dict[str, object]:
+        return {
+            "name": self.name, "story": self.story, "replay_ok": self.ok, "replay": self.replay, "notes": self.notes,
+        }  # fmt: skip
+
+
+def _read(
+    files: RecordingFiles | OtherFiles | RecordedTables,
+    part: RecordingPart,
+    name: str,
+    place: str,
+    *,
+    shown: bool,
+) -> tuple[dict[str, Any], dict[str, Any], _Reported]:
+    """Its document and its verdict; raises ReportedError."""
+    from end_effector_hal.page.recorded import judge_recording, read_recording
+
+    with Progress(f"reading {name}{place}", shown=shown) as progress:
+        content = read_recording(files, part, lambda share: progress(f"reading {name}{place}, {share:.0%}"))
+        progress(f"judging {name}{place}")
+        verdict = judge_recording(files)
+    story, notes = content["summary"]["story"], content["recording"]["notes"]
+    return content, verdict, _Reported(name, story, verdict["ok"], verdict["text"], notes, files.whole)
+
+
+def _one(
+    files: Sequence[RecordingFiles | OtherFiles | RecordedTables], part: RecordingPart, *, shown: bool
+) -> tuple[str, list[_Reported], str]:
+    """A recording, or two that are compared: the file, what is told, and its name."""
+    from end_effector_hal.page import report_html
+
+    contents, verdicts, told = zip(
+        *(_read(each, part, each.name, "", shown=shown) for each in files), strict=True
+    )
+    title = " and ".join(each.name for each in files)
+    stem = "-".join(each.path.resolve().stem for each in files)
+    return report_html(title, list(contents), list(verdicts)), list(told), stem
+
+
+def _runs(
+    folder: Path, runs: Sequence[Path], description: Path | None, part: RecordingPart, *, shown: bool
+) -> tuple[str, list[_Reported]]:
+    """Many runs in one file; one that cannot be read, or for which there is no room, is in its table only."""
+    from end_effector_hal.page import report_data, runs_html
+
+    rows: list[dict[str, Any]] = []
+    kept: dict[int, bytes] = {}
+    told: list[_Reported] = []
+    for number, run in enumerate(runs):
+        name, place = str(run.relative_to(folder)), f" ({number + 1} of {len(runs)})"
+        row = {"name": printable(name), "started": "", "tool": "", "length_s": None}
+        try:
+            if len(kept) >= MOST_RUNS or sum(map(len, kept.values())) >= MOST_BYTES:
+                found = _Reported(name, f"Not read: {_FULL}", None, "", [], False)
+            else:
+                files = open_recordings([run], description)[0]
+                content, verdict, found = _read(files, part, name, place, shown=shown)
+                kept[number] = report_data([content], [verdict])
+                recording = content["recording"]
+                row |= {
+                    "started": recording["started"],
+                    "tool": content["drawn"]["name"],
+                    "length_s": recording["end_s"] - recording["begin_s"],
+                }
+        except UsageError as error:  # without its place on this machine: the report may be mailed
+            found = _Reported(
+                name, f"Cannot be read: {error.what} {error.todo}".strip(), False, "", [], False
+            )
+        except ReportedError as error:
+            found = _Reported(name, f"Cannot be read: {error}", False, "", [], False)
+        told.append(found)
+        ok = found.ok and found.whole  # None: nobody can say
+        said = (found.replay.removeprefix("Replay and monitor: "), "" if found.whole else "It is not whole.")
+        replay = " ".join(filter(None, said)) if found.replay else "not read"
+        rows.append(row | {"story": found.story, "ok": ok, "replay": replay})
+    return runs_html(folder.resolve().name, rows, kept), told
 
 
 def _check_name(output: Path, recordings: Sequence[Path], others: Sequence[Path]) -> None:
@@ -87,7 +181,3 @@ def _check_name(output: Path, recordings: Sequence[Path], others: Sequence[Path]
     within = [each for folder in recordings if folder.is_dir() for each in folder.rglob("*")]
     recorded = [each for each in (*recordings, *within) if each.suffix.lower() not in SUFFIXES]
     refuse_inputs(output, (*recorded, *others))
-
-
-def _tell(progress: Progress, name: str, share: float) -> None:
-    progress(f"reading {name}, {share:.0%}")

@@ -74,6 +74,11 @@ class Recording {
   }
 }
 
+// What the address says: the run of a file with several, a moment or an event.
+function asksFor(name) {
+  return new URLSearchParams(location.hash.slice(1)).get(name);
+}
+
 // How many of them are at most `most`; they are in order.
 function after(list, most, key = (each) => each) {
   let low = 0;
@@ -262,7 +267,8 @@ class Player {
   }
 
   address() {
-    return this.selected ? `#e=${this.selected.n}` : `#t=${this.at.toFixed(3)}`;
+    const moment = this.selected ? `e=${this.selected.n}` : `t=${this.at.toFixed(3)}`;
+    return asksFor("run") === null ? `#${moment}` : `#run=${asksFor("run")}&${moment}`;
   }
 
   toAddress() {
@@ -270,9 +276,8 @@ class Player {
   }
 
   fromAddress() {
-    const asked = new URLSearchParams(location.hash.slice(1));
-    const entry = asked.has("e") ? this.shown.log.find((each) => each.n === Number(asked.get("e"))) : null;
-    const at = Number.parseFloat(asked.get("t"));
+    const entry = this.shown.log.find((each) => each.n === Number(asksFor("e") ?? NaN));
+    const at = Number.parseFloat(asksFor("t"));
     if (entry) this.open(entry); else if (Number.isFinite(at)) this.goTo(at);
   }
 }
@@ -411,10 +416,37 @@ function fromFile(text) {
   verdicts.forEach((verdict, index) => judgedInFull(verdict, contents.length > 1, contents[index].recording.name));
 }
 
+// A file with several runs: their table, or the one that the address names.
+function fromRuns(rows) {
+  const shown = asksFor("run");
+  window.addEventListener("hashchange", () => {
+    if (asksFor("run") !== shown) location.reload();
+  });
+  const run = shown === null ? null : document.getElementById(`run-${shown}`);
+  if (run) {
+    byId("all-runs").hidden = false;
+    fromFile(run.textContent);
+    return;
+  }
+  byId("news").hidden = true;
+  document.body.className = "recorded index";
+  put("about", `${rows.length} runs in the order of their names, nothing is commanded here.`);
+  const good = rows.filter((row) => row.ok).length;
+  const bad = rows.filter((row) => row.ok === false).length;
+  put("judged", `${bad ? "■" : "●"} Replay and monitor: ${good} with identical decisions, every step allowed by the automata${bad ? `; ${bad} not, or not wholly read` : ""}.`);
+  byId("judged").className = bad ? "failed" : "good";
+  byId("runs").hidden = false;
+  byId("runs-rows").replaceChildren(...rows.map((row, number) => make("tr", {},
+    make("td", {}, document.getElementById(`run-${number}`) ? make("a", { href: `#run=${number}`, textContent: row.name }) : row.name),
+    make("td", {}, row.started.slice(0, 19).replace("T", " ")), make("td", {}, row.story),
+    make("td", {}, row.length_s === null ? "–" : `${row.length_s.toFixed(1)} s`), make("td", {}, row.tool),
+    make("td", { className: { true: "good", false: "failed", null: "" }[row.ok] }, `${{ true: "●", false: "■", null: "○" }[row.ok]} ${row.replay}`))));
+}
+
 function failed(error) {
   byId("news").hidden = false;
   put("news", error.message);
 }
 
-const inside = document.getElementById("recordings");
-if (inside) fromFile(inside.textContent); else fromProcess().catch(failed);
+const [index, inside] = ["index", "recordings"].map((name) => document.getElementById(name));
+if (index) fromRuns(JSON.parse(index.textContent)); else if (inside) fromFile(inside.textContent); else fromProcess().catch(failed);
