@@ -198,8 +198,8 @@ def _hints(description: Description) -> Iterator[str]:
         measure = measures_of(description).get(part.channel)
         if part.evidence is None and measure and measure.decimals > 1:
             yield (
-                f"{description.where('actuators', name)}: {name} has thresholds that are finer than 0.1 kPa, as which "
-                "alarms and the page show a pressure; `eehal listen` shows all their decimals"
+                f"{description.where('actuators', name)}: {name} has a threshold finer than 0.1 kPa, and "
+                "alarms and the page show no more decimals than that; `eehal listen` shows all of them"
             )
     used = {*used_channels(description), *(name for name, each in description.channels.items() if each.alarm)}
     for name in [each for each in description.channels if each not in used]:
