@@ -202,6 +202,8 @@ def _hints(description: Description) -> Iterator[str]:
                 "alarms and the page show no more decimals than that; `eehal listen` shows all of them"
             )
     used = {*used_channels(description), *(name for name, each in description.channels.items() if each.alarm)}
+    for output in description.register_outputs.values():  # what a commanded device reports of itself
+        used |= {output.verify or "", output.activation.ready if output.activation else ""}
     for name in [each for each in description.channels if each not in used]:
         yield f"{description.where('channels', name)}: nothing uses the channel {name}"
 
