@@ -19,6 +19,7 @@ from .story import (
 )
 from .tables import (
     BEGUN,
+    KPA,
     AlarmRow,
     AlarmsWriter,
     ChangerRow,
@@ -38,6 +39,7 @@ from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 __all__ = [
     "BEGUN",
     "COUNTEREXAMPLE",
+    "KPA",
     "MODEL_RUN",
     "AlarmRow",
     "AlarmsWriter",

@@ -15,6 +15,7 @@ from end_effector_hal.cli.check import _check
 from end_effector_hal.codecs import codec_of
 from end_effector_hal.description import load, markdown, profile_path, schema_text
 from end_effector_hal.errors import UsageError
+from tests.support.places import ROOT
 
 SHIPPED = profile_path().read_text(encoding="utf-8")
 Check = Callable[..., Result]
@@ -568,3 +569,23 @@ def test_a_sequence_of_numbers_is_not_called_empty(check: Check) -> None:
     assert result.exit_code == 2
     assert "'sequence[0]' is of the wrong type (1), expected text" in result.stderr
     assert "is empty" not in result.stderr
+
+
+def test_what_a_commanded_device_reports_of_itself_is_used() -> None:
+    for tool in ("epick_commanded", "gripper_2f85"):
+        assert _check.check(ROOT / "examples" / "tools" / tool / "end_effector.yaml").hints == ()
+
+
+def test_a_threshold_that_alarms_and_the_page_do_not_show_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    text = (
+        "schema: 2\nname: tool\nlink: {port: x, frame: {text: {checksum: xor8}}}\n"
+        "channels: {p: {text: {field: 1}, unit: kPa}}\nsequence: [a]\n"
+        "actuators: {a: {kind: vacuum, line: A, channel: p, gone_kpa: %s}}\nsupply: {channel: none}\n"
+    )
+    path.write_text(text % 9.5)
+    assert _check.check(path).hints == ()
+    path.write_text(text % 9.95)
+    (said,) = _check.check(path).hints
+    assert said.startswith(f"{path}:6:")
+    assert "a threshold finer than 0.1 kPa" in said

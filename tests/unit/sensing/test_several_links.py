@@ -147,3 +147,26 @@ def test_a_source_that_goes_back_itself_has_a_wrong_clock(tool: Description) -> 
     assert not senses.accepts(Frame(at - 50 * MS, 20, 400, {"two": -71_000}), at)
     (said,) = senses.refusals(at)
     assert "stamped before the one that came last. Is a clock wrong" in said
+
+
+BY_CONDITIONS = TOOL.replace(
+    "b: {kind: vacuum, line: B, channel: two}",
+    "b: {kind: vacuum, line: B, channel: two, evidence: {"
+    "confirmed: {channel: two, below_kpa: -50, for_ms: 100}, gone: {channel: two, above_kpa: -10}}}",
+)
+
+
+def test_what_a_late_frame_shows_has_lasted_since_it_was_seen() -> None:
+    tool = examine_text(BY_CONDITIONS, "tool.yaml").description
+    assert tool
+    senses = SensorSet(tool, carrier_of(tool))
+
+    def take(at: int, channel: str, pa: int, seq: int) -> None:
+        assert senses.accepts(Frame(at, seq, 20 * seq, {channel: pa}), 1_400 * MS)
+        senses.frame(Frame(at, seq, 20 * seq, {channel: pa}))
+
+    take(1_200 * MS, "two", 0, 1)
+    take(1_390 * MS, "one", -70_000, 1)
+    take(1_210 * MS, "two", -70_000, 2)  # late: nobody has looked at it for all that time
+    take(1_395 * MS, "two", -70_000, 3)
+    assert senses.now.evidence[1] is not Evidence.CONFIRMED

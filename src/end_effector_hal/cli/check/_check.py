@@ -198,10 +198,12 @@ def _hints(description: Description) -> Iterator[str]:
         measure = measures_of(description).get(part.channel)
         if part.evidence is None and measure and measure.decimals > 1:
             yield (
-                f"{description.where('actuators', name)}: {name} has thresholds that are finer than 0.1 kPa, as which "
-                "alarms and the page show a pressure; `eehal listen` shows all their decimals"
+                f"{description.where('actuators', name)}: {name} has a threshold finer than 0.1 kPa, and "
+                "alarms and the page show no more decimals than that; `eehal listen` shows all of them"
             )
     used = {*used_channels(description), *(name for name, each in description.channels.items() if each.alarm)}
+    for output in description.register_outputs.values():  # what a commanded device reports of itself
+        used |= {output.verify or "", output.activation.ready if output.activation else ""}
     for name in [each for each in description.channels if each not in used]:
         yield f"{description.where('channels', name)}: nothing uses the channel {name}"
 

@@ -2,11 +2,12 @@
 
 from ._alarms import BEGUN, AlarmRow, AlarmsWriter, read_alarms
 from ._changer import ChangerRow, ChangerWriter, read_changer
-from ._pressures import PressuresLog, PressuresWriter, column_of, read_pressures
+from ._pressures import KPA, PressuresLog, PressuresWriter, column_of, read_pressures
 from ._states import StatesLog, StatesRow, StatesWriter, read_states
 
 __all__ = [
     "BEGUN",
+    "KPA",
     "AlarmRow",
     "AlarmsWriter",
     "ChangerRow",

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
-from end_effector_hal.description import Description
-from end_effector_hal.recording import Grip, PressuresLog, pressure_channels
+from end_effector_hal.description import Description, measures_of
+from end_effector_hal.recording import KPA, Grip, PressuresLog, pressure_channels
 from end_effector_hal.runtime.boundary import FrameTaken
 from end_effector_hal.verification.replay import Entry
 
@@ -222,7 +222,9 @@ class _Both:
             self._samples, self._step_s = self._samples[::2], self._step_s * 2
 
     def pressures(self) -> PressuresLog:
-        return PressuresLog(self._channels, tuple(self._samples))
+        measures = {name: each for tool in self._tools for name, each in measures_of(tool).items()}
+        units = {name: measures[name].unit for name in self._channels if measures[name].unit != KPA}
+        return PressuresLog(self._channels, tuple(self._samples), units=units)
 
 
 def paired_lines(recorded: Sequence[StoryLine], other: Sequence[StoryLine]) -> Iterator[LinePair]:

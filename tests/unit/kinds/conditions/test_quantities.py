@@ -11,10 +11,11 @@ from end_effector_hal.cli.listen._channel_view import scaled
 from end_effector_hal.codecs import carrier_of, codec_of, match_codec
 from end_effector_hal.description import QUANTITIES, Description, examine_text, measures_of
 from end_effector_hal.kinds.conditions import shown
-from end_effector_hal.recording import Recording, pressure_channels, read_pressures
+from end_effector_hal.recording import Recording, pressure_channels, read_pressures, read_run
 from end_effector_hal.sensing import Readings
 from end_effector_hal.signals import Frame, Kind
 from end_effector_hal.vocabulary import Evidence
+from end_effector_lab.figures._panels import panels_of
 from end_effector_lab.testbench import Bench, SensorBoard
 from end_effector_lab.virtual import VirtualTool
 
@@ -140,6 +141,16 @@ def test_the_table_and_the_wide_table_name_the_unit(tool: Description, tmp_path:
     assert first.endswith(",12.304,42.000")
     log = read_pressures(tmp_path / "pressures.csv")
     assert (log.channels, log.units) == (("gap", "fill"), {"gap": "mm", "fill": "%"})
+
+
+def test_the_figure_has_a_panel_for_each_unit(tool: Description, tmp_path: Path) -> None:
+    _record(tool, tmp_path)
+    log = read_pressures(tmp_path / "pressures.csv")
+    panels = panels_of(log, read_run(tmp_path), tool.sequence)
+    assert [(each.title, [curve.title for curve in each.curves]) for each in panels] == [
+        ("measured\n[mm]", ["Gap"]),
+        ("measured\n[%]", ["Fill"]),
+    ]
 
 
 @pytest.mark.parametrize(
