@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
+from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import ChangerFault, to_us
 from end_effector_lab.matrix import LYING
 from end_effector_lab.testbench import TOOL_CHANGER
@@ -26,6 +28,9 @@ class Reality:
     def __init__(self, description: Description, tool: VirtualTool) -> None:
         self._description, self._tool = description, tool
         self._faults: frozenset[str] = frozenset()
+        carried, parts = carrier_of(description).channels, description.ordered
+        self._by_pressure = {name for name, part in parts if carried.get(part.channel) is Kind.PRESSURE}
+        self._by_conditions = {name for name, part in parts if kind_of(part).conditions(part)}
         self._has_wires = any(channel.digital for channel in description.channels.values())
         self._lied_at = self._silent_at = -SEEN_US
         # it has been at rest for a while
@@ -77,7 +82,8 @@ class Reality:
 
     def is_gone(self, name: str) -> bool:
         """Whether nothing is left of it, by what the description asks of a release."""
-        return not self._tool.bench.devices[name].grips and not self._is_over(name, "gone_kpa", NOISE_KPA)
+        left = name not in self._by_conditions and self._is_over(name, "gone_kpa", NOISE_KPA)
+        return not left and not self._tool.bench.devices[name].grips
 
     def against_a_grip(self) -> Iterator[str]:
         """Why no grip may begin now, clauses."""
@@ -123,7 +129,7 @@ class Reality:
             found["vented"] = all(
                 abs(devices[name].pressure_kpa or 0.0) < changer.vented_kpa + NOISE_KPA
                 for name, part in self._description.ordered
-                if kind_of(part).below_ambient
+                if name in self._by_pressure and kind_of(part).below_ambient
             )
             found["away"] = not {"not-in-stand", f"stand-shows:{TOOL_CHANGER}:0"}.isdisjoint(self._faults)
             told = "tool_change" in tool.living and tool.changes[-1].changer_fault == ChangerFault.SENSOR
@@ -131,13 +137,12 @@ class Reality:
         return found
 
     def _is_over(self, name: str, limit: str, margin_kpa: float) -> bool:
+        """Whether a pressure that somebody reads is over a threshold of the description."""
         device, part = self._tool.bench.devices[name], self._description.actuators[name]
         kpa = kind_of(part).limits(part, self._description.supply).get(limit)
-        return (
-            kpa is not None
-            and device.pressure_kpa is not None
-            and abs(device.pressure_kpa) > kpa + margin_kpa
-        )
+        if name not in self._by_pressure or kpa is None or device.pressure_kpa is None:
+            return False
+        return abs(device.pressure_kpa) > kpa + margin_kpa
 
     def _note_lies(self) -> None:
         at = self._tool.at

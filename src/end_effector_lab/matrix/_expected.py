@@ -25,7 +25,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from end_effector_hal.codecs import carrier_of, shows_noise
+from end_effector_hal.codecs import carrier_of, codec_of, is_polled, shows_noise
 from end_effector_hal.description import Channel, Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import named
@@ -261,7 +261,7 @@ class _Rules:
     def _sensor(self, name: str) -> SensorView:
         cell, part = self._cell, self._description.actuators[name]
         if cell.name in SILENCING and self._is_of_link(name):
-            return ANYTHING if self._keeps_its_level(name) else BLIND
+            return ANYTHING if self._keeps_its_level(name) else self._blind(name)
         if cell.name in DAMAGING:
             frames = [link.frame for link in self._description.links.values() if link.frame]
             rare = (cell.number or 0.0) <= 0.001 and all(frame.checked for frame in frames)
@@ -305,10 +305,16 @@ class _Rules:
             case "invalid" if self._has_switch(name):
                 return SensorView(frozenset({YES, NO}), frozenset({YES, UNKNOWN}), frozenset({YES, UNKNOWN}))
             case "invalid":
-                return BLIND
+                return self._blind(name)
             case "shows" | "frozen-after" | "swapped":
                 return ANYTHING
         return NORMAL
+
+    def _blind(self, name: str) -> SensorView:
+        """Nothing more is read of it; an answer that was asked for before may be under way."""
+        asked = any(is_polled(codec_of(self._description, link)) for link in self._description.links)
+        pending = self._phase == GRIP and name == self._engaged[-1]
+        return BLIND._replace(confirms=frozenset({YES, NO})) if asked and pending else BLIND
 
     def _leaking(self, name: str) -> SensorView:
         """By what such a leak leaves of the pressure in the end."""

@@ -42,6 +42,7 @@ def played(words: str, seed: int = 0) -> dict[str, str]:
     ("tool", "words"),
     [
         ("", "wait 0.1; unlock"),  # what has been so before the case began, has been so for long
+        ("six_cups", ""),  # a switch that is off proves that a vacuum is gone, whatever is left of it
         (
             "two_coil_changer",
             "scenario silent-after:0; grip",

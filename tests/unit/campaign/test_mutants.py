@@ -53,9 +53,11 @@ def first_of_each_file() -> list[object]:
 @pytest.mark.parametrize("name", first_of_each_file())
 def test_a_mutant_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     mutant = MUTANTS[name]
-    assert not objections(mutant.found_by)
+    ways = [mutant.found_by, *([mutant.cell] if mutant.cell else [])]
+    assert not any(map(objections, ways))
     mutant.patch(monkeypatch)
     assert any(mutant.rule in each for each in objections(mutant.found_by))
+    assert all(map(objections, ways))
 
 
 def test_there_are_enough_and_all_are_in_the_product() -> None:

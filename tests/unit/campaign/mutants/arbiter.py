@@ -145,7 +145,8 @@ def _last_step_is_lost(patch: pytest.MonkeyPatch) -> None:
 
 ARBITER: Mapping[str, WrongProduct] = {
     "a death that the line arbiter does not notice": WrongProduct(
-        _death_is_not_noticed, "arbiter/rules/_arbiter.py: LineArbiter.declare_dead", "grip; kill hal", "unwound"
+        _death_is_not_noticed, "arbiter/rules/_arbiter.py: LineArbiter.declare_dead", "grip; kill hal", "unwound",
+        cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "a last will of all at once": WrongProduct(
         _last_will_at_once, "arbiter/rules/_arbiter.py: LineArbiter._end_session", "grip; wait 1.2; kill hal", "order"
@@ -154,18 +155,22 @@ ARBITER: Mapping[str, WrongProduct] = {
         _bye_holds, "arbiter/rules/_arbiter.py: LineArbiter.bye", "grip; wait 0.5; end grip", "unwound"
     ),
     "a last will that is left alone, and not kept": WrongProduct(
-        _last_will_alone_is_ignored, "arbiter/rules/_arbiter.py: LineArbiter.write", "grip; wait 1.5; kill hal", "held"
+        _last_will_alone_is_ignored, "arbiter/rules/_arbiter.py: LineArbiter.write", "grip; wait 1.5; kill hal", "held",
+        cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a last will that dies with the line arbiter": WrongProduct(
         _last_will_is_forgotten, "arbiter/rules/_arbiter.py: LineArbiter._restore",
         "grip; wait 0.5; kill all; wait 0.1; start all", "unwound",
+        cell="nominal @ grip top_vacuum on, between + kill both",
     ),
     "a last will that is not continued by the next arbiter": WrongProduct(
         _only_the_living_are_recorded, "arbiter/rules/_arbiter.py: LineArbiter.state",
         "grip; wait 0.9; kill hal; kill arbiter; start arbiter", "unwound",
+        cell="nominal @ grip top_vacuum on, between + kill both",
     ),
     "a session that is removed before its last will is done": WrongProduct(
-        _the_dead_are_removed, "arbiter/rules/_arbiter.py: LineArbiter.advance", "grip; wait 0.9; kill hal", "unwound"
+        _the_dead_are_removed, "arbiter/rules/_arbiter.py: LineArbiter.advance", "grip; wait 0.9; kill hal", "unwound",
+        cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "a program that is waited for without an end": WrongProduct(
         _who_is_absent_stays, "arbiter/rules/_arbiter.py: LineArbiter.expire",
@@ -178,14 +183,17 @@ ARBITER: Mapping[str, WrongProduct] = {
     "a program that begins while a last will is executed": WrongProduct(
         _nobody_waits_for_a_last_will, "arbiter/rules/_arbiter.py: LineArbiter.hello",
         "grip; wait 0.9; kill grip; start grip", "held",
+        cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "a last step that is lost": WrongProduct(
-        _last_step_is_lost, "arbiter/rules/_arbiter.py: LineArbiter._apply_due", "grip; wait 0.9; kill hal", "unwound"
+        _last_step_is_lost, "arbiter/rules/_arbiter.py: LineArbiter._apply_due", "grip; wait 0.9; kill hal", "unwound",
+        cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "no interlocks": WrongProduct(
         lambda patch: patch.setattr(LineArbiter, "_check_activation", lambda *_: None),
         "arbiter/rules/_arbiter.py: LineArbiter._check_activation", "grip; wait 0.2; scenario silent-after:0",
         "activation",
+        cell="locked-shows:tool_changer:0 @ grip bottom_vacuum on + none",
     ),
     "a proof that never expires": WrongProduct(
         _stale_proof_is_believed, "arbiter/rules/_predicates.py: SensorPredicates.objection",

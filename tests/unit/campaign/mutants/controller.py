@@ -194,6 +194,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "a last will that drops what is held": WrongProduct(
         _replaced(GripLastWill, "of", _drops), "control/_last_wills.py: GripLastWill.of",
         "grip; wait 1.5; end grip", "held", 11,
+        cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a last will in the wrong order": WrongProduct(
         _replaced(GripLastWill, "of", _in_wrong_order), "control/_last_wills.py: GripLastWill.of",
@@ -206,10 +207,12 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "a release that nobody ends after a death": WrongProduct(
         _replaced(GripLastWill, "of", _release_stops), "control/_last_wills.py: GripLastWill.of",
         "grip; wait 2; drop; wait 0.1; kill hal", "unwound",
+        cell="nominal @ release top_vacuum off, between + kill hal",
     ),
     "a restart that adopts nothing": WrongProduct(
         _replaced(Controller, "_adopt", _adopts_nothing), "control/_controller.py: Controller._adopt",
         "grip; wait 1.5; end grip", "held",
+        cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a lost grip that counts as not held": WrongProduct(
         _replaced(StatusBuilder, "know", _only_gripped_is_held), "control/_status_builder.py: StatusBuilder.know",
@@ -222,6 +225,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "an attempt too many": WrongProduct(
         _constants(ATTEMPTS=lambda each: [number + 1 for number in each]), "control/_constants.py: ATTEMPTS",
         "scenario never-confirms:bottom_vacuum; grip", "activation",
+        cell="fails:cylinder:3 @ rest + none",
     ),
     "no pause between two attempts": WrongProduct(
         _constants(T_RESET=lambda each: [100 for _ in each]), "control/_constants.py: T_RESET",
@@ -230,18 +234,22 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "a release that waits for nothing": WrongProduct(
         _constants(T_GONE=lambda each: [60 for _ in each]), "control/_constants.py: T_GONE",
         "", "order",
+        cell="never-confirms:cylinder @ rest + none",
     ),
     "automata that release when a part is lost": WrongProduct(
         _constants(LOSS_KEEPS=lambda each: [False for _ in each]), "the UPPAAL file: Gripped → Abort",
         "grip; wait 2; scenario lost-after:top_vacuum:0.1", "held",
+        cell="lost-after:top_vacuum:0.1 @ grip GRIPPED, between + none",
     ),
     "automata that leave out the last step of a drop": WrongProduct(
         _edited(b"RELEASE,\nk = next_engaged()</label>", b"RELEASE,\nk = next_engaged() + 1</label>"),
         "the UPPAAL file: Gripped → Unwind", "", "order",
+        cell="nominal @ release top_vacuum off, between + kill hal",
     ),
     "no last will": WrongProduct(
         lambda patch: patch.setattr(GripOutputs, "last_will", lambda *_, **__: ()),
         "runtime/outputs/_output_mapping.py: GripOutputs.last_will", "grip; wait 0.5; kill hal", "unwound",
+        cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "a release of all at once": WrongProduct(
         _replaced(GripOutputs, "levels", _releases_at_once), "runtime/outputs/_output_mapping.py: GripOutputs.levels",
@@ -262,7 +270,8 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "latched",
     ),
     "air that does not count": WrongProduct(
-        _air_is_ignored, "sensing/_sensor_set.py: SensorSet.levels", "scenario supply:350; wait 3; grip", "refusals"
+        _air_is_ignored, "sensing/_sensor_set.py: SensorSet.levels", "scenario supply:350; wait 3; grip", "refusals",
+        cell="supply:350 @ rest + none",
     ),
     "a restart that does not wait for the sensors": WrongProduct(
         _adopts_at_once, "sensing/_sensor_set.py: SensorSet.conclusive",
@@ -271,6 +280,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "a stale reading that counts as the last value": WrongProduct(
         _replaced(Readings, "get", _last_value), "sensing/_readings.py: Readings.get",
         "scenario silent-after:0; wait 2; grip", "refusals",
+        cell="silent-after:0 @ rest + none",
     ),
     "an invalid value that counts as the last one": WrongProduct(
         _replaced(Readings, "take", _invalid_is_a_sample), "sensing/_readings.py: Readings.take",
@@ -305,10 +315,12 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "a weak vacuum that counts as a grip": WrongProduct(
         _replaced(VacuumDetector, "sample", _partial_is_confirmed), "kinds/vacuum/_detector.py: VacuumDetector.sample",
         "", "evidence",
+        cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a loss that is noticed only below 20 kPa": WrongProduct(
         _replaced(VacuumDetector, "sample", _lost_at_once_only), "kinds/vacuum/_detector.py: VacuumDetector.sample",
         "grip; wait 2; scenario leak-grows:top_vacuum:2; wait 14; cancel", "evidence",
+        cell="lost-after:top_vacuum:0.1 @ grip GRIPPED, between + none",
     ),
     "a vacuum that is gone as soon as it is lost": WrongProduct(
         _replaced(VacuumDetector, "sample", _gone_when_lost), "kinds/vacuum/_detector.py: VacuumDetector.sample",

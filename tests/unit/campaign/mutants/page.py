@@ -16,7 +16,8 @@ def wrong_products() -> str:
     """Both tables, and their figures."""
     parts = [
         f"{len(CONTROLLER)} wrong programs and {len(ARBITER)} wrong line arbiters. Where a run stands behind a case, "
-        "`eehal campaign --seed 0` breaks a rule in that run, whatever is drawn; the others were looked for by hand.",
+        "`eehal campaign --seed 0` breaks a rule in that run by itself; the other cases were written by hand. A whole "
+        "`eehal matrix` plays every cell.",
         "## Programs, sensors and automata",
         _table(CONTROLLER),
         "## The line arbiter and its records",
@@ -34,5 +35,6 @@ def _cells(name: str, mutant: WrongProduct) -> Iterator[str]:
     yield name
     yield f"`{mutant.place}`"
     run = "" if mutant.found_in_run is None else f" (run {mutant.found_in_run})"
-    yield f"{'cell' if mutant.is_cell else 'case'} `{mutant.found_by or WHOLE_RUN}`{run}"
+    cell = f", cell `{mutant.cell}`" if mutant.cell else ""
+    yield f"{'cell' if mutant.is_cell else 'case'} `{mutant.found_by or WHOLE_RUN}`{run}{cell}"
     yield f"{'matrix' if mutant.is_cell else 'campaign'}: {mutant.rule}"

@@ -20,6 +20,7 @@ class WrongProduct(NamedTuple):
         rule: that objects: of the campaign by its name; of the matrix by a part of its sentence.
         found_in_run: the first run of the campaign with seed 0 that breaks a rule; None: nobody has tried that, or none
             of the first 150 does.
+        cell: of the matrix that finds it as well; empty: none does, or nobody has looked for one.
     """
 
     patch: Patch
@@ -27,6 +28,7 @@ class WrongProduct(NamedTuple):
     found_by: str
     rule: str
     found_in_run: int | None = None
+    cell: str = ""
 
     @property
     def is_cell(self) -> bool:
