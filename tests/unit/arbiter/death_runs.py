@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
@@ -17,7 +17,7 @@ from tests.support.seen import SeenStep, seen
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
 from tests.unit.arbiter.simulation.process import ArbiterProcess
 from tests.unit.arbiter.simulation.wire import NearEnd
-from timed_automata import make_network, read_document
+from timed_automata import Document, make_network, read_document
 from timed_automata.explore import Explorer
 
 MS = 1000
@@ -293,11 +293,13 @@ class DeathRun:
         never = " ".join(each for each in _CHANNELS if each != expected)
         self.steps.append((self.now // MS, {**labels, "never": never}))
 
-    def is_one_of(self, text: str, **constants: int) -> bool:
-        """Whether the network of a UPPAAL file has this run."""
+    def is_one_of(
+        self, text: str, edit: Callable[[Document], Document] = lambda document: document, **constants: int
+    ) -> bool:
+        """Whether the network of a UPPAAL file, once it is edited, has this run."""
         text = text.replace("\t<system>", f"{seen(self.steps)}\n\t<system>")
         text = text.replace(_SYSTEM, _SYSTEM.replace(";", ", Seen;"))
-        network = make_network(read_document(text.encode(), "run.xml"), constants)
+        network = make_network(edit(read_document(text.encode(), "run.xml")), constants)
         return Explorer(network).check("E<> Seen.End").holds
 
 
