@@ -1,12 +1,14 @@
-"""The CSV tables of a recording: states, pressures, alarms; written row by row, and read back."""
+"""The CSV tables of a recording: states, pressures, switches, alarms; written row by row, and read back."""
 
 from ._alarms import BEGUN, AlarmRow, AlarmsWriter, read_alarms
 from ._changer import ChangerRow, ChangerWriter, read_changer
 from ._pressures import UNIT, PressuresLog, PressuresWriter, read_pressures
 from ._states import StatesLog, StatesRow, StatesWriter, read_states
+from ._switches import ON, SwitchesLog, SwitchesWriter, read_switches
 
 __all__ = [
     "BEGUN",
+    "ON",
     "UNIT",
     "AlarmRow",
     "AlarmsWriter",
@@ -17,8 +19,11 @@ __all__ = [
     "StatesLog",
     "StatesRow",
     "StatesWriter",
+    "SwitchesLog",
+    "SwitchesWriter",
     "read_alarms",
     "read_changer",
     "read_pressures",
     "read_states",
+    "read_switches",
 ]
