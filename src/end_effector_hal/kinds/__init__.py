@@ -8,6 +8,7 @@ from end_effector_hal.signals import ChannelReadings
 
 from ._guard import fault_of, is_guarded
 from ._kind import DeviceKind
+from ._meanings import SwitchMeaning, switch_meanings
 from ._parts import (
     COMPRESSED_AIR,
     AlarmKind,
@@ -47,6 +48,7 @@ __all__ = [
     "Pair",
     "PressureRange",
     "Quote",
+    "SwitchMeaning",
     "Travel",
     "below_ambient_kpa",
     "detector_of",
@@ -57,5 +59,6 @@ __all__ = [
     "kind_of",
     "lost_words",
     "recorded_kind",
+    "switch_meanings",
     "usable_kinds",
 ]

@@ -29,10 +29,13 @@ from .tables import (
     StatesLog,
     StatesRow,
     StatesWriter,
+    SwitchesLog,
+    SwitchesWriter,
     read_alarms,
     read_changer,
     read_pressures,
     read_states,
+    read_switches,
 )
 from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 
@@ -64,6 +67,8 @@ __all__ = [
     "StatesRow",
     "StatesWriter",
     "Story",
+    "SwitchesLog",
+    "SwitchesWriter",
     "Tolerances",
     "TraceFile",
     "TraceWriter",
@@ -82,6 +87,7 @@ __all__ = [
     "read_run",
     "read_states",
     "read_story",
+    "read_switches",
     "read_tables",
     "read_trace",
     "run_info",

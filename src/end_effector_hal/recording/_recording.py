@@ -18,11 +18,17 @@ from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description, measures_of, used_channels
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds import kind_of, switch_meanings
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording._run import RunInfo, read_run
-from end_effector_hal.recording.tables import AlarmsWriter, ChangerWriter, PressuresWriter, StatesWriter
+from end_effector_hal.recording.tables import (
+    AlarmsWriter,
+    ChangerWriter,
+    PressuresWriter,
+    StatesWriter,
+    SwitchesWriter,
+)
 from end_effector_hal.sensing import Readings
 from end_effector_hal.signals import Frame, Kind, Value
 from end_effector_hal.vocabulary import ChangerState
@@ -102,7 +108,7 @@ class Recording(Closing):
 
     Args:
         folder: made if it is missing.
-        tool: its description; or what is known of a tool without one: pressures are not recorded then.
+        tool: its description; or what is known of a tool without one: neither pressures nor switches are recorded then.
         scenario: of the testbench; empty: that of a run.json that is in the folder already.
         seed: of the testbench; None: that of a run.json that is in the folder already.
         ros: the generation of ROS that carries the states; 0: none does.
@@ -168,6 +174,13 @@ class Recording(Closing):
             self._pressures = PressuresWriter(pressures, channels, limits, units) if channels else None
             if self._pressures is not None:
                 undo.callback(self._pressures.close)
+            switches = () if isinstance(tool, RunInfo) else switch_channels(tool)
+            self._levels: Mapping[str, bool | None] = {}
+            self._switches = (
+                SwitchesWriter(self.folder / "switches.csv", switches, limits) if switches else None
+            )
+            if self._switches is not None:
+                undo.callback(self._switches.close)
             changer = isinstance(tool, RunInfo) or tool.tool_changer is not None
             self._changer = ChangerWriter(self.folder / "tool_changer.csv", limits) if changer else None
             undo.pop_all()
@@ -208,24 +221,29 @@ class Recording(Closing):
                 self._settle(at)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
-        """What a frame carries that came at ``at``: gauge Pa, None for invalid; bits are not recorded.
+        """What a frame carries that came at ``at``: gauge Pa or a bit, None for invalid.
 
         A channel that is not in it keeps its value until that is stale: it comes over another link.
 
         Raises:
             ReportedError: rows cannot be written now.
         """
-        pressures, readings = self._pressures, self._readings
+        pressures, switches, readings = self._pressures, self._switches, self._readings
         with self._lock:
-            if pressures is None or readings is None or self._start is None:
+            if (pressures is None and switches is None) or readings is None or self._start is None:
                 return
             readings.take(Frame(at, None, None, values))
             for name in (name for name, value in values.items() if value is None):
                 readings.forget(name)
-            now = {name: readings.get(name, at) for name in pressures.channels}
-            kpa = {name: None if value is None else value / 1000 for name, value in now.items()}
             time_s = self.seconds(at)
-            self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
+            if pressures is not None:
+                now = {name: readings.get(name, at) for name in pressures.channels}
+                kpa = {name: None if value is None else value / 1000 for name, value in now.items()}
+                self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
+            if switches is not None:
+                bits = {name: readings.get(name, at) for name in switches.channels}
+                self._levels = {name: None if value is None else bool(value) for name, value in bits.items()}
+                self._write_switches(at)
             self._settle(at)
 
     def note(self, gap: str) -> None:
@@ -236,7 +254,7 @@ class Recording(Closing):
 
     def close(self) -> None:
         """Close the files; may be called again. What cannot be written any more is told in the log."""
-        for each in (self._states, self._alarms, self._pressures, self._changer):
+        for each in (self._states, self._alarms, self._pressures, self._switches, self._changer):
             try:
                 if each is not None:
                     each.close()
@@ -270,6 +288,13 @@ class Recording(Closing):
                 "tool_changer.csv", time_s, lambda: writer.write(time_s, state) or True, again=again
             )
 
+    def _write_switches(self, at: int, *, again: bool = False) -> None:
+        writer, levels, time_s = self._switches, self._levels, self.seconds(at)
+        if writer is not None:
+            self._losses.write(
+                "switches.csv", time_s, lambda: writer.write(time_s, levels) or True, again=again
+            )
+
     def _settle(self, at: int) -> None:
         """Try again what is missing; raises ReportedError while something is."""
         losses = self._losses
@@ -277,6 +302,8 @@ class Recording(Closing):
             self._write_state(at, again=True)  # a state that lasts comes but once
         if "alarms.csv" in losses.failing:
             self._write_alarms(at, again=True)
+        if "switches.csv" in losses.failing:
+            self._write_switches(at, again=True)
         if "tool_changer.csv" in losses.failing:
             self._write_changer(at, again=True)
         if not losses.failing and losses.over(self.seconds(at)):
@@ -309,6 +336,7 @@ def run_info(
         ros_generation=ros or None,
         actuators={name: actuator.kind for name, actuator in description.ordered},
         limits={name: _limits(description, actuator) for name, actuator in description.ordered},
+        switches=_switches(description),
         simulated=description.lines.backend == "virtual",
         seed=seed,
     )
@@ -343,6 +371,22 @@ def pressure_channels(description: Description) -> tuple[str, ...]:
     pressures = [name for name in dict.fromkeys(wanted) if carried.get(name) is Kind.PRESSURE]
     quantities = [name for name in used_channels(description) if carried.get(name) is Kind.QUANTITY]
     return (*pressures, *quantities)
+
+
+def switch_channels(description: Description) -> tuple[str, ...]:
+    """Bits that are carried and asked for: those of the actuators in sequence order, then of the other devices."""
+    carried = carrier_of(description).channels
+    return tuple(name for name in used_channels(description) if carried.get(name) is Kind.BIT)
+
+
+def _switches(description: Description) -> dict[str, dict[str, Any]]:
+    """Of those that prove something of an actuator: of which, and what."""
+    fitted, found = switch_channels(description), dict[str, dict[str, Any]]()
+    for name, part in description.ordered:
+        for channel, meaning in switch_meanings(part).items():
+            if channel in fitted:
+                found.setdefault(channel, {"actuator": name, "on": meaning.on, "off": meaning.off})
+    return found
 
 
 def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:

@@ -18,13 +18,13 @@ SCHEMA_VERSION = 1
 KINDS = {
     **dict.fromkeys(("scenario", "description", "hash", "version", "started", "violated", "because"), str),
     **dict.fromkeys(("ros", "simulated"), bool),
-    **dict.fromkeys(("actuators", "limits"), dict),
+    **dict.fromkeys(("actuators", "limits", "switches"), dict),
     **dict.fromkeys(("start_us", "seed", "ros_generation"), int),
     "violated_s": float,
     "gaps": list,
     "watched": list,
 }
-_WITHIN = {"actuators": str, "limits": dict, "gaps": str, "watched": Watched}
+_WITHIN = {"actuators": str, "limits": dict, "switches": dict, "gaps": str, "watched": Watched}
 _OF_COUNTEREXAMPLES = ("violated", "violated_s", "because", "watched")
 
 
@@ -43,6 +43,8 @@ class RunInfo:
         actuators: name -> kind (``vacuum``, ``cylinder``).
         limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (of a vacuum
             kPa below ambient, else gauge kPa); what is missing is not drawn.
+        switches: channel of a switch -> its ``actuator``, and what it proves ``on`` and ``off``, in a word
+            (``confirmed``, ``gone``, ``empty``); a switch of no actuator is not there.
         simulated: whether a testbench answered; None: when a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
         gaps: in words: rows that could not be written, and when.
@@ -62,6 +64,7 @@ class RunInfo:
     started: str = ""
     actuators: Mapping[str, str] = field(default_factory=dict)
     limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    switches: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     simulated: bool | None = None
     ros_generation: int | None = None
     start_us: int | None = None
@@ -81,6 +84,7 @@ class RunInfo:
         content |= {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out}
         content["actuators"] = dict(self.actuators)
         content["limits"] = {name: dict(limit) for name, limit in self.limits.items()}
+        content["switches"] = {name: dict(each) for name, each in self.switches.items()}
         if self.violated:
             content["watched"] = [each.document() for each in self.watched]
         beside = path.with_name(f".{FILE_NAME}.{os.getpid()}")

@@ -11,10 +11,12 @@ from pathlib import Path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording.tables import (
     BEGUN,
+    ON,
     AlarmRow,
     ChangerRow,
     PressuresLog,
     StatesLog,
+    SwitchesLog,
     column_of,
 )
 from end_effector_hal.vocabulary import ChangerState
@@ -43,12 +45,13 @@ def write_run_table(
     pressures: PressuresLog | None,
     changer: Sequence[ChangerRow] = (),
     alarms: Sequence[AlarmRow] = (),
+    switches: SwitchesLog | None = None,
 ) -> Path:
     """Write one table of a recording: a row for each instant at which anything in it has changed.
 
     Columns: ``time_s``, the columns of ``states.csv``, ``tool_changer`` where there is one, ``alarms`` (how many
-    stand), ``CHANNEL_gauge_kpa`` for each pressure and ``CHANNEL_mm`` (or another unit) for each quantity. What has
-    not changed is repeated; what is not known is ``NaN``.
+    stand), ``CHANNEL_on`` for each switch (1 on, 0 off), ``CHANNEL_gauge_kpa`` for each pressure and ``CHANNEL_mm``
+    (or another unit) for each quantity. What has not changed is repeated; what is not known is ``NaN``.
     States that were left in the instant of their entry have a row each.
 
     Raises:
@@ -56,7 +59,13 @@ def write_run_table(
     """
     if not log.rows:
         raise UsageError("This recording holds no row, so there is nothing to write.", where=log.source)
-    columns = [_states(log), *_changer(changer), _alarms(alarms), *_pressures(pressures)]
+    columns = [
+        _states(log),
+        *_changer(changer),
+        _alarms(alarms),
+        *_switches(switches),
+        *_pressures(pressures),
+    ]
     lines = [",".join(("time_s", *(name for each in columns for name in each.names)))]
     for time_s in sorted({time_s for each in columns for time_s in each.times_s}):
         lines += [f"{time_s:.6f},{cells}" for cells in _rows(columns, time_s)]
@@ -88,6 +97,13 @@ def _changer(rows: Sequence[ChangerRow]) -> list[_Columns]:
 def _alarms(rows: Sequence[AlarmRow]) -> _Columns:
     standing = accumulate(1 if row.event == BEGUN else -1 for row in rows)
     return _Columns(("alarms",), [row.time_s for row in rows], [[str(count)] for count in standing], "0")
+
+
+def _switches(log: SwitchesLog | None) -> list[_Columns]:
+    if log is None:
+        return []
+    rows = [["NaN" if level is None else str(int(level)) for level in levels] for _, levels in log.rows]
+    return [_Columns(tuple(f"{channel}{ON}" for channel in log.channels), log.times_s, rows)]
 
 
 def _pressures(log: PressuresLog | None) -> list[_Columns]:

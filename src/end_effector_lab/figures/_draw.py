@@ -17,11 +17,13 @@ from end_effector_hal.recording import (
     RunInfo,
     RunTables,
     StatesLog,
+    SwitchesLog,
     read_alarms,
     read_changer,
     read_pressures,
     read_run,
     read_states,
+    read_switches,
     write_run_table,
 )
 from end_effector_hal.verification.replay import missed_moments
@@ -52,6 +54,7 @@ class RecordedRun:
     changer: Sequence[ChangerRow]
     missed: Sequence[Moment]
     notes: tuple[str, ...]
+    switches: SwitchesLog | None = None
 
     @classmethod
     def read(cls, states: Path) -> RecordedRun:
@@ -60,9 +63,10 @@ class RecordedRun:
         alarms = read_alarms(states.with_name("alarms.csv"))
         pressures, note = _pressures(states.with_name("pressures.csv"))
         changer = read_changer(states.with_name("tool_changer.csv"))
+        switches = read_switches(states.with_name("switches.csv"))
         missed, more = missed_moments(states.parent)
         notes = tuple(note for note in (log.note, info.note, *info.gaps, note, *more) if note)
-        return cls(log, info, alarms, pressures, changer, missed, notes)
+        return cls(log, info, alarms, pressures, changer, missed, notes, switches)
 
     def write_table(self, folder: Path) -> list[Path]:
         """Write ``run.csv``, everything in one table, and ``plot_run.m``, which draws it in MATLAB or Octave.
@@ -70,7 +74,9 @@ class RecordedRun:
         Raises:
             UsageError: they cannot be written, or the recording holds no row.
         """
-        table = write_run_table(folder / "run.csv", self.log, self.pressures, self.changer, self.alarms)
+        table = write_run_table(
+            folder / "run.csv", self.log, self.pressures, self.changer, self.alarms, self.switches
+        )
         script = folder / SCRIPT
         try:
             script.write_bytes(Path(__file__).with_name(SCRIPT).read_bytes())
@@ -82,7 +88,9 @@ class RecordedRun:
         """In one of `STYLES`; raises UsageError for a recording without a row."""
         if style == "paper":
             return paper(self.log, self.info)
-        return timeline(self.log, self.pressures, self.info, self.alarms, self.missed, self.changer)
+        return timeline(
+            self.log, self.pressures, self.info, self.alarms, self.missed, self.changer, self.switches
+        )
 
 
 def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
@@ -103,17 +111,19 @@ def timeline(
     alarms: Sequence[AlarmRow] = (),
     moments: Sequence[Moment] = (),
     changer: Sequence[ChangerRow] = (),
+    switches: SwitchesLog | None = None,
 ) -> Figure:
-    """States as lanes with their names inside, events on top, pressures with their thresholds below.
+    """States as lanes with their names inside, events on top, switches and pressures with their thresholds below.
 
-    ``moments``: to be marked besides those of the story; ``changer``: the lane of the tool changer.
+    ``moments``: to be marked besides those of the story; ``changer``: the lane of the tool changer; ``switches``: a
+    lane for each that the run says what it proves.
 
     Raises UsageError for a recording without a row.
     """
     _need_rows(log)
     from ._timeline import draw
 
-    return draw(log, pressures, info or RunInfo(), alarms, moments, changer)
+    return draw(log, pressures, info or RunInfo(), alarms, moments, changer, switches)
 
 
 def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:

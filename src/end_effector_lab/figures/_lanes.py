@@ -17,7 +17,7 @@ from ._labels import Box, Point, Sheet, first_fitting, height_of, width_of
 from ._page import Page, write_name
 from ._releasing import gone_s
 from ._save import DPI
-from ._style import INK, MUTED, Shown, fill_of, ink_of, kind_of, wordings
+from ._style import INK, MUTED, Shown, ShownLevel, fill_of, ink_of, kind_of, wordings
 
 BAR_IN = 0.44
 CAPTION_IN = 0.3
@@ -82,6 +82,7 @@ class Lane:
     inside: list[Inside] = field(default_factory=list)
     beside: list[Beside] = field(default_factory=list)
     caption: str = ""
+    bar_in: float = BAR_IN
 
     @property
     def bar_at(self) -> float:
@@ -92,7 +93,7 @@ class Lane:
     def height_in(self) -> float:
         """Caption, bar, words below and gap."""
         lowest = max((words.box.y1 for words in self.beside), default=0.0)
-        return self.bar_at + BAR_IN + max(lowest, 0.0) + GAP_IN
+        return self.bar_at + self.bar_in + max(lowest, 0.0) + GAP_IN
 
 
 def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:
@@ -186,7 +187,8 @@ def write_lane(lane: Lane, x_of: Callable[[float], float], width_in: float, avoi
                 lane.inside.append(Inside(segment, text, x, size))
                 break
         else:
-            outside.append(segment)
+            if not isinstance(segment.state, ShownLevel):  # its line says it
+                outside.append(segment)
     in_middle = _beside(sorted(outside, key=_rank), x_of, width_in, _MIDDLE)
     # left of their feet, in order of time, more words find a place where short segments follow each other
     to_left = _beside(outside, x_of, width_in, _LEFT)
@@ -274,7 +276,7 @@ def draw_lane(axes: Axes, page: Page, lane: Lane, top: float) -> None:
             *place, lane.caption, va="center_baseline", color=MUTED, fontsize=TEXT, bbox=behind, zorder=4
         )
     top += lane.bar_at
-    write_name(axes, page, lane.title, top + BAR_IN / 2)
+    write_name(axes, page, lane.title, top + lane.bar_in / 2)
     before = 0.0
     seen: set[tuple[Shown, bool, int]] = set()
     for segment in lane.segments:
@@ -286,12 +288,14 @@ def draw_lane(axes: Axes, page: Page, lane: Lane, top: float) -> None:
             _draw_bar(axes, page, lane, segment, top, least)
         seen.add(spot)
         if min(width, before) > _BORDER_IN:
-            axes.plot([segment.start_s] * 2, [top, top + BAR_IN], color="white", linewidth=1.6, zorder=2.1)
+            axes.plot(
+                [segment.start_s] * 2, [top, top + lane.bar_in], color="white", linewidth=1.6, zorder=2.1
+            )
         before = width
     for inside in lane.inside:
-        _write_inside(axes, page, inside, top + BAR_IN / 2)
+        _write_inside(axes, page, inside, top + lane.bar_in / 2)
     for beside in lane.beside:
-        _write_beside(axes, page, beside, top + BAR_IN)
+        _write_beside(axes, page, beside, top + lane.bar_in)
 
 
 def _draw_bar(axes: Axes, page: Page, lane: Lane, segment: Segment, top: float, least: float) -> None:
@@ -302,7 +306,7 @@ def _draw_bar(axes: Axes, page: Page, lane: Lane, segment: Segment, top: float, 
         middle, half = (left + right) / 2, least / 2
         left, right = middle - half, middle + half
         zorder = 2.3 if error else 2.2
-    bar = Rectangle((page.seconds(left), top), page.seconds(right) - page.seconds(left), BAR_IN)
+    bar = Rectangle((page.seconds(left), top), page.seconds(right) - page.seconds(left), lane.bar_in)
     bar.set(facecolor=fill_of(segment.kind), linewidth=0, clip_on=False, zorder=zorder)
     bar.set_label(f"{lane.name}: {segment.state.label}{' (releasing)' if segment.releasing else ''}")
     axes.add_patch(bar)

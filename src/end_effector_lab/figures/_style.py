@@ -34,7 +34,7 @@ FILLS = {
 NOTHING = "#f1f3f6"
 WRONG = FILLS["error"]
 WATCHED = "#e4e3f2"
-"""A value of what a requirement speaks of: no state of Table II."""
+"""A value of what a requirement speaks of, or of a switch that proves neither: no state of Table II."""
 BAND, BAND_INK = "#e6f3ed", "#1f7a55"
 THRESHOLDS = {"secure": (BAND_INK, (0, (1, 2))), "lost": ("#b8232f", (0, (5, 2, 1, 2)))}
 """What is drawn as a line: its colour and its dashes."""
@@ -80,6 +80,7 @@ _OF_CHANGER = {
     ChangerState.LOCKING: "waiting for sensor",
     ChangerState.FAULT: "error",
 }
+_OF_SWITCH = {"confirmed": "confirmed", "gone": "inactive"}
 _OF_ACTUATOR = {INACTIVE: "inactive", PENDING: "waiting for sensor", ACTIVE: "confirmed"}
 
 
@@ -91,7 +92,16 @@ class ShownValue:
     wrong: bool = False
 
 
-Shown = TableState | ShownValue
+@dataclass(frozen=True)
+class ShownLevel:
+    """The level of a switch, in words; None: not known. ``proven``: by it alone, in a word; empty: nothing."""
+
+    label: str
+    level: bool | None
+    proven: str
+
+
+Shown = TableState | ShownValue | ShownLevel
 """What a segment of a lane is."""
 
 
@@ -99,6 +109,8 @@ def kind_of(state: Shown) -> str:
     """The kind of a state, a key of `FILLS`; empty for the command NONE, and for what is not known."""
     if isinstance(state, ShownValue):
         return "error" if state.wrong else "watched"
+    if isinstance(state, ShownLevel):
+        return "" if state.level is None else _OF_SWITCH.get(state.proven, "watched")
     if isinstance(state, EndEffectorState):
         return _OF_END_EFFECTOR[state]
     if isinstance(state, Command):

@@ -18,6 +18,7 @@ from end_effector_hal.recording import (
     PressuresLog,
     RunInfo,
     StatesLog,
+    SwitchesLog,
     read_story,
 )
 
@@ -28,6 +29,7 @@ from ._page import EDGE_IN, WIDTH_IN, Page, page_of
 from ._panels import draw_panel, labels_width, panels_of
 from ._save import DPI
 from ._style import RULE, WRONG, drawing
+from ._switches import draw_steps, switch_lanes
 from ._watched import CLOCK_IN, clock_labels_width, draw_clock, watched_clocks, watched_lanes
 
 PANEL_GAP_IN, AXIS_IN = 0.16, 0.62
@@ -64,6 +66,7 @@ def draw(
     alarms: Sequence[AlarmRow] = (),
     moments: Sequence[Moment] = (),
     changer: Sequence[ChangerRow] = (),
+    switches: SwitchesLog | None = None,
 ) -> Figure:
     """Measure everything, then draw it; see `end_effector_lab.figures.timeline`."""
     with drawing():
@@ -71,12 +74,18 @@ def draw(
         panels = panels_of(pressures, info, log.actuators, alarms)
         clocks = watched_clocks(info)
         words_in = max(labels_width(panels), clock_labels_width(clocks))
-        page = page_of(log, pressures if panels else None, words_in, [each.name for each in info.watched])
+        page = page_of(
+            log,
+            pressures if panels else None,
+            words_in,
+            [*info.switches, *(each.name for each in info.watched)],
+        )
         shown = [moment for moment in moments if page.start_s <= moment.time_s <= page.end_s]
         told = sorted((*story.moments, *shown), key=lambda moment: moment.time_s)
         events = place_events(told, page.x, page.width + EDGE_IN)
         crossed = [page.x(event.moment.time_s) for event in events]
         lanes = all_lanes_of(log, info, page.end_s, pressures, changer)
+        lanes += switch_lanes(switches, info, page.end_s)
         lanes += watched_lanes(info, page.end_s)
         for lane in lanes:
             write_lane(lane, page.x, page.width, crossed)
@@ -114,6 +123,7 @@ def draw_lanes(
     below = FOOT_IN
     for lane in lanes:
         draw_lane(axes, sheet.page, lane, below)
+        draw_steps(axes, lane, below + lane.bar_at)
         below += lane.height_in
         if lane.name == "command" and len(lanes) > 2:
             axes.axhline(below - GAP_IN / 2, color=RULE, linewidth=0.8, zorder=1)

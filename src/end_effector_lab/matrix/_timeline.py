@@ -15,7 +15,15 @@ from ._play import CellRun, Played
 from ._run import no_log
 
 TIMELINE = "timeline.png"
-_WRITTEN = ("run.json", "states.csv", "pressures.csv", "tool_changer.csv", "alarms.csv", TIMELINE)
+_WRITTEN = (
+    "run.json",
+    "states.csv",
+    "pressures.csv",
+    "switches.csv",
+    "tool_changer.csv",
+    "alarms.csv",
+    TIMELINE,
+)
 
 
 def cell_folder(folder: Path) -> AbstractContextManager[Path]:

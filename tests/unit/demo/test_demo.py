@@ -37,7 +37,7 @@ from end_effector_lab.testbench import Testbench, open_inputs, open_ports
 FILES = {
     "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv",
     "run.json", "states.csv", "testbench.log", "timeline.png", "timeline.svg", "tool.log", "tool_change.mcap",
-    "plot_run.m", "run.csv", "tool_changer.csv",
+    "plot_run.m", "run.csv", "switches.csv", "tool_changer.csv",
 }  # fmt: skip
 
 

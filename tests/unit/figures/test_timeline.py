@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given, settings
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import AlarmRow, ChangerRow, PressuresLog, RunInfo, StatesLog, Watched
+from end_effector_hal.recording import (
+    AlarmRow,
+    ChangerRow,
+    PressuresLog,
+    RunInfo,
+    StatesLog,
+    SwitchesLog,
+    Watched,
+)
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_lab.figures import save, timeline
 from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, PRESSURES, log
@@ -476,3 +484,22 @@ def test_a_counterexample_without_a_length_is_drawn():
     log_ = log((0.0, 0, -1, 0, 0, 0))
     figure = timeline(log_, info=replace(VIOLATED, violated_s=0.0, watched=WATCHED[:2]))
     assert "VIOLATED" in texts(figure, "event")
+
+
+def test_a_switch_has_a_lane_with_its_level_and_what_it_proves():
+    """The line is up while it is on, and has a gap where it is not known; a switch that proves nothing has no lane."""
+    rows = ((0.0, (False, True)), (1.5, (True, True)), (3.0, (None, True)), (11.5, (False, True)))
+    proves = {"top_cup": {"actuator": "top_vacuum", "on": "confirmed", "off": "gone"}}
+    figure = timeline(
+        NOMINAL, None, replace(INFO, switches=proves), switches=SwitchesLog(("top_cup", "locked"), rows)
+    )
+    shown = [(word, round(start, 3)) for word, start, _, _ in bars(figure, "switch top_cup")]
+    assert shown == [("off", 0.0), ("on", 1.5), ("not known", 3.0), ("off", 11.5)]
+    inside = texts(figure, "inside")
+    assert {"off: gone", "on: confirmed"} <= set(inside)
+    (line,) = [each for each in figure.axes[0].get_lines() if each.get_label() == "switch top_cup: level"]
+    off, _, on, _, unknown, *_ = line.get_ydata()
+    assert on < off, "inches run downwards"
+    assert unknown != unknown
+    assert not bars(figure, "switch locked")
+    assert overlaps(figure) == []

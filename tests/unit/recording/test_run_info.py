@@ -30,6 +30,7 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
         "started",
         "actuators",
         "limits",
+        "switches",
         "simulated",
         "ros_generation",
         "start_us",

@@ -20,6 +20,7 @@ from end_effector_hal.recording import (
     read_pressures,
     read_run,
     read_states,
+    read_switches,
 )
 from tests.support.full_disk import FullDisk
 
@@ -123,6 +124,23 @@ def test_a_channel_of_another_link_keeps_its_value_until_it_is_stale(tmp_path: P
     log = read_pressures(tmp_path / "pressures.csv")
     curve = dict(zip(log.times_s, log.curve("vacuum"), strict=True))
     assert curve == {0.0: -80.0, 0.03: -80.0, 1.0: None, 1.03: -70.0, 1.06: None}
+
+
+def test_switches_are_recorded_without_a_pressure_and_what_they_prove(tmp_path: Path) -> None:
+    tool = load(Path("examples/tools/double_acting_jaw/end_effector.yaml"))
+    with Recording(tmp_path, tool) as recording:
+        start = recording._begun
+        recording.state(start, 6, -1, [0])
+        recording.values(start, {"jaw_open": True, "jaw_closed": False})
+        recording.values(start + 10_000, {"jaw_open": 1, "jaw_closed": 0})  # as ROS has them
+        recording.values(start + SECOND, {"jaw_open": None, "jaw_closed": True})
+    log = read_switches(tmp_path / "switches.csv")
+    assert log is not None
+    assert (log.channels, log.rows) == (
+        ("jaw_open", "jaw_closed"), ((0.0, (True, False)), (1.0, (None, True)))
+    )  # fmt: skip
+    assert not (tmp_path / "pressures.csv").exists()
+    assert read_run(tmp_path).switches["jaw_open"] == {"actuator": "jaw", "on": "gone", "off": ""}
 
 
 def test_the_tool_changer_is_recorded_where_there_is_one(tmp_path: Path) -> None:

@@ -17,11 +17,13 @@ from end_effector_hal.recording import (
     RunInfo,
     StatesLog,
     StatesRow,
+    SwitchesLog,
     content_hash,
     read_alarms,
     read_pressures,
     read_run,
     read_states,
+    read_switches,
 )
 from end_effector_hal.runtime.boundary import PUBLISHED, FrameTaken, Header, Published
 from end_effector_hal.verification.replay import Entry
@@ -30,7 +32,7 @@ from end_effector_hal.vocabulary import ACTIVE, PENDING, Evidence
 from ._files import TOLD
 
 BEGUN = "begun"
-STATES, PRESSURES, ALARMS = "states.csv", "pressures.csv", "alarms.csv"
+STATES, PRESSURES, SWITCHES, ALARMS = "states.csv", "pressures.csv", "switches.csv", "alarms.csv"
 _UNKNOWN = ("held", "lift_allowed", "secure", "changer", "unlock_output", "armed", "worst_late_ms", "missed")
 
 
@@ -74,6 +76,7 @@ class RecordedTables:
             )
         self._alarms: list[AlarmRow] = self._optional(ALARMS, lambda path: list(read_alarms(path)), [])
         self._pressures: PressuresLog = self._optional(PRESSURES, read_pressures, PressuresLog((), ()))
+        self._switches: SwitchesLog | None = self._optional(SWITCHES, read_switches, None)
         if self._pressures.note:
             self.notes.append(self._pressures.note)
         self.header = Header(
@@ -100,10 +103,10 @@ class RecordedTables:
 
     def entries(self) -> Iterator[Entry]:
         """What the tables say, as records in the order of time."""
-        for entry in heapq.merge(self._told(), self._frames(), key=lambda entry: entry.at):
+        for entry in heapq.merge(self._told(), self._frames(), self._levels(), key=lambda entry: entry.at):
             yield entry
             if entry.kind == "frame":  # whoever has taken it asks for the next
-                self._now = entry.record.values
+                self._now = {**self._now, **entry.record.values}
 
     def known(self, view: dict[str, Any]) -> dict[str, Any]:
         """What is shown, without what nobody has recorded."""
@@ -156,6 +159,13 @@ class RecordedTables:
             named = zip(self._pressures.channels, values, strict=True)
             pascals = {name: None if kpa is None else round(kpa * 1000) for name, kpa in named}
             yield Entry(at, "grip", "frame", FrameTaken(at, at, None, None, pascals))
+
+    def _levels(self) -> Iterator[Entry]:
+        log = self._switches
+        for time_s, levels in log.rows if log else ():
+            at = round(time_s * 1e6)
+            values = dict(zip(log.channels, levels, strict=True)) if log else {}
+            yield Entry(at, "grip", "frame", FrameTaken(at, at, None, None, values))
 
     def _optional(self, name: str, read: Any, nothing: Any) -> Any:
         path = self.path / name

@@ -222,6 +222,7 @@ export class TimeLine {
 }
 
 function toneOf(word) {
+  if (/^o(n|ff)\b/.test(word)) return /: confirmed/.test(word) ? ["--ok-soft", "--ok"] : /: gone/.test(word) ? ["--idle-soft", "--muted"] : ["--soft", "--muted"];
   if (/ERROR|FAULT/.test(word)) return ["--bad-soft", "--bad"];
   if (/RELEASING/.test(word)) return ["--release-soft", "--release"];
   if (/PENDING|GRIPPING|ING$/.test(word)) return ["--busy-soft", "--busy"];

@@ -6,7 +6,7 @@ from typing import Any
 
 from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import LeakWatch, kind_of
+from end_effector_hal.kinds import LeakWatch, SwitchMeaning, kind_of, switch_meanings
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import ACTIVE, PENDING, EndEffectorState, Evidence, display_name
@@ -36,6 +36,16 @@ class Cards:
             for name, part in self._parts
             if self._carried.get(part.channel) is Kind.PRESSURE
         ]
+
+    @property
+    def switches(self) -> dict[str, SwitchMeaning]:
+        """Channels of the bits of the actuators, in the order of a grip, with what each proves."""
+        found: dict[str, SwitchMeaning] = {}
+        for _, part in self._parts:
+            for channel, meaning in switch_meanings(part).items():
+                if self._carried.get(channel) is Kind.BIT:
+                    found.setdefault(channel, meaning)
+        return found
 
     def drawn(self) -> list[dict[str, Any]]:
         """What never changes."""

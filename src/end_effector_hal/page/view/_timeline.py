@@ -8,14 +8,18 @@ from typing import Any
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds import SwitchMeaning, kind_of
 from end_effector_hal.vocabulary import display_name
 
 from ._cards import is_releasing
 
 KEPT_US = 180_000_000
+FRESH_US = 1_000_000
+"""So long a pressure is drawn on while the frames of other links come."""
 MOST_SAMPLES = 20_000
 MOST_CHANGES = 4_000
+SWITCH = "switch "
+"""Before the channel, in the name of a lane: an actuator may have the same name."""
 
 
 class TimeLine:
@@ -24,26 +28,37 @@ class TimeLine:
     Args:
         description: the tool.
         pressures: name, channel and whether it is below ambient, of what is drawn.
+        switches: channels of bits, with what each proves.
     """
 
-    def __init__(self, description: Description, pressures: Sequence[tuple[str, str, bool]]) -> None:
-        self.pressures = pressures
+    def __init__(
+        self,
+        description: Description,
+        pressures: Sequence[tuple[str, str, bool]],
+        switches: Mapping[str, SwitchMeaning],
+    ) -> None:
+        self.pressures, self._switches = pressures, switches
         self._parts = description.ordered
         self._changer = description.tool_changer is not None
         self._samples: deque[list[Any]] = deque(maxlen=MOST_SAMPLES)
         self._changes: deque[dict[str, Any]] = deque(maxlen=MOST_CHANGES)
         self._last: dict[str, str] = {}
+        self._values: dict[str, tuple[int, Any]] = {}
         self.sampled = self.changed = 0
         """How many there were."""
 
     def frame(self, at: int, values: Mapping[str, Any]) -> None:
         """One frame of the sensors."""
         row: list[Any] = [at]
+        self._values |= {name: (at, value) for name, value in values.items()}
         for _, channel, below in self.pressures:
-            value = values.get(channel)
+            came_at, value = self._values.get(channel, (at, None))
+            value = None if at - came_at > FRESH_US else value  # one of several links may be silent
             row.append(None if value is None else (-value if below else value) / 1000)
         self._samples.append(row)
         self.sampled += 1
+        bits = [name for name in self._switches if name in values]
+        self._note(at, {f"{SWITCH}{name}": self._words(name, values[name]) for name in bits})
         while self._samples and self._samples[0][0] < at - KEPT_US:
             self._samples.popleft()
 
@@ -76,11 +91,15 @@ class TimeLine:
         """Their names, from top to bottom."""
         own = [{"name": "", "label": "End-effector"}]
         own += [{"name": name, "label": display_name(name)} for name, _ in self._parts]
-        return [*own, *([{"name": "tool changer", "label": "Tool changer"}] if self._changer else [])]
+        own += [{"name": "tool changer", "label": "Tool changer"}] if self._changer else []
+        return [*own, *({"name": f"{SWITCH}{name}", "label": display_name(name)} for name in self._switches)]
 
     def _note(self, at: int, words: dict[str, str]) -> None:
         for lane, word in words.items():
             if self._last.get(lane) != word:
                 self._changes.append({"at": at, "lane": lane, "word": word})
                 self.changed += 1
-        self._last = words
+        self._last |= words
+
+    def _words(self, switch: str, level: bool | int | None) -> str:
+        return "" if level is None else self._switches[switch].words(bool(level))

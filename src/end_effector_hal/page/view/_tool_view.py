@@ -55,7 +55,7 @@ class ToolView:
         self._cards = Cards(description, dict(carrier.channels))
         self._interlocks = InterlockTable(description)
         self.log = EventLog(description, network.document)
-        self.timeline = TimeLine(description, self._cards.pressures)
+        self.timeline = TimeLine(description, self._cards.pressures, self._cards.switches)
         self._automata = AutomataView(network, description)
         self._frames: deque[int] = deque(maxlen=400)
         self._command: tuple[Command, int] = (Command.NONE, at)

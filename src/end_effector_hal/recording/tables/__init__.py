@@ -1,13 +1,15 @@
-"""The CSV tables of a recording: states, pressures, alarms; written row by row, and read back."""
+"""The CSV tables of a recording: states, pressures, switches, alarms; written row by row, and read back."""
 
 from ._alarms import BEGUN, AlarmRow, AlarmsWriter, read_alarms
 from ._changer import ChangerRow, ChangerWriter, read_changer
 from ._pressures import KPA, PressuresLog, PressuresWriter, column_of, read_pressures
 from ._states import StatesLog, StatesRow, StatesWriter, read_states
+from ._switches import ON, SwitchesLog, SwitchesWriter, read_switches
 
 __all__ = [
     "BEGUN",
     "KPA",
+    "ON",
     "AlarmRow",
     "AlarmsWriter",
     "ChangerRow",
@@ -17,9 +19,12 @@ __all__ = [
     "StatesLog",
     "StatesRow",
     "StatesWriter",
+    "SwitchesLog",
+    "SwitchesWriter",
     "column_of",
     "read_alarms",
     "read_changer",
     "read_pressures",
     "read_states",
+    "read_switches",
 ]
