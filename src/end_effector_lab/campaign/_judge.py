@@ -196,7 +196,8 @@ class Judge:
     def _moved(self, edges: list[Edge]) -> None:
         for edge in edges:
             stood = edge.at - self._changed_at.get(edge.line, edge.at - SETTLE_US)
-            on_bus = edge.line in self._description.register_outputs  # the pause is between two commands of it
+            # of a register the pause is between two commands
+            on_bus = edge.line in self._description.register_outputs
             if stood < SETTLE_US and not on_bus:
                 self._object("switching", f"{edge.line} was switched after {stood / 1000:g} ms (IL-10)")
             self._changed_at[edge.line] = edge.at
