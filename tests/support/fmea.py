@@ -34,7 +34,7 @@ EVERY: Mapping[str, int] = {
     "double_acting_jaw": 1,
     "epick_commanded": 2,
     "gripper_2f85": 3,
-    "six_cups": 18,
+    "six_cups": 16,
     "two_coil_changer": 3,
     "two_epick": 9,
     "two_links": 6,
