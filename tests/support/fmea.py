@@ -11,9 +11,6 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
-
-from ruamel.yaml import YAML
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_lab.matrix import Cell, cells_of, moments, thinned
@@ -40,33 +37,14 @@ EVERY: Mapping[str, int] = {
     "two_links": 6,
 }
 """One cell of so many is played, by the name of the tool: some hundred."""
-ON_A_BUS = ("epick_commanded", "gripper_2f85")
-"""Tools that are played with their outputs on lines: what is commanded over a link has no virtual time."""
 HEAD = ("tool", "FMEA", "cells played", "failure modes", "not explained", "how to play it again")
 
 
 def path_of(name: str) -> Path:
-    """The description of a tool, as it is played."""
+    """The description of a tool."""
     if name == "verdin_gripper":
         return profile_path()
-    if name not in ON_A_BUS:
-        return ROOT / "examples" / "tools" / name / "end_effector.yaml"
-    path = PLAYED / f"{name}.yaml"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = YAML()
-    given = text.load(ROOT / "examples" / "tools" / name / "end_effector.yaml")
-    on_lines(given)
-    text.dump(given, path)
-    return path
-
-
-def on_lines(description: dict[str, Any]) -> None:
-    """Put lines in place of the outputs that it commands over a link, and leave out the channels that prove these."""
-    for number, part in enumerate(description["actuators"].values()):
-        if bus := part.pop("modbus", None):
-            part["line"] = f"GPIO{number + 5}"
-            for channel in (bus.get("verify"), bus.get("activation", {}).get("ready")):
-                description["channels"].pop(channel, None)
+    return ROOT / "examples" / "tools" / name / "end_effector.yaml"
 
 
 def chosen(name: str) -> tuple[Description, list[Cell], int]:
@@ -91,7 +69,7 @@ def _cells(name: str) -> Iterator[str]:
     yield str(sum(int(row["unexplained"]) for row in rows))
     tool = "" if name == "verdin_gripper" else f" examples/tools/{name}/end_effector.yaml"
     command = f'eehal matrix{tool} --only "{ONLY}" --every {EVERY[name]} -o runs/fmea/{name}'
-    yield f"`python -m tests.support.fmea {name}`" if name in ON_A_BUS else f"`{command}`"
+    yield f"`{command}`"
 
 
 def rows_of(name: str) -> list[dict[str, str]]:

@@ -7,11 +7,8 @@ from io import StringIO
 
 import pytest
 
-from end_effector_hal.description import load
-from end_effector_hal.errors import UsageError
 from end_effector_lab.matrix import fmea, play
-from end_effector_lab.virtual import VirtualTool
-from tests.support.fmea import EVERY, KEPT, ON_A_BUS, chosen, rows_of
+from tests.support.fmea import EVERY, KEPT, chosen, rows_of
 from tests.support.nightly import NIGHTLY
 from tests.support.places import ROOT
 
@@ -34,12 +31,6 @@ def test_nothing_is_unexplained(name: str) -> None:
     rows = rows_of(name)
     assert [row for row in rows if row["unexplained"] != "0"] == []
     assert {row["function"] for row in rows} == {"begin a grip", "grip", "hold", "release"}
-
-
-@pytest.mark.parametrize("name", ON_A_BUS)
-def test_a_tool_is_changed_only_where_it_must_be(name: str) -> None:
-    with pytest.raises(UsageError, match="commanded over a link"):
-        VirtualTool(load(TOOLS / name / "end_effector.yaml"))
 
 
 def test_one_is_the_same_when_it_is_played_again() -> None:
