@@ -67,3 +67,15 @@ class RecordedTool(VirtualTool):
         """What was recorded; the run is over."""
         self.close()
         return load_trace(self.folder / f"{program}.mcap")
+
+
+def recorded(folder: Path, scenario: str, *plan: str | float) -> Path:
+    """The recording of a tool that got these commands, with seconds between them."""
+    tool = RecordedTool(folder, scenario)
+    for step in plan:
+        if isinstance(step, str):
+            tool.command(step)
+        else:
+            tool.run(step)
+    tool.close()
+    return folder

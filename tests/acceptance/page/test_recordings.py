@@ -17,20 +17,10 @@ from tests.acceptance.page.conftest import Live, Process
 from tests.acceptance.page.test_page import opened as live_page
 from tests.acceptance.page.test_page import shot, shows
 from tests.support.patience import wait_until
-from tests.support.recorded_tool import RecordedTool
+from tests.support.recorded_tool import RecordedTool, recorded
 
+READ_MS = 300_000
 HOSTILE = '</script><img src=http://evil.example/x onerror="document.title=1">'
-
-
-def recorded(folder: Path, scenario: str, *plan: str | float) -> Path:
-    tool = RecordedTool(folder, scenario)
-    for step in plan:
-        if isinstance(step, str):
-            tool.command(step)
-        else:
-            tool.run(step)
-    tool.close()
-    return folder
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +57,7 @@ def reported(folder: Path, *recordings: Path, expected: int = 0) -> Path:
     """`eehal report` in a process."""
     target = folder / "report.html"
     process = Process(folder, "report", *map(str, recordings), "-o", str(target))
-    assert process.child.wait(60) == expected, process.log.read_text()
+    assert process.child.wait(READ_MS / 1000) == expected, process.log.read_text()
     process.end()
     return target
 
@@ -83,8 +73,13 @@ def opened(chromium: Any, url: str, **options: Any) -> Any:
     page.on("console", lambda said: page.faults.append(said.text) if said.type == "error" else None)
     page.on("request", lambda request: page.asked.append(request.url))
     page.goto(url)
-    page.wait_for_selector("body:not(.stale)")
+    is_read(page)
     return page
+
+
+def is_read(page: Any) -> None:
+    """Who reads stands behind whatever else the machine does: only what fails takes so long."""
+    page.wait_for_selector("body:not(.stale)", timeout=READ_MS)
 
 
 def close(page: Any) -> None:
@@ -105,7 +100,8 @@ def comes(page: Any, condition: str) -> None:
 def test_a_recording_is_scrubbed_and_stepped(chromium: Any, served: Any, retried: Path) -> None:
     page = opened(chromium, served(str(retried)))
     shows(page, "about", "nothing is commanded here.")
-    shows(page, "judged", "Replay and monitor: identical decisions; every step is allowed by the automata.")
+    identical = "Replay and monitor: identical decisions; every step is allowed by the automata."
+    shows(page, "judged", identical, READ_MS)
     for absent in ("#buttons", "#control-take", "#maintenance", "#confirm", "#hold-still"):
         assert page.query_selector(absent) is None
     shows(page, "summaries", "Cylinder, attempt 1 of 3: timed out after 5.00 s")
@@ -285,7 +281,7 @@ def test_damage_is_told_and_what_was_before_it_is_shown(chromium: Any, served: A
     shows(page, "notes", "grip-2.mcap is damaged: bytes in it were changed")
     shows(page, "notes", "What follows in this file is not shown.")
     shows(page, "notes", "tool_change.mcap is not whole")
-    shows(page, "judged", "Replay and monitor: decisions differ, or the trace is incomplete")
+    shows(page, "judged", "Replay and monitor: decisions differ, or the trace is incomplete", READ_MS)
     page.fill("#scrub", "4")
     shows(page, "state-word", "GRIPPING")
     shot(page, "recording-damaged", whole=True)
@@ -346,7 +342,7 @@ def test_a_recording_that_is_still_written_grows(chromium: Any, served: Any, tmp
             hal.said("GRIPPED")
             shows(page, "news", "The recording has grown since it was read.")
             page.reload()
-            page.wait_for_selector("body:not(.stale)")
+            is_read(page)
             shows(page, "summaries", "Nominal: GRIPPED")
             close(page)
         finally:
@@ -368,7 +364,7 @@ def test_the_live_page_lists_what_was_recorded_and_opens_it(
         page = live_page(chromium, live)
         assert page.locator("#past-rows tr").count() == 0, "nothing is read before somebody asks"
         page.click("#past-jump")
-        shows(page, "past-said", f"3 in {folder}, newest first.")
+        shows(page, "past-said", f"3 in {folder}, newest first.", READ_MS)
         assert page.locator("#past-rows a").all_inner_texts() == [nominal.name, retried.name, "torn"]
         assert live.page.child.poll() is None
         page.locator("#past").scroll_into_view_if_needed()
@@ -376,11 +372,10 @@ def test_the_live_page_lists_what_was_recorded_and_opens_it(
         with page.context.expect_page() as found:
             page.locator("#past-rows a", has_text="retried").click()
         past = found.value
-        past.wait_for_selector("body:not(.stale)")
+        is_read(past)
         shows(past, "summaries", "Cylinder, attempt 1 of 3: timed out after 5.00 s")
-        shows(
-            past, "judged", "Replay and monitor: identical decisions; every step is allowed by the automata."
-        )
+        identical = "Replay and monitor: identical decisions; every step is allowed by the automata."
+        shows(past, "judged", identical, READ_MS)
         assert past.query_selector("#buttons") is None
         # meanwhile the tool is as live as before
         assert page.query_selector("body.stale") is None
@@ -403,8 +398,8 @@ def test_what_if_stands_below_the_recording(chromium: Any, served: Any, retried:
     page.faults.clear()  # the browser reports each refusal as an error
     page.fill("#what-if-text", "actuators.bottom_vacuum.timeout_s: 0.25")
     page.click("#what-if-play")
-    page.wait_for_selector("#compare:not([hidden])")
-    page.wait_for_selector("body:not(.stale)")
+    page.wait_for_selector("#compare:not([hidden])", timeout=READ_MS)
+    is_read(page)
     shows(page, "about", "what another description would have made of it")
     shows(page, "second-name", "a guess")
     shows(page, "notes", "actuators.bottom_vacuum.timeout_s: 5.0 → 0.25")

@@ -53,7 +53,7 @@ def test_a_flood_is_cut_and_counted_and_an_alarm_gets_through(
         words.event(0, "a line")
     assert len(screen.out) == BURST
     words.alarm(0, "It burns.", over=False)
-    assert screen.lines[-1] == ("alarm: It burns.", True)
+    assert screen.lines[-1] == ("alarm: It burns.", False)
     now[0] += 1.0
     words.event(0, "later")
     assert screen.out[-2:] == [
@@ -188,6 +188,21 @@ def test_a_reader_who_has_gone_worries_nobody(
     voice.help("A text.")
 
 
+def test_an_alarm_is_told_where_nobody_reads_the_rest(screen: Screen) -> None:
+    """Behind `| head -1`, or with a file on a disk that is full."""
+
+    def half_broken(text: str, *, err: bool = False) -> None:
+        if not err:
+            raise BrokenPipeError
+        screen(text, err=err)
+
+    words = Words(half_broken)
+    words.event(0, "GRIPPED")
+    words.alarm(0, "It burns.", over=False)
+    words.ending("What is held stays held.")
+    assert screen.lines == [("alarm: It burns.", True), ("What is held stays held.", True)]
+
+
 WEAK = "Weak grip: Cups fell to 52.0 kPa; minimum for a secure grip: 60 kPa."
 SECURE_AGAIN = "Over: Cups was not secure for a while; it is again (62 kPa)."
 DOWN = "The sensor link is down."
@@ -202,7 +217,7 @@ def alarmed(changes: Changes, *rounds: tuple[str, ...]) -> None:
 def test_what_is_over_is_said_once_and_not_as_an_alarm(description: Description, screen: Screen) -> None:
     changes = Changes(description, Words(screen))
     alarmed(changes, (), (DOWN, WEAK), (SECURE_AGAIN,), ())
-    assert [text for text, err in screen.lines if err] == [
+    assert [text for text in screen.out if text.startswith(("alarm: ", "over: "))] == [
         f"alarm: {DOWN}",
         f"alarm: {WEAK}",
         "over: Cups was not secure for a while; it is again (62 kPa).",

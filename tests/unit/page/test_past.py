@@ -17,7 +17,7 @@ from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page.recorded import _folder
 from end_effector_hal.page.recorded._folder import MOST_TABLE_BYTES, list_recordings
-from end_effector_hal.page.web import PageAddress, _past
+from end_effector_hal.page.web import PageAddress, _past, _second_rank
 from end_effector_hal.page.web._past import PastRecordings
 from end_effector_hal.page.web._past_routes import past_routes
 from end_effector_hal.page.web._recordings import make_recordings_app
@@ -242,13 +242,60 @@ def test_a_reader_that_hangs_or_dies_ends_nothing_else(
     asyncio.run(run())
 
 
+@pytest.mark.wall
+def test_how_far_it_is_read_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Until the test has seen it; what is no number is none, and the answer is what was printed."""
+    seen = tmp_path / "seen"
+    (tmp_path / "reader_of_this_test.py").write_text(
+        f"""
+import sys, time
+from pathlib import Path
+for text in ("0.1", "x", "0.42"):
+    print("progress", text, file=sys.stderr, flush=True)
+while not Path({str(seen)!r}).exists():
+    time.sleep(0.01)
+print("done", end="")
+"""
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(_past, "_MODULE", "reader_of_this_test")
+
+    async def run() -> None:
+        past = PastRecordings(tmp_path, profile_path())
+        task = past.reading("0" * 24, verdict=False)
+        assert task is not None
+        while past.progress("0" * 24, verdict=False) != 0.42:
+            await asyncio.sleep(0.01)
+        app = Starlette(routes=past_routes(past))
+        assert await asked(app, f"/past/{'0' * 24}/recording/0") == (202, b'{"progress":0.42}')
+        seen.touch()
+        assert await task == b"done"
+        assert past.progress("0" * 24, verdict=False) is None
+
+    asyncio.run(run())
+
+
+@pytest.mark.wall
+def test_a_reader_that_computes_for_ever_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "reader_of_this_test.py").write_text("while True: pass")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(_past, "_MODULE", "reader_of_this_test")
+    monkeypatch.setattr(_second_rank, "MOST_CPU_S", 1)
+
+    async def run() -> bytes:
+        return await PastRecordings(tmp_path, profile_path()).listing()
+
+    with pytest.raises(UsageError, match=r"s of a processor\."):
+        asyncio.run(run())
+
+
 READER = """
 import os, resource, sys, time
 from pathlib import Path
 if sys.argv[1] == "list":
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     session = Path("/proc/self/autogroup")  # as not every kernel has it
-    print(os.nice(0), 2 ** 28 < limit < 2 ** 33, not session.exists() or session.read_text().endswith(" nice 15\\n"))
+    print(os.nice(0), 2 ** 28 < limit < 2 ** 33, not session.exists() or session.read_text().endswith(" nice 10\\n"))
 else:
     time.sleep(600)
 """
@@ -268,7 +315,7 @@ def test_a_list_waits_for_no_verdict_and_a_reader_stands_behind_the_tool(
         assert judging is not None
         while not past._children:
             await asyncio.sleep(0.01)
-        assert (await past.listing()).split() == [b"%d" % max(os.nice(0), 15), b"True", b"True"]
+        assert (await past.listing()).split() == [b"%d" % max(os.nice(0), 10), b"True", b"True"]
         assert not judging.done()
         past.close()
         with pytest.raises((asyncio.CancelledError, UsageError)):

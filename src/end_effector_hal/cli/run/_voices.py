@@ -68,17 +68,19 @@ class _Clock:
 
 
 class Words:
-    """States and results on stdout, alarms and errors on stderr; on a terminal with the seconds since the start.
+    """All that the tool does on stdout, in one order, and errors on stderr; on a terminal with seconds since the start.
+
+    An alarm, and what becomes of what is held, are printed on stderr where stdout cannot be written.
 
     Args:
-        write: prints a line; ``err``: on stderr.
+        write: prints a line; ``err``: on stderr; raises OSError.
         timed: whether each line begins with its time.
     """
 
     def __init__(
         self, write: Callable[..., None] = click.echo, *, timed: bool = False, begun: int | None = None
     ) -> None:
-        self._write, self._timed = outlives(write), timed
+        self._write, self._timed = write, timed
         self._clock = _Clock(begun)
         self._common, self._worse = Allowance(), Allowance()
 
@@ -94,7 +96,11 @@ class Words:
     def alarm(self, at: int, text: str, *, over: bool) -> None:
         """One line each."""
         self._paced(
-            self._worse, f"{'over' if over else 'alarm'}: {text}", at, err=True, fg=None if over else "yellow"
+            self._worse,
+            f"{'over' if over else 'alarm'}: {text}",
+            at,
+            urgent=True,
+            fg=None if over else "yellow",
         )
 
     def result(self, command: Command, result: Result) -> None:
@@ -126,7 +132,7 @@ class Words:
 
     def ending(self, text: str) -> None:
         """What becomes of what is active."""
-        self._say(text, err=True)
+        self._say(text, urgent=True)
 
     def help(self, text: str) -> None:
         """What can be typed."""
@@ -137,16 +143,16 @@ class Words:
         self._say(str(error), err=True, timed=False)
 
     def _paced(
-        self, allowance: Allowance, text: str, at: int, *, err: bool = False, fg: str | None = None
+        self, allowance: Allowance, text: str, at: int, *, urgent: bool = False, fg: str | None = None
     ) -> None:
         """What happens by itself, at a bounded rate: a reading that flickers floods no terminal."""
         left_out = allowance.use()
         if left_out:
             self._say(
-                f"{left_out} lines were left out: there were more than {PER_S:g} a second.", at, err=err
+                f"{left_out} lines were left out: there were more than {PER_S:g} a second.", at, urgent=urgent
             )
         if left_out is not None:
-            self._say(text, at, err=err, fg=fg)
+            self._say(text, at, urgent=urgent, fg=fg)
 
     def _say(
         self,
@@ -154,12 +160,21 @@ class Words:
         at: int | None = None,
         *,
         err: bool = False,
+        urgent: bool = False,
         fg: str | None = None,
         timed: bool = True,
     ) -> None:
+        write = outlives(self._write)
         with self._clock as clock:
             stamp = f"{clock.seconds(at):9.3f} s  " if timed and self._timed else ""
-            self._write(f"{stamp}{click.style(text, fg=fg) if self._timed and fg else text}", err=err)
+            line = f"{stamp}{click.style(text, fg=fg) if self._timed and fg else text}"
+            if not urgent:
+                write(line, err=err)
+                return
+            try:
+                self._write(line, err=False)
+            except OSError:
+                write(line, err=True)
 
     def _steps(self, result: Result) -> Iterator[str]:
         for step in result.steps:

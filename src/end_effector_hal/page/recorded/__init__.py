@@ -6,11 +6,13 @@ and `eehal report` writes it into a file.
 
 from ._document import Progress, RecordingPart, read_recording
 from ._files import RecordingFiles
+from ._folder import PROGRESS
 from ._judged import judge_recording
 from ._other_files import OtherFiles
 from ._tables import RecordedTables
 
 __all__ = [
+    "PROGRESS",
     "OtherFiles",
     "Progress",
     "RecordedTables",

@@ -1,7 +1,7 @@
 """What the live page asks of recordings, in a process of its own: a large one must not hold the live page up.
 
-``list FOLDER``, ``show FOLDER ID DESCRIPTION``, ``judge FOLDER ID DESCRIPTION``: JSON on stdout; exit code 2 with a
-sentence on stderr where there is nothing to show.
+``list FOLDER``, ``show FOLDER ID DESCRIPTION``, ``judge FOLDER ID DESCRIPTION``: JSON on stdout, how far it is on
+stderr; exit code 2 with a sentence on stderr where there is nothing to show.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from end_effector_hal.errors import ReportedError, UsageError
 
 from ._document import read_recording
 from ._files import RecordingFiles
-from ._folder import list_recordings, recording_folders
+from ._folder import PROGRESS, list_recordings, recording_folders
 from ._judged import judge_recording
 from ._tables import STATES, RecordedTables
 
@@ -37,7 +37,12 @@ def answer(word: str, folder: Path, id_: str = "", description: str = "") -> byt
         files = RecordingFiles(path)
     else:
         files = RecordedTables(path, load_tool(description))
-    return to_json(read_recording(files) if word == "show" else judge_recording(files), fallback=dict)
+    found = read_recording(files, progress=_tell) if word == "show" else judge_recording(files)
+    return to_json(found, fallback=dict)
+
+
+def _tell(share: float) -> None:
+    sys.stderr.write(f"{PROGRESS}{share:.2f}\n")
 
 
 def _main() -> int:

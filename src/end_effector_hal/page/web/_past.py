@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import asyncio
 import re
+import signal
 import sys
 from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.page.recorded import PROGRESS
 
-from ._second_rank import bound_memory, step_back
+from ._second_rank import MOST_CPU_S, bound, step_back
 
-LIST_S, READ_S = 15.0, 180.0
+LIST_S, READ_S = 60.0, 1800.0
+"""By the clock: for a file that hangs. What is only slow ends by its share of a processor."""
 _ID = re.compile(r"[0-9a-f]{24}")
 _MODULE = "end_effector_hal.page.recorded"
+_PIECE = 65_536
 _MOST = 8
 """So many requests wait for that process; a further one is refused."""
 
@@ -34,6 +38,7 @@ class PastRecordings:
         self._asked = 0
         self._tasks: dict[tuple[str, str], asyncio.Task[bytes]] = {}
         self._children: set[asyncio.subprocess.Process] = set()
+        self._progress: dict[tuple[str, ...], float] = {}
 
     async def listing(self) -> bytes:
         """The list as JSON; raises UsageError."""
@@ -52,6 +57,12 @@ class PastRecordings:
             for old in [each for each in self._tasks if each[0] != id_ and self._tasks[each].done()]:
                 del self._tasks[old]  # one recording is kept
         return task
+
+    def progress(self, id_: str, *, verdict: bool) -> float | None:
+        """The share that is read, 0 to 1; None: not known."""
+        return self._progress.get(
+            ("judge" if verdict else "show", str(self._folder), id_, str(self._description))
+        )
 
     def forget(self, id_: str) -> None:
         """Somebody opens it: what was read before may have grown."""
@@ -90,10 +101,10 @@ class PastRecordings:
             start_new_session=True,
         )
         step_back(child.pid, session=True)
-        bound_memory(child.pid)
+        bound(child.pid)
         self._children.add(child)
         try:
-            out, said = await asyncio.wait_for(child.communicate(), most_s)
+            out, said = await asyncio.wait_for(self._heard(child, words), most_s)
         except TimeoutError:
             raise UsageError(f"It was not read within {most_s:g} s.") from None
         finally:
@@ -102,10 +113,28 @@ class PastRecordings:
                     child.kill()
                 await child.wait()
             self._children.discard(child)
+            self._progress.pop(words, None)
+        if child.returncode == -signal.SIGXCPU:
+            raise UsageError(f"It was not read within {MOST_CPU_S} s of a processor.")
         if child.returncode:
-            lines = said.decode(errors="replace").strip().splitlines()
-            known = child.returncode == 2 and lines
-            raise UsageError(
-                lines[-1] if known else "It cannot be read: the process that reads it has ended."
-            )
+            known = child.returncode == 2 and said
+            raise UsageError(said if known else "It cannot be read: the process that reads it has ended.")
         return out
+
+    async def _heard(self, child: asyncio.subprocess.Process, words: tuple[str, ...]) -> tuple[bytes, str]:
+        """What it prints, and the last line on stderr that is no progress."""
+        assert child.stdout is not None
+        assert child.stderr is not None
+        printed = asyncio.ensure_future(child.stdout.read())
+        said, rest = "", b""
+        while piece := await child.stderr.read(_PIECE):
+            *lines, rest = (rest + piece)[-_PIECE:].split(b"\n")
+            for line in lines:
+                text = line.decode(errors="replace").strip()
+                if text.startswith(PROGRESS):
+                    with suppress(ValueError):
+                        self._progress[words] = float(text.removeprefix(PROGRESS))
+                elif text:
+                    said = text
+        await child.wait()
+        return await printed, said

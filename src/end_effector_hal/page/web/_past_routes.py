@@ -39,7 +39,8 @@ def past_routes(past: PastRecordings) -> list[Route]:
         if task is None:
             return PlainTextResponse("There is no such recording.\n", 404)
         if not task.done():
-            return JSONResponse({"progress": None}, 202)
+            progress = past.progress(request.path_params["id"], verdict=verdict)
+            return JSONResponse({"progress": progress}, 202)
         try:
             return Response(task.result(), media_type="application/json")
         except ReportedError as error:

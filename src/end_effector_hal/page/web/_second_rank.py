@@ -7,13 +7,16 @@ import resource
 from contextlib import suppress
 from pathlib import Path
 
-_NICE = 15
+_NICE = 10
+"""A tenth of the processor beside one who wants it all: no tool is late, and a recording is read on a busy machine."""
+MOST_CPU_S = 180
+"""Of a processor, whatever others do: half an hour of a tool takes 20 s."""
 _MOST_BYTES = 4 << 30
 """Of address space: half an hour of a tool at 50 Hz takes a quarter."""
 
 
 def step_back(pid: int, *, session: bool = False) -> None:
-    """A process whose threads are still to come gets the processor that nobody else wants.
+    """A process whose threads are still to come gets what the others leave of the processor.
 
     Args:
         pid: of the process.
@@ -27,7 +30,9 @@ def step_back(pid: int, *, session: bool = False) -> None:
             Path(f"/proc/{pid}/autogroup").write_text(str(_NICE), encoding="ascii")
 
 
-def bound_memory(pid: int) -> None:
+def bound(pid: int) -> None:
     """A recording that is larger than all bounds of a reader ends its reader, and nothing else on the machine."""
-    with suppress(OSError):
-        resource.prlimit(pid, resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES))
+    cpu = (MOST_CPU_S, MOST_CPU_S + 5)  # at the first it gets SIGXCPU, which says why it ended
+    for limit, most in ((resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES)), (resource.RLIMIT_CPU, cpu)):
+        with suppress(OSError):
+            resource.prlimit(pid, limit, most)

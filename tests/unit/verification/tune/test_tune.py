@@ -25,22 +25,11 @@ from end_effector_hal.verification.tune import (
     tune,
 )
 from end_effector_hal.verification.tune import _attempts as attempts_module
-from tests.support.recorded_tool import RecordedTool
+from tests.support.recorded_tool import recorded
 from tests.support.virtual_tool import VirtualTool
 from tests.unit.verification.replay.test_command import run as replayed
 
 TOOL = load(profile_path())
-
-
-def recorded(folder: Path, scenario: str, *plan: str | float) -> Path:
-    tool = RecordedTool(folder, scenario)
-    for step in plan:
-        if isinstance(step, str):
-            tool.command(step)
-        else:
-            tool.run(step)
-    tool.close()
-    return folder
 
 
 @pytest.fixture(scope="module")
