@@ -298,7 +298,7 @@ class _Rules:
             case "lost-after":
                 return SensorView(frozenset({YES, NO}), frozenset({LOST}), _YES)
             case "no-part":
-                pending = self._phase == GRIP and name == self._engaged[-1]  # it may be there already
+                pending = self._phase == GRIP and name in self._engaged[-1:]  # it may be there already
                 return SensorView(frozenset({YES, NO} if pending else {NO}), frozenset({LOST}), _YES)
             case "invalid" if (pulled := self._pulled(name)) is not None:
                 return SensorView(_YES, _YES, frozenset({NO})) if pulled else LET_GO
@@ -313,7 +313,7 @@ class _Rules:
     def _blind(self, name: str) -> SensorView:
         """Nothing more is read of it; an answer that was asked for before may be under way."""
         asked = any(is_polled(codec_of(self._description, link)) for link in self._description.links)
-        pending = self._phase == GRIP and name == self._engaged[-1]
+        pending = self._phase == GRIP and name in self._engaged[-1:]
         return BLIND._replace(confirms=frozenset({YES, NO})) if asked and pending else BLIND
 
     def _leaking(self, name: str) -> SensorView:

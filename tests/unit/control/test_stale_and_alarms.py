@@ -83,7 +83,7 @@ def named(status: Status, description: Description) -> set[str]:
     found: set[str] = set()
     for alarm in status.alarms:
         if alarm.startswith("No valid reading of ") and "while it holds a part" not in alarm:
-            found |= set(re.findall(r"\w+", alarm.removeprefix("No valid reading of ")))
+            found |= set(re.findall(r"\w+", alarm.removeprefix("No valid reading of ").partition(":")[0]))
         for name, part in description.ordered:
             if alarm.startswith(f"No valid reading of {display_name(name)} while"):
                 bits = (getattr(part, "extended_bit", None), getattr(part, "retracted_bit", None))

@@ -15,7 +15,7 @@ from end_effector_hal.kinds.vacuum._detector import VacuumDetector
 from end_effector_hal.runtime.outputs import GripOutputs, Outputs
 from end_effector_hal.runtime.programs._program import Program
 from end_effector_hal.runtime.programs._sensor_fault import SensorFault
-from end_effector_hal.sensing import HoldMonitor, Predicates, SensorSet
+from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.sensing._sensor_state import SensorState
 from end_effector_hal.sensing.detectors import FrozenDetector, ReleaseDetector, ToolDetector
@@ -302,10 +302,6 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "locked, unless it is unlocked": WrongProduct(
         _replaced(Predicates, "_said", _locked_unless_unlocked), "sensing/_predicates.py: Predicates._said",
         "locked-shows:tool_changer:0 @ grip bottom_vacuum on + none", "expected",
-    ),
-    "alarms of a part that is held no more": WrongProduct(
-        lambda patch: patch.setattr(HoldMonitor, "dropped", lambda _: None),
-        "sensing/_hold_monitor.py: HoldMonitor.dropped", "grip; wait 2; scenario supply:430; wait 2", "usable",
     ),
     "a frozen sensor that is believed": WrongProduct(
         lambda patch: patch.setattr(FrozenDetector, "sample", lambda *_: False),

@@ -102,7 +102,7 @@ class Regions:
                     edge.update(values, resets)
             for clock, value in resets:
                 clocks[clock - 1] = (value, 0) if value <= self.largest else BEYOND
-            after = Region(tuple(locations), tuple(values), ranked(clocks))
+            after = Region(tuple(locations), tuple(values), self._canonical(clocks))
             if self.invariant(after):
                 found.append(after)
         return found
@@ -120,6 +120,9 @@ class Regions:
                     return None
         after = Region(region.locations, region.values, self._pass(region.clocks))
         return after if self.invariant(after) else None
+
+    def _canonical(self, clocks: list[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
+        return ranked(clocks)
 
     def _pass(self, clocks: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
         finite = [rank for clock in clocks if clock != BEYOND for _, rank in [clock]]
@@ -180,6 +183,24 @@ class Regions:
                 return bool(graph)
             for region in ended:
                 del graph[region]
+
+
+class Sampled(Regions):
+    """The same with time in quarters: a pause is as long whatever clocks there are, also one that nobody asks for.
+
+    The second number of a clock is its quarters, not a rank. With two clocks no order of fractions is left out.
+    """
+
+    def _canonical(self, clocks: list[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
+        return tuple(clocks)
+
+    def _pass(self, clocks: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
+        return tuple(
+            BEYOND
+            if clock == BEYOND or clock[0] >= self.largest
+            else (clock[0] + (clock[1] == 3), (clock[1] + 1) % 4)
+            for clock in clocks
+        )
 
 
 def ranked(clocks: list[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
