@@ -147,10 +147,11 @@ def _pairs(lanes: list[Lane], others: list[Lane]) -> list[Lane]:
     by_name, second = {lane.name: lane for lane in lanes}, {lane.name: lane for lane in others}
     found = []
     for name in dict.fromkeys([*by_name, *second]):
-        title = (by_name.get(name) or second[name]).title
+        known = by_name.get(name) or second[name]
+        title, empty = known.title, Lane(name, known.title, [], bar_in=known.bar_in)
         found += [
-            replace(by_name.get(name) or replace(second[name], segments=[]), title=title),
-            replace(second.get(name) or replace(by_name[name], segments=[]), title="the second"),
+            replace(by_name.get(name) or empty, title=title),
+            replace(second.get(name) or empty, title="the second"),
         ]
     return found
 
