@@ -19,6 +19,7 @@ from ._page import EDGE_IN, WIDTH_IN, Page, page_of
 from ._panels import Panel, draw_panel, labels_width, panels_of
 from ._save import DPI
 from ._style import RULE, drawing, plain
+from ._switches import draw_steps, switch_lanes
 
 _PANEL_GAP_IN, _AXIS_IN = 0.16, 0.62
 _PAIR_GAP_IN = 0.12
@@ -63,6 +64,7 @@ def draw(
         below = FOOT_IN
         for index, lane in enumerate(lanes):
             draw_lane(above, page, lane, below)
+            draw_steps(above, lane, below)
             below += lane.height_in
             if index % 2:
                 below += _PAIR_GAP_IN
@@ -119,7 +121,9 @@ def _heading(
 
 def _page(first: RunTables, second: RunTables, words_in: float) -> Page:
     """The whole time of both."""
-    pages = [page_of(each.log, each.pressures, words_in) for each in (first, second)]
+    pages = [
+        page_of(each.log, each.pressures, words_in, list(each.info.switches)) for each in (first, second)
+    ]
     start = min(each.log.rows[0].time_s for each in (first, second))
     return Page(
         min(start, *(each.start_s for each in pages)),
@@ -133,7 +137,9 @@ def _lanes(run: RunTables, page: Page) -> list[Lane]:
     end_s = max(
         run.log.rows[-1].time_s, run.pressures.times_s[-1] if run.pressures and run.pressures.samples else 0.0
     )
-    return all_lanes_of(run.log, run.info, min(end_s, page.end_s), run.pressures, run.changer)
+    end_s = min(end_s, page.end_s)
+    lanes = all_lanes_of(run.log, run.info, end_s, run.pressures, run.changer)
+    return [*lanes, *(replace(each, caption="") for each in switch_lanes(run.switches, run.info, end_s))]
 
 
 def _pairs(lanes: list[Lane], others: list[Lane]) -> list[Lane]:
@@ -141,10 +147,11 @@ def _pairs(lanes: list[Lane], others: list[Lane]) -> list[Lane]:
     by_name, second = {lane.name: lane for lane in lanes}, {lane.name: lane for lane in others}
     found = []
     for name in dict.fromkeys([*by_name, *second]):
-        title = (by_name.get(name) or second[name]).title
+        known = by_name.get(name) or second[name]
+        title, empty = known.title, Lane(name, known.title, [], bar_in=known.bar_in)
         found += [
-            replace(by_name.get(name) or Lane(name, title, []), title=title),
-            replace(second.get(name) or Lane(name, title, []), title="the second"),
+            replace(by_name.get(name) or empty, title=title),
+            replace(second.get(name) or empty, title="the second"),
         ]
     return found
 

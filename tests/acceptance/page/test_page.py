@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import socket
 import urllib.error
@@ -80,6 +81,7 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     assert page.get_attribute("#command-unlock", "aria-disabled") == "true"
     press_forbidden(page, "unlock")
     shows(page, "answer", sentence)
+    page.locator("#held-detail", has_text=re.compile("^secure$")).wait_for()
     shot(page, "page")
     page.wait_for_selector("#cards .hold")
     shot(page, "nominal", whole=True)

@@ -17,15 +17,23 @@ from pydantic_core import to_json
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.recorded import _report as report_module
 from end_effector_hal.cli.recorded._recordings import open_recordings
+from end_effector_hal.codecs import carrier_of, load_tool
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page import report_html
-from end_effector_hal.page.recorded import RecordingFiles, RecordingPart, judge_recording, read_recording
+from end_effector_hal.page.recorded import (
+    RecordedTables,
+    RecordingFiles,
+    RecordingPart,
+    judge_recording,
+    read_recording,
+)
 from end_effector_hal.page.recorded import _document as document_module
 from end_effector_hal.page.recorded import _files as files_module
-from end_effector_hal.recording import RecordingLimits, TraceWriter
+from end_effector_hal.recording import Recording, RecordingLimits, TraceWriter
 from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL
 from end_effector_hal.runtime.boundary._open import header_of, whole
+from end_effector_hal.signals import Kind
 from tests.support.bags import COMMAND, frame, state, write_ros1
 from tests.support.recorded_tool import RecordedTool
 from tests.unit.page.test_tool_view import Watched
@@ -464,3 +472,17 @@ def test_records_that_make_no_sense_end_no_page(copy: Path, old: bytes, new: byt
     assert document["times"]
     assert not judge_recording(files)["ok"]
     assert report_html("run", [document], [])
+
+
+def test_a_folder_without_a_trace_shows_its_switches(tmp_path: Path) -> None:
+    """As ROS leaves it; the pressures are not broken by what comes between two of them."""
+    tool = load_tool(Path("examples/tools/diy_record/end_effector.yaml"))
+    pressure = next(name for name, kind in carrier_of(tool).channels.items() if kind is Kind.PRESSURE)
+    with Recording(tmp_path, tool, now=lambda: 0) as recording:
+        recording.state(0, 6, -1, [0] * len(tool.sequence))
+        for at, down in ((0, False), (400_000, False), (600_000, True), (800_000, True)):
+            recording.values(at, {"down": down, pressure: -10_000 - at // 100})
+    document = plain(read_recording(RecordedTables(tmp_path, tool)))
+    changes = [(each["at"], each["word"]) for each in document["changes"] if each["lane"] == "switch down"]
+    assert changes == [(0, "off"), (600_000, "on: confirmed")]
+    assert None not in next(column for column in document["samples"][1:] if any(column))

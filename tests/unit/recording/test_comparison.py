@@ -20,6 +20,7 @@ from end_effector_hal.recording import (
     RunTables,
     StatesLog,
     StatesWriter,
+    SwitchesLog,
     Tolerances,
     compare_runs,
     read_tables,
@@ -141,6 +142,22 @@ def test_the_command_lists_and_draws(tmp_path: Path) -> None:
     assert drawn.count(">the second<") == 5  # end-effector, command, three actuators
     done = CliRunner().invoke(eehal, ["compare", str(one), str(one), "--json"])
     assert (done.exit_code, json.loads(done.stdout)["differences"]) == (0, [])
+
+
+def test_the_figure_has_the_switches_of_both_on_one_clock(tmp_path: Path) -> None:
+    """A recording of an earlier version has none: its lane is empty."""
+    one, other = write(tmp_path / "one", NOMINAL, 1), write(tmp_path / "other", FAILS_ONCE, 2)
+    proves = {"top_cup": {"actuator": "top_vacuum", "on": "confirmed", "off": "gone"}}
+    replace(INFO, switches=proves).write(one)
+    (one / "switches.csv").write_text("time_s,top_cup_on\n0.0,0\n2.5,1\n")
+    assert read_tables(one).later(2.0).switches == SwitchesLog(
+        ("top_cup",), ((2.0, (False,)), (4.5, (True,))), str(one / "switches.csv")
+    )
+    figure = tmp_path / "both.svg"
+    assert CliRunner().invoke(eehal, ["compare", str(one), str(other), "-o", str(figure)]).exit_code == 1
+    drawn = figure.read_text()
+    assert drawn.count(">the second<") == 6
+    assert drawn.count(">on: confirmed<") == 1
 
 
 @pytest.mark.parametrize(

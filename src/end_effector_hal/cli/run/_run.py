@@ -133,12 +133,12 @@ def command(
             stack.callback(tool.close)  # its last states are recorded
         changes = Changes(loaded, voice, causes)
         tool.subscribe(changes.status)
+        be_steady()  # before frames come: it takes so long that readings would turn stale
         tool.start()
         try:
             tool.wait_ready(READY_S)
         except NotReadyError as error:
             voice.error(error)  # what is held can be dropped all the same
-        be_steady()
         session = RunSession(tool, voice, changes, choose)
         if orders is not None:
             succeeded = session.play(orders)

@@ -15,10 +15,12 @@ from end_effector_hal.recording.tables import (
     ChangerRow,
     PressuresLog,
     StatesLog,
+    SwitchesLog,
     read_alarms,
     read_changer,
     read_pressures,
     read_states,
+    read_switches,
 )
 from end_effector_hal.vocabulary import Command
 
@@ -35,6 +37,7 @@ class RunTables:
     pressures: PressuresLog | None = None
     changer: tuple[ChangerRow, ...] = ()
     alarms: tuple[AlarmRow, ...] = ()
+    switches: SwitchesLog | None = None
 
     @property
     def first_command_s(self) -> float:
@@ -62,12 +65,16 @@ class RunTables:
         pressures = self.pressures and replace(
             self.pressures, samples=tuple((at + by_s, values) for at, values in self.pressures.samples)
         )
+        switches = self.switches and replace(
+            self.switches, rows=tuple((at + by_s, levels) for at, levels in self.switches.rows)
+        )
         return RunTables(
             replace(self.log, rows=tuple(replace(row, time_s=row.time_s + by_s) for row in self.log.rows)),
             self.info,
             pressures,
             tuple(replace(row, time_s=row.time_s + by_s) for row in self.changer),
             tuple(replace(row, time_s=row.time_s + by_s) for row in self.alarms),
+            switches,
         )
 
 
@@ -94,6 +101,7 @@ def read_tables(folder: Path) -> RunTables:
         read_pressures(pressures) if pressures.exists() else None,
         read_changer(states.with_name("tool_changer.csv")),
         read_alarms(states.with_name("alarms.csv")),
+        read_switches(states.with_name("switches.csv")),
     )
 
 
