@@ -32,6 +32,7 @@ def played() -> tuple[dict[str, Any], ...]:
             "id": cell.id, "fault": cell.fault, "moment": "rest", "phase": "rest", "command": cell.command,
             "outcome": "refused", "expected": ["refused"], "why": "Rule 5", "explained": True, "dropped": False,
             "seconds": 0.0, "told": "The command was refused.", "told_after": 0.0, "lines": [], "objections": [],
+            "let_go": False,
         }
         for cell in CELLS + LEAKS
     )  # fmt: skip
@@ -82,7 +83,7 @@ def test_a_line_that_contradicts_itself_is_refused(
 @pytest.mark.parametrize("name", list(played()[0]))
 def test_a_line_that_lacks_something_is_refused(name: str, tmp_path: Path) -> None:
     line = {key: value for key, value in played()[0].items() if key != name}
-    if name in ("told", "told_after", "lines", "objections"):  # nothing is their default
+    if name in ("told", "told_after", "lines", "objections", "let_go"):  # nothing is their default
         assert len(kept(tmp_path, line, played()[1])) == 2
     else:
         with pytest.raises(UsageError, match=name):

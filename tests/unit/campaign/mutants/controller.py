@@ -137,12 +137,12 @@ def _last_value(_: Any, readings: Readings, channel: str | None, at: int) -> Any
     return readings._values.get(channel or "")
 
 
-def _invalid_is_a_sample(real: Any, readings: Readings, frame: Frame) -> None:
+def _invalid_is_a_sample(real: Any, readings: Readings, frame: Frame, *doubted: Any) -> None:
     known = {
         channel: readings._values.get(channel) if value is None else value
         for channel, value in frame.values.items()
     }
-    real(readings, replace(frame, values=known))
+    real(readings, replace(frame, values=known), *doubted)
 
 
 def _one_bit_is_enough(real: Any, detector: ToolDetector, readings: Readings, at: int) -> ToolEvidence:
