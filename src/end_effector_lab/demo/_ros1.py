@@ -88,6 +88,8 @@ class Master:
 
     def __init__(self, logs: Path) -> None:
         logs.mkdir(parents=True, exist_ok=True)
+        # two that begin at once would both make it, and one of them would end
+        Path(os.environ.get("ROS_HOME") or Path.home() / ".ros").mkdir(parents=True, exist_ok=True)
         self._port = free_port()
         self.env = {
             "ROS_MASTER_URI": f"http://{LOOPBACK}:{self._port}",
