@@ -47,8 +47,9 @@ contract-edits: setup ros2 ## by hand: edits of the transport, each of which the
 	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited
 	@$(APART) $(ROS2)/bin/python -m tests.acceptance.contract.edits --unedited
 
-test-thinned: setup ## those of which `make test` runs representatives, and the packages of examples/
-	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m nightly --durations=15
+test-thinned: setup ## those of which `make test` runs representatives, what only ROS 1 has, the packages of examples/
+	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m "nightly and not ros" --durations=15
+	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "nightly and ros" tests/acceptance
 
 # The peer knows the messages and nothing else of this product
 test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library and middleware, against the HAL on Jazzy

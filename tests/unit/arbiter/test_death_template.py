@@ -15,6 +15,8 @@ from tests.unit.arbiter import death_runs
 from tests.unit.arbiter.death_runs import ApartLines, DeathRun, model_text, random_death_run
 from tests.unit.arbiter.simulation import process
 
+pytestmark = pytest.mark.nightly  # long
+
 SEEDS, MORE = range(40 if NIGHTLY else 6), range(250)
 
 

@@ -23,6 +23,8 @@ from end_effector_lab.workers import local_workers
 from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.campaign.mutants import ARBITER, CONTROLLER, MUTANTS
 
+pytestmark = pytest.mark.nightly  # long
+
 SHIPPED = load(profile_path())
 KNOWN = CoverageMap(SHIPPED)
 LONGEST = 150

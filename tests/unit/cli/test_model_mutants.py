@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.errors import UsageError
 
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.nightly, pytest.mark.timeout(300)]
 
 
 def run(*words: str) -> tuple[int, str]:

@@ -22,6 +22,8 @@ from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
 from timed_automata.explore.zones import Limits
 from timed_automata.mutate import Mutant, mutants
 
+pytestmark = pytest.mark.nightly  # long
+
 TEMPLATES = ("Program", "Arbiter", "Line")
 SAMPLE, SEED = 40, 2026
 NO_RUN_OF_THE_CODE = {

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
+
 from end_effector_hal.verification.proof import requirements_of
 from tests.unit.verification.mutants.conftest import REACTION
 from tests.unit.verification.mutants.mutants import MUTANTS, first_of_each
 from timed_automata.explore import overview
+
+pytestmark = pytest.mark.nightly  # long
 
 
 @first_of_each(MUTANTS, "caught_by")

@@ -13,6 +13,8 @@ from end_effector_hal.verification.proof import prove
 from tests.support.nightly import NIGHTLY, first_of
 from timed_automata import load_network
 
+pytestmark = pytest.mark.nightly  # long
+
 HELD = (
     "gripping: {cancel: hold}",
     "gripping: {timeout: hold}",

@@ -16,6 +16,8 @@ from tests.unit.verification.mutants.mutants import MUTANTS, Mutant, first_of_ea
 from timed_automata import Network, make_network, read_document
 from timed_automata.explore import Overview, overview
 
+pytestmark = pytest.mark.nightly  # long
+
 AFTER_A_REFUSAL = " || refusing == GRIP"
 
 

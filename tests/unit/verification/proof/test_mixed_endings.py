@@ -13,6 +13,8 @@ from tests.support.declared import declared
 from tests.support.nightly import first_of
 from timed_automata import load_network
 
+pytestmark = pytest.mark.nightly  # long
+
 HOLD, RELEASE, LEAVE = "hold", "release", "leave"
 EVERY: dict[str, Any] = {"cancel": HOLD, "timeout": HOLD, "abort": HOLD, "process_death": HOLD}
 TOOLS = {

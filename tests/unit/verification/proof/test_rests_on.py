@@ -10,6 +10,8 @@ import pytest
 from tests.support.nightly import NIGHTLY
 from tests.unit.verification.proof.rests_on import ASSUMED, Assumption, failing, first_failing, row, table
 
+pytestmark = pytest.mark.nightly  # long
+
 PAGE = Path(__file__).parents[4] / "docs/explanation/verification.md"
 
 

@@ -18,6 +18,8 @@ from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
 from timed_automata.explore.zones import Limits
 from timed_automata.queries import parse_query
 
+pytestmark = pytest.mark.nightly  # long
+
 ONE_IS_ENOUGH = """    if (j == focus || j == witness() || any_odd()) return j == focus || odd == -1 || odd == j;
     return level == PARTIAL ? odd == -1 &amp;&amp; valve[j] : odd == j &amp;&amp; level == usual(j);
 """

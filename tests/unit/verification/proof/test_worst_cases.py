@@ -12,6 +12,8 @@ from end_effector_hal.verification.proof import WorstCase, prove
 from tests.support.nightly import first_of
 from timed_automata import load_network
 
+pytestmark = pytest.mark.nightly  # long
+
 
 @dataclass(frozen=True)
 class Tool:

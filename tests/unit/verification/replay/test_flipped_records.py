@@ -22,6 +22,8 @@ from tests.support.flips import Path, flips
 from tests.support.nightly import examples
 from tests.support.recorded_lines import RecordedLinesTool
 
+pytestmark = pytest.mark.nightly  # long
+
 UNFOUND = {
     ("header", "version"): "nothing else in a trace says which version wrote it; no decision rests on it",
     ("header", "source"): "where the description stood on another machine; it is asked for a note only",
