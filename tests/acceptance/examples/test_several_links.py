@@ -87,6 +87,7 @@ def test_a_port_that_is_unplugged_comes_back_while_the_other_goes_on(tmp_path: P
         assert tool.grip().succeeded
         world.testbench.end()
         wait_until("both are lost", lambda: {each.state for each in tool.links.values()} == {LinkState.DOWN})
+        wait_until("nothing is proven", lambda: set(tool.status.evidence) == {Evidence.UNKNOWN})
         assert tool.status.ee is EndEffectorState.GRIPPED
         one = PtyPort(world.description.links["jaws"].port)
         inputs = VirtualInputs(world.chip, [part.line for _, part in world.description.ordered])
