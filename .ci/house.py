@@ -1,23 +1,33 @@
-"""What ``make check`` asks of the source beside the linters: class names, and imports of private modules.
+"""What ``make check`` asks of the source beside the linters: class names, private modules, and what packages offer.
 
 A public class name stands once within an import package. A private module (``_name``) is imported only by its own
-package and by sub-packages of that. Exceptions stand in the two sets below; one that is not needed any more is a
-fault, too.
+package and by sub-packages of that. A package offers what its ``__init__`` imports: somebody must import it, and from
+there, not from a package that has it from elsewhere. What the Python API describes or a plug-in imports stands in
+``__all__``, which is then the list of what is offered. Exceptions stand in the sets below; one that is not needed any
+more is a fault, too.
 """
 
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[1] / "src"
+OURS = {path.name for path in SOURCE.iterdir()}
+READERS = ("tests", "examples", "benchmarks", "docs")
+"""Folders whose files import the packages, too."""
+LONGEST_NAME = 100
+"""Characters of a string that may name a module and a class, such as what a launcher starts."""
 REPEATED: set[str] = set()
 """``package.ClassName`` that may stand more than once for now."""
 PRIVATE: set[str] = set()
 """``importing.module -> private.module`` that may stay for now."""
+OFFERED: set[str] = set()
+"""``package.name`` that a package may offer though nobody imports it."""
 
 
 def main() -> int:
@@ -25,6 +35,9 @@ def main() -> int:
     modules = {_module(path): ast.parse(path.read_bytes()) for path in sorted(SOURCE.rglob("*.py"))}
     faults = list(_faults(dict(_repeated(modules)), REPEATED, "stands more than once: rename all but one"))
     faults += _faults(dict(_private(modules)), PRIVATE, "imports a private module: use the public name")
+    faults += _faults(
+        dict(_offered(modules)), OFFERED, "is not what its package offers: see the head of this file"
+    )
     sys.stdout.write("".join(f"{fault}\n" for fault in faults))
     return bool(faults)
 
@@ -63,6 +76,68 @@ def _private(modules: dict[tuple[str, bool], ast.Module]) -> Iterator[tuple[str,
                     yield f"{module} -> {imported}", module
 
 
+def _offered(modules: dict[tuple[str, bool], ast.Module]) -> Iterator[tuple[str, str]]:
+    """What a package offers and nobody imports, or what is imported from one that has it from elsewhere."""
+    imported, named = _uses(modules)
+    for (module, is_package), tree in modules.items():
+        if not is_package:
+            continue
+        listed = _listed(tree)
+        own = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        for node in tree.body:
+            if not isinstance(node, ast.ImportFrom) or node.module == "__future__":
+                continue
+            for alias in node.names:
+                name = alias.asname or alias.name
+                taken = f"{module}.{name}" in imported
+                if node.level:
+                    fault = name not in listed if listed else not taken and name not in named
+                    fault &= name not in own
+                else:
+                    fault = taken and name not in listed
+                if fault:
+                    yield f"{module}.{name}", module
+
+
+def _listed(tree: ast.Module) -> set[str]:
+    """What stands in ``__all__``."""
+    targets = (
+        node
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    )
+    return {name for node in targets for name in ast.literal_eval(node.value)}
+
+
+def _uses(modules: dict[tuple[str, bool], ast.Module]) -> tuple[set[str], set[str]]:
+    """Dotted names that the source imports or reaches through a module; words elsewhere and in its strings."""
+    imported: set[str] = set()
+    named = set(re.findall(r":(\w+)\"", (SOURCE.parent / "pyproject.toml").read_text(encoding="utf-8")))
+    for folder in READERS:
+        for path in (SOURCE.parent / folder).rglob("*.py"):
+            named.update(re.findall(r"\w+", path.read_text(encoding="utf-8")))
+    for (module, is_package), tree in modules.items():
+        names: dict[str, str] = {}
+        through: list[tuple[str, str]] = []
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                found = list(_imported(node, module if is_package else module.rpartition(".")[0]))
+                imported.update(found)
+                names |= {
+                    each.asname or each.name: full for each, full in zip(node.names, found, strict=False)
+                }
+            elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                through.append((node.value.id, node.attr))
+            elif (
+                isinstance(node, ast.Constant)
+                and isinstance(node.value, str)
+                and len(node.value) < LONGEST_NAME
+            ):
+                named.update(re.findall(r"\w+", node.value))
+        imported.update(f"{names[first]}.{name}" for first, name in through if first in names)
+    return imported, named
+
+
 def _imported(node: ast.AST, package: str) -> Iterator[str]:
     """What a statement imports from this repository, as dotted names."""
     if isinstance(node, ast.Import):
@@ -75,8 +150,7 @@ def _imported(node: ast.AST, package: str) -> Iterator[str]:
         names = [f"{base}.{alias.name}" for alias in node.names]
     else:
         return
-    ours = {path.name for path in SOURCE.iterdir()}
-    yield from (name for name in names if name.partition(".")[0] in ours)
+    yield from (name for name in names if name.partition(".")[0] in OURS)
 
 
 def _owner(imported: str) -> str:

@@ -3,15 +3,3 @@
 from .client import ArbiterClient, PredicateSender
 from .rules import Exclusion, LineArbiter, Need, Policy, SecondCoil
 from .server import ArbiterServer, serve
-
-__all__ = [
-    "ArbiterClient",
-    "ArbiterServer",
-    "Exclusion",
-    "LineArbiter",
-    "Need",
-    "Policy",
-    "PredicateSender",
-    "SecondCoil",
-    "serve",
-]

@@ -16,20 +16,3 @@ from ._protocol import (
     read_fault_request,
     socket_of_testbench,
 )
-
-__all__ = [
-    "ALIVE_US",
-    "LONGEST",
-    "MOST_TEXT",
-    "NOMINAL",
-    "VALID_US",
-    "FaultNumber",
-    "FaultOffer",
-    "FaultRequest",
-    "TestbenchHeader",
-    "TestbenchScenario",
-    "answer_line",
-    "message_line",
-    "read_fault_request",
-    "socket_of_testbench",
-]

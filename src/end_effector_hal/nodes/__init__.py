@@ -5,5 +5,3 @@ A transport (``ros1``) starts them and moves their messages; ``transport`` says 
 
 from ._lifecycle import require_proof, what_is_missing
 from ._start import PROGRAMS, start_node
-
-__all__ = ["PROGRAMS", "require_proof", "start_node", "what_is_missing"]

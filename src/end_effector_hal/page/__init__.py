@@ -6,5 +6,3 @@ Rooms: ``view``, what is shown, computed from records; ``link``, the sockets of 
 """
 
 from ._html import report_data, report_html, runs_html
-
-__all__ = ["report_data", "report_html", "runs_html"]

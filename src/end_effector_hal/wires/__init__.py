@@ -6,18 +6,3 @@ from ._clock import be_steady, now_us
 from ._processes import Holder, holders_of, program_name
 from ._relay import RelayServer, connect_relay, relay_path
 from ._socket import listen, no_socket
-
-__all__ = [
-    "Acceptor",
-    "Claim",
-    "Holder",
-    "RelayServer",
-    "be_steady",
-    "connect_relay",
-    "holders_of",
-    "listen",
-    "no_socket",
-    "now_us",
-    "program_name",
-    "relay_path",
-]

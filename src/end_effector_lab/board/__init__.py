@@ -4,5 +4,3 @@ from ._machine import Ended, run_board
 from ._parts import board_parts
 from ._play import need_its_wires, play_on_board
 from ._progress import BoardProgress
-
-__all__ = ["BoardProgress", "Ended", "board_parts", "need_its_wires", "play_on_board", "run_board"]

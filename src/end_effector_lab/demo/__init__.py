@@ -1,7 +1,7 @@
 """The demo: the paper's scenarios played, recorded, judged and drawn, on real ROS or without it."""
 
 from ._demo import fresh_folder, report_on, run_demo
-from ._drive import Drive, WithoutRos
+from ._drive import WithoutRos
 from ._judge import judge
 from ._progress import StatusLine
 from ._report import Report
@@ -10,22 +10,3 @@ from ._ros2 import Ros2
 from ._scenario import DemoScenario, culprit_of, scenarios, unplayable
 from ._table import print_table
 from ._world import World
-
-__all__ = [
-    "DemoScenario",
-    "Drive",
-    "Report",
-    "Ros1",
-    "Ros2",
-    "StatusLine",
-    "WithoutRos",
-    "World",
-    "culprit_of",
-    "fresh_folder",
-    "judge",
-    "print_table",
-    "report_on",
-    "run_demo",
-    "scenarios",
-    "unplayable",
-]

@@ -3,5 +3,3 @@
 from ._folder import ResultsFolder, ResultsLayout
 from ._mark import mark_of, source_checksum
 from ._replaced import replaced_folder
-
-__all__ = ["ResultsFolder", "ResultsLayout", "mark_of", "replaced_folder", "source_checksum"]

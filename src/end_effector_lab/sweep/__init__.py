@@ -3,5 +3,3 @@
 from ._axis import Axis, combinations, read_axis
 from ._report import heat_maps, table
 from ._sweep import Proven, sweep
-
-__all__ = ["Axis", "Proven", "combinations", "heat_maps", "read_axis", "sweep", "table"]

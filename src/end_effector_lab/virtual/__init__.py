@@ -9,10 +9,6 @@ True
 True
 """
 
-from ._arbiter import Memories
-from ._disk import VirtualDisk
 from ._outputs import Edge
 from ._tool import VirtualTool
 from ._watching import Watch
-
-__all__ = ["Edge", "Memories", "VirtualDisk", "VirtualTool", "Watch"]

@@ -4,5 +4,3 @@ from ._automata import ShippedAutomata
 from ._local import local_workers
 from ._open import cluster_workers, open_workers
 from ._workers import Workers
-
-__all__ = ["ShippedAutomata", "Workers", "cluster_workers", "local_workers", "open_workers"]

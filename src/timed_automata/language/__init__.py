@@ -12,16 +12,3 @@ from ._parts import (
     parse_system,
     parse_updates,
 )
-
-__all__ = [
-    "ast",
-    "names_in",
-    "parse_declarations",
-    "parse_expression",
-    "parse_instantiations",
-    "parse_parameters",
-    "parse_selects",
-    "parse_synchronisation",
-    "parse_system",
-    "parse_updates",
-]

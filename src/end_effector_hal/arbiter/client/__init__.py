@@ -2,5 +2,3 @@
 
 from ._client import ArbiterClient
 from ._sender import PredicateSender
-
-__all__ = ["ArbiterClient", "PredicateSender"]

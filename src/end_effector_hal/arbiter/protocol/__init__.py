@@ -2,18 +2,3 @@
 
 from ._message import read_json, read_message, read_reply, write_json, write_message
 from ._request import SENSORS, LastWillRunsError, Request, is_token, make_token, read_id, read_request
-
-__all__ = [
-    "SENSORS",
-    "LastWillRunsError",
-    "Request",
-    "is_token",
-    "make_token",
-    "read_id",
-    "read_json",
-    "read_message",
-    "read_reply",
-    "read_request",
-    "write_json",
-    "write_message",
-]

@@ -3,15 +3,4 @@
 from ._journal import Journal, JournalEntry, JournalThread
 from ._records import Records
 from ._session_store import SessionStore, this_boot
-from ._storage import FileStorage, Storage
-
-__all__ = [
-    "FileStorage",
-    "Journal",
-    "JournalEntry",
-    "JournalThread",
-    "Records",
-    "SessionStore",
-    "Storage",
-    "this_boot",
-]
+from ._storage import FileStorage

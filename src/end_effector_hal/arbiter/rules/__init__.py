@@ -5,19 +5,3 @@ from ._coils import SecondCoil
 from ._policy import Exclusion, Need, Policy
 from ._sender_role import SecondSenderError, SenderRole
 from ._session import ArbiterState, Session, process_words, read_arbiter_state, read_faults, read_levels
-
-__all__ = [
-    "ArbiterState",
-    "Exclusion",
-    "LineArbiter",
-    "Need",
-    "Policy",
-    "SecondCoil",
-    "SecondSenderError",
-    "SenderRole",
-    "Session",
-    "process_words",
-    "read_arbiter_state",
-    "read_faults",
-    "read_levels",
-]

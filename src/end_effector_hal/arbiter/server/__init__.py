@@ -1,5 +1,3 @@
 """The arbiter's process: its socket, its connections, and what it replies."""
 
 from ._server import ArbiterServer, serve
-
-__all__ = ["ArbiterServer", "serve"]

@@ -1,5 +1,3 @@
 """``eehal check``: everything that is wrong with a description, with its place."""
 
 from ._check import check
-
-__all__ = ["check"]

@@ -1,5 +1,3 @@
 """``eehal init``: a folder with a description to start from."""
 
 from ._new_tool import LINKS
-
-__all__ = ["LINKS"]

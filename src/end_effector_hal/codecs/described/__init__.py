@@ -3,5 +3,3 @@
 from ._checksum import CHECKSUMS
 from ._codec import DescribedCodec
 from ._described import described_codec
-
-__all__ = ["CHECKSUMS", "DescribedCodec", "described_codec"]

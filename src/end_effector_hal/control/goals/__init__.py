@@ -4,22 +4,3 @@ from ._goal import CHANNELS, GOAL_COMMANDS, PROGRAM_COMMANDS, Effect, Ending, Go
 from ._goals import ANSWER_US, NOT_BEGUN, Goals
 from ._judgement import is_over, judge
 from ._tool_status import reset_answer, tool_status
-
-__all__ = [
-    "ANSWER_US",
-    "CHANNELS",
-    "GOAL_COMMANDS",
-    "NOT_BEGUN",
-    "PROGRAM_COMMANDS",
-    "Effect",
-    "Ending",
-    "Goal",
-    "Goals",
-    "Outcome",
-    "Phase",
-    "Todo",
-    "is_over",
-    "judge",
-    "reset_answer",
-    "tool_status",
-]

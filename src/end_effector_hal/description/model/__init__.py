@@ -22,31 +22,3 @@ from ._channels import (
 )
 from ._description import Description, camel_case, socket_path
 from ._stanzas import EStop, Freshness, Link, ToolChanger
-
-__all__ = [
-    "COUNTS",
-    "HEXADECIMAL",
-    "PASCAL",
-    "QUANTITIES",
-    "Channel",
-    "Description",
-    "DeviceAlarm",
-    "DigitalInput",
-    "EStop",
-    "Freshness",
-    "Inputs",
-    "Link",
-    "LinkFrame",
-    "ModbusFrame",
-    "RecordFrame",
-    "RecordValue",
-    "RegisterValue",
-    "TextFrame",
-    "TextValue",
-    "ToolChanger",
-    "camel_case",
-    "mask_shift",
-    "raw_limits",
-    "socket_path",
-    "type_bits",
-]

@@ -1,5 +1,3 @@
 """From YAML to a description, or to every fault that it has, with its place and in words that help."""
 
 from ._examine import examine, examine_text, load
-
-__all__ = ["examine", "examine_text", "load"]

@@ -11,26 +11,3 @@ from ._outputs import lost_by_silence, output_faults
 from ._shared import shared_faults
 from ._span_search import BIT, Spans, SpanSearch, Wanted, range_kpa, widest
 from ._stanzas import rule_faults
-
-__all__ = [
-    "BIT",
-    "CodecChannels",
-    "SpanSearch",
-    "Spans",
-    "Wanted",
-    "channel_faults",
-    "frame_faults",
-    "limit_faults",
-    "lost_by_silence",
-    "measures_of",
-    "not_fitted",
-    "order_faults",
-    "output_faults",
-    "range_kpa",
-    "rule_faults",
-    "shared_faults",
-    "slow",
-    "unproven",
-    "used_channels",
-    "widest",
-]

@@ -4,5 +4,3 @@ from ._detector import ConditionDetector
 from ._judge import ConditionJudge
 from ._presets import part_conditions
 from ._words import shown
-
-__all__ = ["ConditionDetector", "ConditionJudge", "part_conditions", "shown"]

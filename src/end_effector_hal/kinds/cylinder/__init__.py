@@ -2,5 +2,3 @@
 
 from ._kind import Cylinder, CylinderState
 from ._stanza import CylinderActuator
-
-__all__ = ["Cylinder", "CylinderActuator", "CylinderState"]

@@ -1,6 +1,3 @@
 """The kind ``magnet``: a magnet that holds while its line is active, and a sensor of the part."""
 
-from ._kind import Magnet, MagnetState
-from ._stanza import MagnetActuator
-
-__all__ = ["Magnet", "MagnetActuator", "MagnetState"]
+from ._kind import Magnet

@@ -2,5 +2,3 @@
 
 from ._kind import Vacuum, VacuumState
 from ._stanza import BlowOff, VacuumActuator
-
-__all__ = ["BlowOff", "Vacuum", "VacuumActuator", "VacuumState"]

@@ -3,5 +3,3 @@
 from ._commands_log import CommandsLog
 from ._data_logger import DataLogger
 from ._rows import write_frame, write_state
-
-__all__ = ["CommandsLog", "DataLogger", "write_frame", "write_state"]

@@ -1,5 +1,3 @@
 """The node HALMain: the only interface of applications."""
 
 from ._hal_main import HalMainNode
-
-__all__ = ["HalMainNode"]

@@ -1,5 +1,3 @@
 """What a launch file of either ROS asks before it starts anything."""
 
 from ._launch_check import check_launch
-
-__all__ = ["check_launch"]

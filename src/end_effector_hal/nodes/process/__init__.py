@@ -1,21 +1,7 @@
 """What a process of nodes needs in either generation of ROS: periodic callbacks, a log that never waits, its end."""
 
 from ._guarded import guarded
-from ._paced_log import BURST, LONGEST, PER_S, Allowance, PacedLog, node_log
+from ._paced_log import BURST, PER_S, Allowance, PacedLog, node_log
 from ._process_end import ProcessEnd
 from ._ros_class import has_ros_class, ros_class
 from ._ticker import Ticker
-
-__all__ = [
-    "BURST",
-    "LONGEST",
-    "PER_S",
-    "Allowance",
-    "PacedLog",
-    "ProcessEnd",
-    "Ticker",
-    "guarded",
-    "has_ros_class",
-    "node_log",
-    "ros_class",
-]

@@ -2,5 +2,3 @@
 
 from ._grip import GripNode
 from ._tool_change import ToolChangeNode
-
-__all__ = ["GripNode", "ToolChangeNode"]

@@ -1,5 +1,3 @@
 """What the nodes report to people: ``/diagnostics``."""
 
 from ._health import ERROR, OK, WARN, Health, publish_health, standing
-
-__all__ = ["ERROR", "OK", "WARN", "Health", "publish_health", "standing"]

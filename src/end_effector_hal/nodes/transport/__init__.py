@@ -1,6 +1,6 @@
 """What the nodes and a ROS generation agree upon: the protocol, the messages, and which of them are accepted."""
 
-from ._commander import CommandConnection, Commander
+from ._commander import Commander
 from ._frames import AMBIENT_PA, Frames, SharedFrames, absolute_pa, frame_from_message, frame_to_message
 from ._messages import (
     CommandMessage,
@@ -25,40 +25,3 @@ from ._places import ChangerPlace, CylinderPlace
 from ._stamp_check import StampCheck
 from ._transport import ActionClient, ActionServer, ClientGoal, CommandClient, NodeTransport
 from ._unknown_senders import UnknownSenders
-
-__all__ = [
-    "AMBIENT_PA",
-    "ActionClient",
-    "ActionServer",
-    "ChangerPlace",
-    "ClientGoal",
-    "CommandClient",
-    "CommandConnection",
-    "CommandMessage",
-    "Commander",
-    "CylinderPlace",
-    "CylinderPositionMessage",
-    "DiagnosticMessage",
-    "DiagnosticsMessage",
-    "FeedbackMessage",
-    "FrameMessage",
-    "Frames",
-    "GripperMessage",
-    "JointStateMessage",
-    "KeyValueMessage",
-    "MessageHeader",
-    "NodeTransport",
-    "ParallelGripperMessage",
-    "PositionMessage",
-    "PressureMessage",
-    "ResultMessage",
-    "SharedFrames",
-    "StampCheck",
-    "StateMessage",
-    "StatusMessage",
-    "StepMessage",
-    "UnknownSenders",
-    "absolute_pa",
-    "frame_from_message",
-    "frame_to_message",
-]

@@ -1,7 +1,4 @@
 """The sockets of the programs and of a testbench, as the page reads them: records in, commands out."""
 
-from ._program_link import ProgramLink
 from ._testbench_link import TestbenchLink
 from ._tool_link import ToolLink
-
-__all__ = ["ProgramLink", "TestbenchLink", "ToolLink"]

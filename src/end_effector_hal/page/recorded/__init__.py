@@ -4,20 +4,9 @@ The document has what is shown at every moment, so the browser scrubs it without
 and `eehal report` writes it into a file.
 """
 
-from ._document import Progress, RecordingPart, read_recording
+from ._document import RecordingPart, read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS
 from ._judged import judge_recording
 from ._other_files import OtherFiles
 from ._tables import RecordedTables
-
-__all__ = [
-    "PROGRESS",
-    "OtherFiles",
-    "Progress",
-    "RecordedTables",
-    "RecordingFiles",
-    "RecordingPart",
-    "judge_recording",
-    "read_recording",
-]

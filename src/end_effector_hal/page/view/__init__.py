@@ -4,5 +4,3 @@ from ._faults import FaultsView
 from ._interlocks import RULES
 from ._log import EventLog
 from ._tool_view import STALE_US, ToolView
-
-__all__ = ["RULES", "STALE_US", "EventLog", "FaultsView", "ToolView"]

@@ -5,5 +5,3 @@ from ._control import ControlLease
 from ._faults import FaultCommands
 from ._guard import Asked, Guard
 from ._serve import serve_page, serve_recordings
-
-__all__ = ["Asked", "ControlLease", "FaultCommands", "Guard", "PageAddress", "serve_page", "serve_recordings"]

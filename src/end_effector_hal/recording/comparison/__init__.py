@@ -3,5 +3,3 @@
 from ._compare import Tolerances, compare_runs
 from ._run_difference import RunDifference
 from ._run_tables import RunTables, read_tables
-
-__all__ = ["RunDifference", "RunTables", "Tolerances", "compare_runs", "read_tables"]

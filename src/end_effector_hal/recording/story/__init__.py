@@ -2,13 +2,3 @@
 
 from ._reader import read_story
 from ._story import AttemptOutcome, Grip, GripDecision, Moment, ReleaseCause, Story
-
-__all__ = [
-    "AttemptOutcome",
-    "Grip",
-    "GripDecision",
-    "Moment",
-    "ReleaseCause",
-    "Story",
-    "read_story",
-]

@@ -5,26 +5,3 @@ from ._changer import ChangerRow, ChangerWriter, read_changer
 from ._pressures import KPA, PressuresLog, PressuresWriter, column_of, read_pressures
 from ._states import StatesLog, StatesRow, StatesWriter, read_states
 from ._switches import ON, SwitchesLog, SwitchesWriter, read_switches
-
-__all__ = [
-    "BEGUN",
-    "KPA",
-    "ON",
-    "AlarmRow",
-    "AlarmsWriter",
-    "ChangerRow",
-    "ChangerWriter",
-    "PressuresLog",
-    "PressuresWriter",
-    "StatesLog",
-    "StatesRow",
-    "StatesWriter",
-    "SwitchesLog",
-    "SwitchesWriter",
-    "column_of",
-    "read_alarms",
-    "read_changer",
-    "read_pressures",
-    "read_states",
-    "read_switches",
-]

@@ -2,5 +2,3 @@
 
 from ._trace_file import Record, TraceFile, read_trace
 from ._trace_writer import Gap, Opening, TraceWriter
-
-__all__ = ["Gap", "Opening", "Record", "TraceFile", "TraceWriter", "read_trace"]

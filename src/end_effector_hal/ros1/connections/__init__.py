@@ -6,17 +6,3 @@ from ._known_publishers import KnownPublishers, caller_of, nodes_of
 from ._messages import MessageMaker, answer_of, response_maker
 from ._publish import publisher
 from ._types import message_class, service_class
-
-__all__ = [
-    "CommandService",
-    "KnownPublishers",
-    "MessageMaker",
-    "answer_of",
-    "caller_of",
-    "message_class",
-    "nodes_of",
-    "publisher",
-    "response_maker",
-    "send_directly",
-    "service_class",
-]

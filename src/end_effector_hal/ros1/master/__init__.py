@@ -2,5 +2,3 @@
 
 from ._calls import NoSuchMethod, ask_master, ask_node, ask_pid, master_uri
 from ._watch import MasterWatch
-
-__all__ = ["MasterWatch", "NoSuchMethod", "ask_master", "ask_node", "ask_pid", "master_uri"]

@@ -2,5 +2,3 @@
 
 from ._action_client import RclpyActionClient
 from ._action_server import RclpyActionServer
-
-__all__ = ["RclpyActionClient", "RclpyActionServer"]

@@ -6,19 +6,3 @@ from ._messages import RclpyMessageMaker, answer_of, response_maker
 from ._publishers_in_graph import PublishersInGraph
 from ._quality import reader_quality, writer_quality
 from ._types import action_class, has_action_class, message_class, service_class
-
-__all__ = [
-    "LocalBus",
-    "LocalService",
-    "PublishersInGraph",
-    "RclpyCommandService",
-    "RclpyMessageMaker",
-    "action_class",
-    "answer_of",
-    "has_action_class",
-    "message_class",
-    "reader_quality",
-    "response_maker",
-    "service_class",
-    "writer_quality",
-]

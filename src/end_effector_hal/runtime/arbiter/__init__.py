@@ -3,15 +3,3 @@
 from ._policy import OUTPUTS, SENSOR_FAULT, arbiter_policy, output_lines, program_lines, wired_lines
 from ._predicate_publisher import PredicatePublisher
 from ._process import connect_arbiter, run_arbiter
-
-__all__ = [
-    "OUTPUTS",
-    "SENSOR_FAULT",
-    "PredicatePublisher",
-    "arbiter_policy",
-    "connect_arbiter",
-    "output_lines",
-    "program_lines",
-    "run_arbiter",
-    "wired_lines",
-]

@@ -3,14 +3,3 @@
 from ._maintenance import Maintenance
 from ._output_mapping import ChangerOutputs, GripOutputs, OutputMapping
 from ._outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs
-
-__all__ = [
-    "DECLARED_DEAD",
-    "RETRY_US",
-    "ChangerOutputs",
-    "GripOutputs",
-    "LineWriter",
-    "Maintenance",
-    "OutputMapping",
-    "Outputs",
-]

@@ -6,15 +6,3 @@ from ._inline_worker import InlineWorker
 from ._open_program import open_program
 from ._program import Program
 from ._release_proof import longest_release_s, release_is_decided
-from ._serial_worker import SerialWorker
-
-__all__ = [
-    "ChangerProgram",
-    "GripProgram",
-    "InlineWorker",
-    "Program",
-    "SerialWorker",
-    "longest_release_s",
-    "open_program",
-    "release_is_decided",
-]

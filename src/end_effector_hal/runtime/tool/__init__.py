@@ -5,14 +5,3 @@ from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._plain_outputs import PlainOutputs
 from ._ready import changer_is_sensed
 from ._reset import reset
-
-__all__ = [
-    "EndEffector",
-    "GoalRunner",
-    "PlainOutputs",
-    "Refused",
-    "Result",
-    "RunningGoal",
-    "changer_is_sensed",
-    "reset",
-]

@@ -4,5 +4,3 @@ from ._frozen import FrozenDetector
 from ._release import ReleaseDetector
 from ._supply import SupplyDetector
 from ._tool import ToolDetector
-
-__all__ = ["FrozenDetector", "ReleaseDetector", "SupplyDetector", "ToolDetector"]

@@ -4,26 +4,8 @@ from ._judge import Baseline, MutantOutcome, MutantVerdict, judge
 from ._judge_all import Baselines, judge_all
 from ._record import (
     CHECKS,
-    KEPT_FILE,
-    EdgeNeeds,
     MutationRecord,
     kept_record,
     mutation_record,
     read_record,
 )
-
-__all__ = [
-    "CHECKS",
-    "KEPT_FILE",
-    "Baseline",
-    "Baselines",
-    "EdgeNeeds",
-    "MutantOutcome",
-    "MutantVerdict",
-    "MutationRecord",
-    "judge",
-    "judge_all",
-    "kept_record",
-    "mutation_record",
-    "read_record",
-]

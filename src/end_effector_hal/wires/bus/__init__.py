@@ -3,12 +3,3 @@
 from ._lines import BusLines, BusLink, bus_relay
 from ._outputs import BusOutputs, fresh_for_us
 from ._traffic import BusTraffic
-
-__all__ = [
-    "BusLines",
-    "BusLink",
-    "BusOutputs",
-    "BusTraffic",
-    "bus_relay",
-    "fresh_for_us",
-]

@@ -2,25 +2,7 @@
 
 from ._analog import AnalogReader, find_device
 from ._gpiod import INPUT_CONSUMER, GpiodInputLines
-from ._lines import Edges, InputLines, LineEdge, input_lines, pulls_of
+from ._lines import LineEdge, input_lines, pulls_of
 from ._reader import InputsHealth, InputsReader, lines_of
 from ._relayed import RelayedInputs, inputs_record
 from ._virtual import VirtualInputLines
-
-__all__ = [
-    "INPUT_CONSUMER",
-    "AnalogReader",
-    "Edges",
-    "GpiodInputLines",
-    "InputLines",
-    "InputsHealth",
-    "InputsReader",
-    "LineEdge",
-    "RelayedInputs",
-    "VirtualInputLines",
-    "find_device",
-    "input_lines",
-    "inputs_record",
-    "lines_of",
-    "pulls_of",
-]

@@ -5,14 +5,3 @@ from ._guard import GuardedDecoder
 from ._port import open_port
 from ._pty import PtyPair
 from ._reader import LinkHealth, LinkReader, LinkState
-
-__all__ = [
-    "CodecCalls",
-    "CodecFailure",
-    "GuardedDecoder",
-    "LinkHealth",
-    "LinkReader",
-    "LinkState",
-    "PtyPair",
-    "open_port",
-]

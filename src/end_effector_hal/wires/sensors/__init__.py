@@ -2,5 +2,3 @@
 
 from ._frame_order import FrameOrder
 from ._reader import SensorHealth, SensorReader
-
-__all__ = ["FrameOrder", "SensorHealth", "SensorReader"]

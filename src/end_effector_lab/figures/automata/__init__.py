@@ -1,5 +1,3 @@
 """Templates drawn as in Fig. 5 of the paper."""
 
 from ._figure import draw
-
-__all__ = ["draw"]

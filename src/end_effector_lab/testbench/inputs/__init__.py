@@ -6,20 +6,7 @@ Inputs of your own are a class with the methods of `LineInputs`, and a test that
 
 from ._gpio import GpioInputs
 from ._gpio_sim import GpioSimInputs
-from ._inputs import Clock, LineInputs, Monotonic, OnEdge, clock_of
+from ._inputs import Clock, LineInputs, Monotonic, clock_of
 from ._qemu import QemuInputs
 from ._virtual import VirtualInputs
 from .virtio_gpio import VirtioGpioInputs
-
-__all__ = [
-    "Clock",
-    "GpioInputs",
-    "GpioSimInputs",
-    "LineInputs",
-    "Monotonic",
-    "OnEdge",
-    "QemuInputs",
-    "VirtioGpioInputs",
-    "VirtualInputs",
-    "clock_of",
-]

@@ -3,5 +3,3 @@
 from ._commanded import CommandedRegisters
 from ._robotiq import Gripper2F85, SimulatedEPick
 from ._rtu import RegisterMap, RtuServer
-
-__all__ = ["CommandedRegisters", "Gripper2F85", "RegisterMap", "RtuServer", "SimulatedEPick"]

@@ -7,27 +7,3 @@ from ._responses import BoundedResponse, LeadsTo, bounded, relaxed
 from ._room import ReactionBound, Room
 from ._verdict import Extreme, Verdict
 from ._zeno import taken, zeno_cycle, zeno_run
-
-__all__ = [
-    "BoundedResponse",
-    "Coverage",
-    "CoverageReport",
-    "Extreme",
-    "FoundExtreme",
-    "LeadsTo",
-    "Reachability",
-    "ReactionBound",
-    "Room",
-    "Verdict",
-    "answer",
-    "bounded",
-    "extreme_clock",
-    "extreme_integer",
-    "open_channels",
-    "reachability",
-    "relaxed",
-    "taken",
-    "timelock",
-    "zeno_cycle",
-    "zeno_run",
-]

@@ -8,29 +8,3 @@ from ._liveness import Lasso, LassoSearch, Start
 from ._reach import OutOfRangeError, Progress, Search, WidestFirst, without_collector
 from ._search_node import SearchNode
 from ._stages import Stage
-
-__all__ = [
-    "MOST_DOUBTS",
-    "Deadlocks",
-    "Ending",
-    "Lasso",
-    "LassoSearch",
-    "Leg",
-    "NoRunError",
-    "Only",
-    "OutOfRangeError",
-    "Progress",
-    "Search",
-    "SearchNode",
-    "Stage",
-    "Start",
-    "Timing",
-    "WidestFirst",
-    "Within",
-    "ZoneCondition",
-    "anywhere",
-    "components",
-    "concrete",
-    "shortest_cycle",
-    "without_collector",
-]

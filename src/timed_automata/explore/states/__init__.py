@@ -3,16 +3,3 @@
 from ._discrete import Action, DiscreteSpace, DiscreteState, Move
 from ._semantics import SlicedSemantics
 from ._symbolic import Form, InvariantGuardedSpace, PlannedMove, StateRecord, SymbolicSpace
-
-__all__ = [
-    "Action",
-    "DiscreteSpace",
-    "DiscreteState",
-    "Form",
-    "InvariantGuardedSpace",
-    "Move",
-    "PlannedMove",
-    "SlicedSemantics",
-    "StateRecord",
-    "SymbolicSpace",
-]

@@ -5,5 +5,3 @@ Sources: virtio 1.2, sections 2.7 (split virtqueues) and 5.18 (GPIO device); QEM
 
 from ._inputs import VirtioGpioInputs
 from ._pins import Pins
-
-__all__ = ["Pins", "VirtioGpioInputs"]
