@@ -187,6 +187,7 @@ class CoilRun:
         pulse_us = self.policy.opposites[JAW].pulse_us
         values = {
             "PULSE": pulse_us // MS,
+            "PAUSE": self.policy.opposites[JAW].pause_us // MS,
             "SWITCH": self.policy.min_switch_us // MS,
             "LEASE": self.policy.lease_us // MS,
             "D": 0,

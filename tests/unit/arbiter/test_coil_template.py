@@ -20,11 +20,12 @@ from tests.unit.arbiter.coil_runs import BACK, JAW, MS, CoilRun, model_text, ran
 HELD = Policy((JAW,), opposites={JAW: SecondCoil(BACK)})
 PULSED = Policy((JAW,), opposites={JAW: SecondCoil(BACK, 100 * MS)})
 SHORT = Policy((JAW,), opposites={JAW: SecondCoil(BACK, 20 * MS)})
+PAUSED = Policy((JAW,), opposites={JAW: SecondCoil(BACK, 20 * MS, 90 * MS)})
 SEEDS = range(40)
 
 
 @pytest.mark.parametrize("seed", first_of(SEEDS, 5))
-@pytest.mark.parametrize("policy", [HELD, PULSED, SHORT], ids=["held", "pulsed", "short"])
+@pytest.mark.parametrize("policy", [HELD, PULSED, SHORT, PAUSED], ids=["held", "pulsed", "short", "paused"])
 def test_what_the_line_arbiter_does_is_a_run_of_the_network(policy: Policy, seed: int) -> None:
     assert random_coil_run(policy, seed).is_one_of(model_text())
 
@@ -67,6 +68,11 @@ def test_an_arbiter_that_believes_other_records_is_found_out(believes: Callable[
 )
 def test_another_length_is_found_out(other: Policy) -> None:
     assert not all_are_runs((random_coil_run(other, seed) for seed in SEEDS), PULSE=100, SWITCH=50)
+
+
+def test_another_pause_after_a_pulse_is_found_out() -> None:
+    other = replace(PAUSED, opposites={JAW: SecondCoil(BACK, 20 * MS, 80 * MS)})
+    assert not all(random_coil_run(other, seed).is_one_of(model_text(), PAUSE=90) for seed in SEEDS)
 
 
 def _ends_found_pulses_at_once(self: Coils, lines: Any, believed: Any, at: int) -> dict[str, bool]:

@@ -146,6 +146,63 @@ def test_a_pulse_is_cut_short_by_the_way_back() -> None:
     ]
 
 
+RESTING = Policy((JAW, CUP), opposites={JAW: SecondCoil(BACK, 100 * MS, 300 * MS)})
+
+
+def test_with_a_pause_a_change_waits_for_the_whole_pulse_and_the_pause_after_it() -> None:
+    arbiter = Running(RESTING, ArbiterState(pulsed={JAW: False}))
+    arbiter.set(jaw=True)
+    arbiter.to(1 * S + 10 * MS)
+    assert arbiter.rules.write(arbiter.session, {JAW: False}, None, arbiter.wires.now) == 390 * MS
+    arbiter.to(3 * S)
+    assert arbiter.wires.written[2:] == [
+        (1 * S + 100 * MS, JAW, False),
+        (1 * S + 400 * MS, JAW, False),
+        (1 * S + 400 * MS, BACK, True),
+        (1 * S + 500 * MS, BACK, False),
+    ]
+
+
+def test_the_pause_is_counted_from_the_real_end_of_the_pulse() -> None:
+    arbiter = Running(RESTING, ArbiterState(pulsed={JAW: False}))
+    arbiter.set(jaw=True)
+    arbiter.wires.error = WireError("the chip is gone.")
+    arbiter.to(1 * S + 150 * MS)
+    arbiter.wires.error = None
+    arbiter.set(jaw=False)
+    arbiter.to(3 * S)
+    ended = next(at for at, line, level in arbiter.wires.written[2:] if (line, level) == (JAW, False))
+    assert ended == 1 * S + 200 * MS
+    assert (ended + 300 * MS, BACK, True) in arbiter.wires.written
+
+
+def test_an_arbiter_that_waked_late_ends_the_pulse_and_then_waits_for_the_pause() -> None:
+    arbiter = Running(RESTING, ArbiterState(pulsed={JAW: False}))
+    arbiter.set(jaw=True)
+    arbiter.set(jaw=False)
+    arbiter.rules.renew(arbiter.session, 1900 * MS)
+    arbiter.wires.now = 1900 * MS
+    arbiter.rules.advance(1900 * MS)
+    assert arbiter.wires.state == {JAW: False, CUP: False, BACK: False}
+    arbiter.to(2200 * MS)
+    assert arbiter.wires.state[BACK]
+
+
+def test_a_start_waits_for_the_pause_for_nobody_knows_when_the_last_pulse_was() -> None:
+    rules = LineArbiter(Wires(), RESTING, 0, ArbiterState(pulsed={JAW: True}))
+    session = rules.hello("grip", TOKEN, (JAW, CUP), (), 0)
+    assert rules.write(session, {JAW: False}, None, 10 * MS) == 290 * MS
+
+
+def test_the_last_will_waits_for_the_pause_as_well() -> None:
+    arbiter = Running(RESTING, ArbiterState(pulsed={JAW: False}))
+    arbiter.set(jaw=True)
+    arbiter.rules.declare_dead(arbiter.session, "it was killed", arbiter.wires.now)
+    arbiter.lives = False
+    arbiter.to(3 * S)
+    assert (1 * S + 400 * MS, BACK, True) in arbiter.wires.written
+
+
 def test_a_bistable_valve_of_which_nothing_is_known_counts_as_active() -> None:
     first = Running(PULSED, ArbiterState(doubt="no session record was found"))
     assert first.rules.levels[JAW], "a part may be held"

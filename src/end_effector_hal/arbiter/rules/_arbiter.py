@@ -2,7 +2,8 @@
 
 A client's writes are applied in the order in which they came. One that would change a line within
 ``min_switch_us`` of its last change waits, as a whole, and what the client writes after it waits behind it;
-so do the steps of a last will. An activation that waits is forgotten when its line is to be deactivated.
+so do the steps of a last will, and changes within the pause after a pulse. An activation that waits is forgotten when
+its line is to be deactivated.
 """
 
 from __future__ import annotations
@@ -243,14 +244,13 @@ class LineArbiter:
         """Execute what is due: waiting writes, last wills, and the ends of activations."""
         if self._lines.remote is not None:
             self._hear_devices(self._lines.remote, at)
+        self.end_pulses(at)  # first: a pause begins there
         for session in list(self.sessions):
             try:
                 self._apply_due(session, at)
             except WireError as error:
                 _log.error("a write of %s failed: %s", session.client, error)
         self.sessions = [session for session in self.sessions if session.queue or not session.ended]
-        if self._lines.coils is not None:
-            self.end_pulses(at)
         for name, why in self._lines.troubles().items():
             if name not in self.predicates.faults:
                 _log.error("%s", why)

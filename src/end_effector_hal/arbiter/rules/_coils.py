@@ -19,10 +19,12 @@ class SecondCoil(NamedTuple):
         line: of that coil.
         pulse_us: 0: one of the two coils is active all the time; else each change is a pulse of this length, and the
             device keeps its position without power.
+        pause_us: from the end of a pulse to the next one; 0: a change cuts a pulse short.
     """
 
     line: str
     pulse_us: int = 0
+    pause_us: int = 0
 
 
 class Coils:
@@ -45,6 +47,8 @@ class Coils:
         self._pulsed: dict[str, bool] = {}
         self._ends: dict[str, int] = {}
         """When the pulse of a line is over, µs."""
+        self._paused: dict[str, int] = {}
+        """When the pause of an output is over, µs."""
         self.guessed = frozenset[str]()
         """Outputs of which nothing is known, and that count as active."""
         self._undriven = frozenset[str]()
@@ -75,6 +79,7 @@ class Coils:
                 levels[line] = not found[opposite.line] and believed[line]
             if opposite.pulse_us:
                 self._pulsed[line] = levels[line]
+                self._paused[line] = at + opposite.pause_us  # nobody knows when the last pulse was
                 under_way = {each for each in (line, opposite.line) if found[each]} - off
                 self._ends |= dict.fromkeys(under_way, at + opposite.pulse_us)
         if off:
@@ -125,6 +130,14 @@ class Coils:
         self._pulsed |= {line: level for line, level in changes.items() if line in self._pulsed}
         self._undriven -= changes.keys()
 
+    def ready_at(self, line: str) -> int:
+        """When the pause after the last pulse of an output is over, as far as is known, µs; 0: there is none."""
+        opposite = self._opposites.get(line)
+        if opposite is None or not opposite.pause_us:
+            return 0
+        ends = [self._ends[each] for each in (line, opposite.line) if each in self._ends]
+        return max([self._paused.get(line, 0), *(end + opposite.pause_us for end in ends)])
+
     @property
     def due(self) -> int | None:
         """When the next pulse is over, µs; None: there is none."""
@@ -140,16 +153,18 @@ class Coils:
         over = [line for line, end in self._ends.items() if end <= at]
         if not over:
             return
-        lengths = {line: each.pulse_us for line, each in self._opposites.items()}
-        lengths |= {each.line: each.pulse_us for each in self._opposites.values()}
+        outputs = {coil: line for line, each in self._opposites.items() for coil in (line, each.line)}
         failed: Exception | None = None
         for line in over:
+            output = outputs[line]
+            opposite = self._opposites[output]
             try:
                 self._backend.set({line: False})
             except (WireError, OSError) as error:
-                self._ends[line], failed = at + lengths[line], error
+                self._ends[line], failed = at + opposite.pulse_us, error
             else:
                 del self._ends[line]
+                self._paused[output] = at + opposite.pause_us
         if failed is not None:
             raise failed
 

@@ -104,6 +104,12 @@ class Policy:
                 f"the longest last will of this tool takes {self.longest_last_will_us} µs."
             )
 
+    def settle_us(self, line: str) -> int:
+        """How long it stays as it is after a change (IL-10); with a pulse that has a pause, until that is over."""
+        coil = self.opposites.get(line)
+        paused = coil.pulse_us + coil.pause_us if coil and coil.pause_us else 0
+        return max(self.min_switch_us, paused)
+
     def partners(self, line: str) -> list[Partner]:
         """The lines that must be inactive for this one to be activated."""
         pairs = [Exclusion(*pair) for pair in self.exclusions]

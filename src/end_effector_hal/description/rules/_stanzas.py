@@ -62,21 +62,30 @@ def _given(facts: Facts, *path: str) -> bool:
 
 
 def _pulses(facts: Facts) -> Iterator[Fault]:
-    """A pulse is over before the output is to change again."""
+    """A pulse and its pause are over before the output is to change again."""
     stanzas: list[tuple[Keys, tuple[str, ...]]] = [(("tool_changer",), ("unlock_max_s", "prove_s"))]
     stanzas += [(("actuators", name), ("timeout_s", "reset_s", "release_s")) for name, _ in facts.actuators()]
     for stanza, keys in stanzas:
-        path = (*stanza, "opposite", "pulse_s")
+        path, pause = (*stanza, "opposite", "pulse_s"), (*stanza, "opposite", "pause_s")
         pulse_s = facts.get(*path) if facts.written(*path) else None
+        pause_s = facts.get(*pause) if facts.written(*pause) else None
         if not isinstance(pulse_s, int | float):
+            if isinstance(pause_s, int | float) and path not in facts.broken:
+                what, expected = (
+                    "there is no pulse before this pause",
+                    "pulse_s, how long each coil is active",
+                )
+                yield Fault.at(facts.places.value(*pause), "EE-222", what, expected=expected)
             continue
+        rest_s = pause_s if isinstance(pause_s, int | float) else 0
+        place, name = (pause, "the pause after the pulse") if rest_s else (path, "the pulse")
         for key in keys:
             limit_s = facts.get(*stanza, key)
-            if isinstance(limit_s, int | float) and pulse_s >= limit_s:
-                what = "the pulse is not over when its output may change again"
-                yield Fault.at(
-                    facts.places.value(*path), "EE-222", what, expected=f"less than {key} = {limit_s:g}"
-                )
+            if isinstance(limit_s, int | float) and pulse_s + rest_s >= limit_s:
+                what = f"{name} is not over when its output may change again"
+                with_pulse = f", with pulse_s = {pulse_s:g}" if rest_s else ""
+                expected = f"less than {key} = {limit_s:g}{with_pulse}"
+                yield Fault.at(facts.places.value(*place), "EE-222", what, expected=expected)
 
 
 def _blow_offs(facts: Facts) -> Iterator[Fault]:

@@ -23,6 +23,11 @@ class Opposite(Part):
         description="each coil is active for so long at a change (a bistable valve, a switchable magnet); "
         "null: one of the two is active all the time",
     )
+    pause_s: Annotated[float | None, Field(ge=0.05, le=10)] = Field(
+        default=None,
+        description="after a pulse no coil is active for so long, and a change waits, as for a capacitor that charges "
+        "again; null: a change cuts a pulse short",
+    )
 
 
 class Actuator(Part):

@@ -53,7 +53,7 @@ def arbiter_policy(description: Description) -> Policy:
         ),
         faults=(SENSOR_FAULT,) if changer else (),
         opposites={
-            line: SecondCoil(each.line, to_us(each.pulse_s or 0))
+            line: SecondCoil(each.line, to_us(each.pulse_s or 0), to_us(each.pause_s or 0))
             for line, each in description.opposites.items()
         },
         proven=proven_by_arbiter(description, carrier_of(description)),

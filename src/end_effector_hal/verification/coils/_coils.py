@@ -17,8 +17,8 @@ from timed_automata import Network, load_network
 
 COILS_FILE = Path(__file__).with_name("two_coils.xml")
 _TODO = {
-    "assumed-on": "raise timeout_s (of the tool changer prove_s and unlock_max_s), or shorten pulse_s",
-    "assumed-off": "raise reset_s and release_s (of the tool changer prove_s), or shorten pulse_s",
+    "assumed-on": "raise timeout_s (of the tool changer prove_s and unlock_max_s), or shorten pulse_s and pause_s",
+    "assumed-off": "raise reset_s and release_s (of the tool changer prove_s), or shorten pulse_s and pause_s",
 }
 
 
@@ -35,6 +35,7 @@ def coil_constants(description: Description) -> dict[str, dict[str, int]]:
     return {
         name: {
             "PULSE": policy.opposites[line].pulse_us // 1000,
+            "PAUSE": policy.opposites[line].pause_us // 1000,
             "SWITCH": policy.min_switch_us // 1000,
             "LEASE": policy.lease_us // 1000,
             "D": description.bounds.reaction_ms,

@@ -20,8 +20,8 @@ from timed_automata import load_document, load_network
 
 DOCUMENT = load_document(COILS_FILE)
 ONE_KIND_ONLY = {
-    0: {"pulse-over"},
-    100: {"one-held"},
+    0: {"pulse-over", "pulse-whole"},
+    100: {"one-held", "pulse-whole"},
 }
 """What says nothing of a held output, and of a pulsed one."""
 
@@ -80,11 +80,38 @@ def test_the_worst_cases_are_what_the_steps_add_up_to() -> None:
     assert off.computed_ms == d + (switch + d) + (pulse - 1)
 
 
+def test_with_a_pause_all_of_it_holds_and_a_change_waits_for_the_whole_pulse_and_the_pause() -> None:
+    d, pulse, pause = 50, 100, 300
+    found = proof(pulse, PAUSE=pause)
+    assert found.holds
+    assert {each.id for each in found.findings if each.remark} == {"one-held"}
+    on, off = found.bounds.values()
+    assert off.computed_ms == d + (pulse + d) + (pause + d) + (pulse - 1)
+    # the deactivation that waits has its own pulse and pause before the activation comes
+    assert on.computed_ms == (pulse + d) + 2 * (pause + d) + (pulse + d) + (pulse - 1) - 1
+
+
 def test_the_constants_are_those_of_the_tool(tmp_path: Path) -> None:
     changer = "tool_changer: {line: GPIO12, opposite: {line: GPIO13}, prove_s: 1.5}"
     assert coil_constants(load(tool(tmp_path, changer=changer))) == {
-        "pusher": {"PULSE": 100, "SWITCH": 50, "LEASE": 1000, "D": 50, "T_ON": 1000, "T_OFF": 400},
-        "tool_changer": {"PULSE": 0, "SWITCH": 50, "LEASE": 1000, "D": 50, "T_ON": 1500, "T_OFF": 1500},
+        "pusher": {
+            "PULSE": 100,
+            "PAUSE": 0,
+            "SWITCH": 50,
+            "LEASE": 1000,
+            "D": 50,
+            "T_ON": 1000,
+            "T_OFF": 400,
+        },
+        "tool_changer": {
+            "PULSE": 0,
+            "PAUSE": 0,
+            "SWITCH": 50,
+            "LEASE": 1000,
+            "D": 50,
+            "T_ON": 1500,
+            "T_OFF": 1500,
+        },
     }
 
 
@@ -111,7 +138,7 @@ def test_a_cut_that_does_not_hold_is_found_and_what_to_do(
     assert lines[at].startswith("FAILS  The two coils of pusher: 7. The same of a deactivation")
     assert [line.strip() for line in lines[at + 1 : at + 3]] == [
         "takes up to 399 ms, 300 ms are required",
-        "raise reset_s and release_s (of the tool changer prove_s), or shorten pulse_s",
+        "raise reset_s and release_s (of the tool changer prove_s), or shorten pulse_s and pause_s",
     ]
     assert (found / "pusher.assumed-off" / "run.txt").is_file()
 
