@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 
 from timed_automata.errors import Diagnostic, ModelError, RangeError, ReportedError, StoppedError, UsageError
 
@@ -26,6 +28,7 @@ __all__ = [
     "UsageError",
     "WireError",
     "WorkersError",
+    "os_errors",
 ]
 
 
@@ -120,3 +123,12 @@ class WorkersError(ReportedError, OSError):
 
     code = "EE-610"
     exit_code = 3
+
+
+@contextmanager
+def os_errors(what: str, where: Path | str, *, todo: str = "") -> Iterator[None]:
+    """What the system refuses within it is a UsageError: ``what`` cannot be done, the system's reason, and where."""
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(f"{what}: {error.strerror}.", where=str(where), todo=todo) from None

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 import click
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 MOST_SEED = 2**32 - 1
@@ -63,10 +63,8 @@ def _end(number: int, _frame: FrameType | None) -> None:
 
 def the_folder(path: Path) -> Path:
     """A folder, made if it does not exist."""
-    try:
+    with os_errors("The folder cannot be made", path):
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(path)) from None
     return path
 
 

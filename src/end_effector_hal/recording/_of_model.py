@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 
 from ._run import FILE_NAME, read_run
 
@@ -24,11 +24,9 @@ def check_replaceable(folder: Path) -> None:
     Raises:
         UsageError: it holds a recording, or what is in it cannot be read.
     """
-    try:
+    with os_errors("Cannot be read", folder):
         recorded = [each for pattern in _RECORDED for each in folder.glob(pattern)]
         has_run = (folder / FILE_NAME).exists()
-    except OSError as error:
-        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(folder)) from None
     scenario = read_run(folder).scenario
     of_model = scenario == COUNTEREXAMPLE or scenario.startswith(MODEL_RUN)
     if any(each.suffix == ".mcap" for each in recorded) or ((recorded or has_run) and not of_model):

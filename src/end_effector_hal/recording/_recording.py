@@ -17,7 +17,7 @@ from typing import Any
 from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description, measures_of, used_channels
-from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.errors import ReportedError, os_errors
 from end_effector_hal.kinds import kind_of, switch_meanings
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.recording._limits import RecordingLimits
@@ -134,10 +134,8 @@ class Recording(Closing):
     ) -> None:
         self.folder, self._now = Path(folder), now
         limits = limits or RecordingLimits()
-        try:
+        with os_errors("The folder cannot be made", folder):
             self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(folder)) from None
         begun, started = _begun(self.folder), started or datetime.now(UTC)
         self._begun = now() - round((started - (begun or started)).total_seconds() * 1_000_000)
         self._start = self._begun if begun else None
@@ -160,10 +158,8 @@ class Recording(Closing):
                 started=(begun or started).isoformat(),
                 gaps=before.gaps if begun else (),
             )
-            try:
+            with os_errors("Cannot be written", folder):
                 self._write_info()
-            except OSError as error:
-                raise UsageError(f"Cannot be written: {error.strerror}.", where=str(folder)) from None
             channels = () if isinstance(tool, RunInfo) else pressure_channels(tool)
             measures = {} if isinstance(tool, RunInfo) else measures_of(tool)
             units = {name: measures[name].unit for name in channels}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording.tables import (
     BEGUN,
     ON,
@@ -69,10 +69,8 @@ def write_run_table(
     lines = [",".join(("time_s", *(name for each in columns for name in each.names)))]
     for time_s in sorted({time_s for each in columns for time_s in each.times_s}):
         lines += [f"{time_s:.6f},{cells}" for cells in _rows(columns, time_s)]
-    try:
+    with os_errors("Cannot be written", path):
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"Cannot be written: {error.strerror}.", where=str(path)) from None
     return path
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.nodes.data_logger import CommandsLog, write_frame, write_state
 from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS, Topic
 from end_effector_hal.nodes.transport import StateMessage
@@ -74,10 +74,8 @@ def import_bag(
         UsageError: the bag has no such tool, or no state of it can be read; nothing is written then.
         ReportedError: the recording cannot be written any more; what was written remains.
     """
-    try:
+    with os_errors("Cannot be used", folder):
         taken = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
-    except OSError as error:
-        raise UsageError(f"Cannot be used: {error.strerror}.", where=str(folder)) from None
     if taken:
         raise UsageError("This exists already.", where=str(folder), todo="Choose another folder with -o.")
     topics = bag.topics()

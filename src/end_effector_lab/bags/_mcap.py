@@ -11,7 +11,7 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import os_errors
 
 from ._bag_message import BagMessage, reason_of
 from ._unpack import unpack
@@ -87,10 +87,8 @@ class McapBag:
 
 
 def _opened(path: Path) -> BinaryIO:
-    try:
+    with os_errors("Cannot be read", path):
         return path.open("rb")
-    except OSError as error:
-        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
 
 
 def _unpacked(chunk: Chunk) -> Chunk:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from end_effector_hal.cli import PathName, Progress, figures, print_document
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 
 if TYPE_CHECKING:
     from end_effector_lab.figures import RecordedRun
@@ -70,10 +70,8 @@ def _targets(states: Path, style: str, styles: tuple[str, ...], output: Path | N
                 "Two figures do not fit into one file.", where=str(output), todo="Name a folder."
             )
         return [output]
-    try:
+    with os_errors("The folder cannot be made", output):
         output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(output)) from None
     return [output / f"{style}.{suffix}" for suffix in ("png", "svg")]
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from end_effector_hal.cli import Progress, figures, print_document
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 
 if TYPE_CHECKING:
     from end_effector_lab.sweep import Axis, Proven
@@ -84,12 +84,10 @@ def _write(axes: Sequence[Axis], found: Sequence[Proven], folder: Path) -> list[
     csv.writer(rows, lineterminator="\n").writerows(table(axes, found))
     texts = {"sweep.json": json_text(_document(axes, found)) + "\n", "sweep.csv": rows.getvalue()}
     files = [folder / name for name in texts]
-    try:
+    with os_errors("The folder cannot be written", folder):
         folder.mkdir(parents=True, exist_ok=True)
         for file in files:
             file.write_text(texts[file.name], encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"The folder cannot be written: {error.strerror}.", where=str(folder)) from None
     return files
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording import run_info
 from end_effector_hal.wires.lines import Edge
 from end_effector_lab.figures import STYLES, RecordedRun, save
@@ -97,7 +97,7 @@ def fresh_folder(folder: Path) -> Path:
     Raises:
         UsageError: it holds something else, or cannot be made.
     """
-    try:
+    with os_errors("The folder cannot be made", folder):
         if folder.exists() and any(folder.iterdir()) and not (folder / DESCRIPTION).exists():
             raise UsageError(
                 "This folder holds something that no demo wrote.",
@@ -106,6 +106,4 @@ def fresh_folder(folder: Path) -> Path:
             )
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-    except OSError as error:
-        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(folder)) from None
     return folder

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording import (
     AlarmRow,
     ChangerRow,
@@ -78,10 +78,8 @@ class RecordedRun:
             folder / "run.csv", self.log, self.pressures, self.changer, self.alarms, self.switches
         )
         script = folder / SCRIPT
-        try:
+        with os_errors("Cannot be written", script):
             script.write_bytes(Path(__file__).with_name(SCRIPT).read_bytes())
-        except OSError as error:
-            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(script)) from None
         return [table, script]
 
     def figure(self, style: str) -> Figure:

@@ -25,7 +25,7 @@ from typing import Self, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from end_effector_hal.cli import the_folder, write_whole
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording import append_whole, lock
 from end_effector_hal.vocabulary import printable
 
@@ -107,7 +107,7 @@ class ResultsFolder:
             UsageError: a line does not fit, or the file cannot be read.
         """
         path, end = self._path / self._layout.lines, 0
-        try:
+        with os_errors("The file cannot be read", path):
             with path.open("rb") as file:
                 for number in count(1):
                     line = file.readline(MOST_LINE)
@@ -119,8 +119,6 @@ class ResultsFolder:
                 raise self.misfit(f"It has more than {MOST_LINE} bytes.", f"{path}:{number}")
             if line:
                 os.ftruncate(self._fd, end)
-        except OSError as error:
-            raise UsageError(f"The file cannot be read: {error.strerror}.", where=str(path)) from None
 
     def misfit(self, what: str, where: str) -> UsageError:
         """The error about a line that does not fit."""
@@ -163,13 +161,10 @@ class ResultsFolder:
         changed = before not in (None, digest, self._written.get(name))
         if changed or (keep and before not in (None, digest)):
             beside = next(each for number in count(1) if not os.path.lexists(each := _numbered(path, number)))
-            try:
+            with os_errors(
+                f"The file is to be kept, and cannot be as {beside.name}", path, todo="Move it away."
+            ):
                 os.link(path, beside)
-            except OSError as error:
-                raise UsageError(
-                    f"The file is to be kept, and cannot be as {beside.name}: {error.strerror}.",
-                    where=str(path), todo="Move it away.",
-                ) from None  # fmt: skip
         write_whole(path, data)
         self._written[name] = digest
         self._save_mark()
@@ -225,10 +220,8 @@ class ResultsFolder:
 
 
 def _opened(path: Path, flags: int) -> int:
-    try:
+    with os_errors("It cannot be opened", path, todo=ELSEWHERE):
         return os.open(path, flags | os.O_CLOEXEC, 0o666)
-    except OSError as error:
-        raise UsageError(f"It cannot be opened: {error.strerror}.", where=str(path), todo=ELSEWHERE) from None
 
 
 def _is_there(path: Path, is_kind: Callable[[int], bool], kind: str) -> bool:
@@ -246,13 +239,8 @@ def _is_there(path: Path, is_kind: Callable[[int], bool], kind: str) -> bool:
 
 
 def _content(path: Path, most: int) -> bytes:
-    try:
-        with path.open("rb") as file:
-            data = file.read(most + 1)
-    except OSError as error:
-        raise UsageError(
-            f"The file cannot be read: {error.strerror}.", where=str(path), todo=ELSEWHERE
-        ) from None
+    with os_errors("The file cannot be read", path, todo=ELSEWHERE), path.open("rb") as file:
+        data = file.read(most + 1)
     if len(data) > most:
         raise UsageError(f"The file has more than {most} bytes.", where=str(path), todo="Move it away.")
     return data

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import os_errors
 from end_effector_hal.recording import product_version
 
 PACKAGES = ("timed_automata", "end_effector_hal", "end_effector_lab")
@@ -20,10 +20,8 @@ def mark_of(description: Description, **more: object) -> dict[str, object]:
     Plug-ins of other distributions are not in it: who changes one names another folder.
     """
     path = description.automata_path
-    try:
+    with os_errors("The UPPAAL file cannot be read", path):
         automata = sha256(path.read_bytes()).hexdigest()[:12]
-    except OSError as error:
-        raise UsageError(f"The UPPAAL file cannot be read: {error.strerror}.", where=str(path)) from None
     return {
         "tool": description.name,
         "description": description.fingerprint(),

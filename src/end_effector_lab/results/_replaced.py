@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from end_effector_hal.cli import the_folder
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 
 
 @contextmanager
@@ -31,19 +31,15 @@ def replaced_folder(
     _check(folder, names, is_ours, noun)
     new, old = (folder.with_name(f".{folder.name}.{end}.{os.getpid()}") for end in ("new", "old"))
     the_folder(folder.parent)
-    try:
+    with os_errors("The folder cannot be made", new):
         new.mkdir()
-    except OSError as error:
-        raise UsageError(f"The folder cannot be made: {error.strerror}.", where=str(new)) from None
     try:
         yield new
         there = _check(folder, names, is_ours, noun)
-        try:
+        with os_errors("The folder cannot be replaced", folder):
             if there:
                 folder.rename(old)
             new.rename(folder)
-        except OSError as error:
-            raise UsageError(f"The folder cannot be replaced: {error.strerror}.", where=str(folder)) from None
     finally:
         shutil.rmtree(new, ignore_errors=True)  # made here, and gone by now if all went well
         with suppress(OSError):

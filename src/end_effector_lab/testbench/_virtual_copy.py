@@ -7,7 +7,7 @@ from pathlib import Path
 from ruamel.yaml import YAML
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import os_errors
 from end_effector_hal.runtime import wired_lines
 from end_effector_hal.wires.inputs import input_lines, pulls_of
 from end_effector_hal.wires.lines import VirtualChip
@@ -25,10 +25,8 @@ def write_virtual_copy(description: Description, folder: Path) -> Path:
         UsageError: it cannot be written.
     """
     folder = folder.absolute()
-    try:
+    with os_errors("Cannot be made", folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"Cannot be made: {error.strerror}.", where=str(folder)) from None
     virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
     write_description(virtual, folder / NAME, "the same tool on virtual lines and a pty")
     pulls = pulls_of(input_lines(virtual))
@@ -46,9 +44,6 @@ def write_description(description: Description, path: Path, what: str) -> None:
     """
     content = description.model_dump(mode="json", by_alias=True, exclude_unset=True)
     content["automata"] = {**content.get("automata", {}), "file": str(description.automata_path)}
-    try:
-        with path.open("w", encoding="utf-8") as file:
-            file.write(f"# Written by eehal: {what}.\n")
-            YAML(typ="safe", pure=True).dump(content, file)
-    except OSError as error:
-        raise UsageError(f"Cannot be written: {error.strerror}.", where=str(path)) from None
+    with os_errors("Cannot be written", path), path.open("w", encoding="utf-8") as file:
+        file.write(f"# Written by eehal: {what}.\n")
+        YAML(typ="safe", pure=True).dump(content, file)

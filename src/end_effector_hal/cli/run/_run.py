@@ -13,7 +13,7 @@ import click
 
 from end_effector_hal.cli._completion import completed, scenarios, session_words
 from end_effector_hal.cli._options import PathName, end_in_order, seed_option
-from end_effector_hal.errors import ArbiterError, NotReadyError, UsageError
+from end_effector_hal.errors import ArbiterError, NotReadyError, UsageError, os_errors
 
 if TYPE_CHECKING:
     from end_effector_hal.control import Status
@@ -163,15 +163,9 @@ def _refuse_scenario(_: str) -> None:
 
 def _try_to_write(folder: Path) -> None:
     """Told once and before anything begins: each program would tell it of its trace."""
-    try:
+    with os_errors("The recording cannot be written", folder, todo="Name another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=folder).close()
-    except OSError as error:
-        raise UsageError(
-            f"The recording cannot be written: {error.strerror}.",
-            where=str(folder),
-            todo="Name another folder.",
-        ) from None
 
 
 def _record(tool: EndEffector, recording: Recording) -> None:

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal._closing import Closing
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import os_errors
 from end_effector_hal.vocabulary import Command
 
 HEADER = "time_s,command\n"
@@ -28,12 +28,10 @@ class CommandsLog(Closing):
     def __init__(self, folder: Path, seconds: Callable[[int], float]) -> None:
         path = folder / "commands.csv"
         self._seconds, self._lock = seconds, threading.Lock()
-        try:
+        with os_errors("Cannot be written", path):
             self._file = path.open("a", encoding="utf-8", buffering=1)  # a kill loses the last row at most
             if self._file.tell() == 0:
                 self._file.write(HEADER)
-        except OSError as error:
-            raise UsageError(f"Cannot be written: {error.strerror}.", where=str(path)) from None
 
     def write(self, at: int, command: Command) -> None:
         """A command was given at ``at`` (µs); raises OSError, and it is written with the next one that can be."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from end_effector_hal.control import PROGRAMS
 from end_effector_hal.description import Description
-from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import Header
 from end_effector_hal.verification.replay import Entry, ProgramTrace, load_trace, traces_of
@@ -178,10 +178,8 @@ def _what(error: ReportedError) -> str:
 
 
 def _load(path: Path) -> ProgramTrace:
-    try:
+    with os_errors("Cannot be read", path):
         size = path.stat().st_size
-    except OSError as error:
-        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
     if size > MOST_BYTES:
         what = f"This trace has {size / 1e6:.0f} MB; at most {MOST_BYTES / 1e6:.0f} MB are read."
         raise UsageError(what, where=str(path), todo="Record in segments: --segment-mb.")

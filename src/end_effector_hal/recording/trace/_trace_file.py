@@ -11,7 +11,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording._files import read_file
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -85,10 +85,8 @@ def read_trace(path: str | Path) -> TraceFile:
     path = Path(path)
     from mcap.records import Attachment, Channel, DataEnd, Footer, Message
 
-    try:
+    with os_errors("Cannot be read", path):
         data = read_file(path)
-    except OSError as error:
-        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(path)) from None
     if data[: len(MAGIC)] != MAGIC[: len(data)]:
         raise UsageError("This is no MCAP file.", where=str(path))
     topics: dict[int, str] = {}

@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import os_errors
 from end_effector_hal.recording import (
     COUNTEREXAMPLE,
     RunInfo,
@@ -45,13 +45,11 @@ def write_counterexample(
         return []
     place = Path(folder) / finding.id
     check_replaceable(place)
-    try:
+    with os_errors("Cannot be written", place):
         place.mkdir(parents=True, exist_ok=True)
         text = place / "run.txt"
         lines = (finding.sentence, finding.query, "", *told_run(finding, actuators), "")
         text.write_text("\n".join(lines), encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"Cannot be written: {error.strerror}.", where=str(place)) from None
     if (run := counterexample_run(finding, info, actuators)) is None:
         return [text]
     log, info = run

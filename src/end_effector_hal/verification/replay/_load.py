@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from end_effector_hal.control import PROGRAMS, network_of
 from end_effector_hal.description import Description, load
-from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.recording import Record, TraceFile, read_trace
 from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL, Header
 
@@ -170,10 +170,8 @@ def runs_of(path: str | Path) -> tuple[Path, ...]:
 
 
 def _listed(folder: Path) -> list[Path]:
-    try:
+    with os_errors("Cannot be read", folder):
         return [each for each in folder.iterdir() if each.name.endswith(SUFFIX)]
-    except OSError as error:
-        raise UsageError(f"Cannot be read: {error.strerror}.", where=str(folder)) from None
 
 
 def _order(path: Path) -> tuple[str, int]:
