@@ -7,7 +7,8 @@ to the same locations, to the same values of all other variables, and to the sam
 Rule 3. Time passes in the same way: the invariants allow the same valuations.
 
 Every state that the network reaches is compared with itself in the edited network; where an edit writes another value
-into a variable of a process, the two states that result are compared as well, and so on. Zones are those of the search:
+into a variable of a process, the two states that result are compared as well, and so on. A state in which no process
+is where it was edited has the same moves in both, and is not looked at. Zones are those of the search:
 they hold every valuation that is reached, and some that behave alike. What is shown is therefore true; what is not
 shown may be true all the same.
 """
@@ -17,6 +18,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 
+from timed_automata.compare._edited import edited_places
 from timed_automata.compare._moves import ComparedMove, moves_of, place
 from timed_automata.compare._regions import same_union
 from timed_automata.compiler import Bound
@@ -26,7 +28,7 @@ from timed_automata.explore.states import DiscreteSpace, DiscreteState, Move, St
 from timed_automata.explore.zones import Limits, Zone, constrained, included, up
 from timed_automata.network import Network
 
-_MOST_PAIRS = 50_000  # of states that differ; more are not looked at
+_MOST_PAIRS = 50_000
 _Place = tuple[tuple[int, ...], bytes]
 _Pair = tuple[DiscreteState, DiscreteState, Zone]
 
@@ -57,8 +59,10 @@ class ReachedNetwork:
                     self.reached.append((record, [node.zone for node in record.passed]))
         self._known: dict[DiscreteState, tuple[ComparedMove, ...]] = {}
 
-    def equivalent(self, edited: Network) -> bool:
+    def equivalent(self, edited: Network, *, most_pairs: int = _MOST_PAIRS) -> bool:
         """Whether an edited network was shown to do the same; False: it was not shown.
+
+        Of states that differ so many pairs are looked at.
 
         The edit may be in guards, invariants, updates, synchronisations, targets and kinds of locations, and in
         functions; processes, locations, variables, clocks and channels are those of the network.
@@ -67,7 +71,7 @@ class ReachedNetwork:
             return False
         try:
             with without_collector():
-                return _Comparison(self, edited).holds()
+                return _Comparison(self, edited, most_pairs).holds()
         except RangeError:
             return False
 
@@ -104,16 +108,25 @@ class ReachedNetwork:
 
 
 class _Comparison:
-    def __init__(self, reached: ReachedNetwork, edited: Network) -> None:
+    def __init__(self, reached: ReachedNetwork, edited: Network, most_pairs: int) -> None:
         self._reached, self._space = reached, reached.space
+        self._most_pairs = most_pairs
         self._edited, self._limits = DiscreteSpace(edited), Limits(edited)
         self._waiting: deque[_Pair] = deque()
         self._passed: dict[tuple[_Place, _Place], list[Zone]] = {}
         self._pairs = 0
+        self._places = edited_places(reached.network, edited)
+
+    def _may_differ(self, state: DiscreteState) -> bool:
+        """Whether a process is where it was edited."""
+        at = state.vector.locations
+        return self._places is None or any(at[each.process] in each.locations for each in self._places)
 
     def holds(self) -> bool:
         for record, zones in self._reached.reached:
             state = record.discrete
+            if not self._may_differ(state):
+                continue
             other = self._edited.at(state.state)
             if other is None:
                 return False
@@ -231,7 +244,7 @@ class _Comparison:
             passed.append(after)
             self._pairs += 1
             self._waiting.append((target, other, after))
-        return self._pairs <= _MOST_PAIRS
+        return self._pairs <= self._most_pairs
 
     def _moves_to(self, record: StateRecord, target: DiscreteState) -> Iterator[Move]:
         return (move for move in record.discrete.moves if move.target is target)

@@ -3,6 +3,7 @@
 from . import ast
 from ._parts import (
     names_in,
+    parse_cache,
     parse_declarations,
     parse_expression,
     parse_instantiations,
@@ -11,4 +12,5 @@ from ._parts import (
     parse_synchronisation,
     parse_system,
     parse_updates,
+    parsing_with,
 )

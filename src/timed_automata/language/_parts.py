@@ -6,8 +6,9 @@ A process that reads no model does not need the parser, which costs 4 MB.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import lru_cache, partial
 from typing import Any
 
 from timed_automata.document import Text
@@ -19,9 +20,33 @@ Item = ast.Declaration | ast.Instantiation
 
 def _parse(text: Text, start: str) -> Any:
     """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
+    return (_kept or _read)(text, start)
+
+
+def _read(text: Text, start: str) -> Any:
     from ._parser import parse
 
     return parse(text, start)
+
+
+ParseCache = Callable[[Text, str], Any]
+_kept: ParseCache | None = None
+
+
+def parse_cache(most: int = 4000) -> ParseCache:
+    """For `parsing_with`: what the texts used last stand for. It keeps as many texts alive."""
+    return lru_cache(most)(_read)
+
+
+@contextmanager
+def parsing_with(cache: ParseCache) -> Iterator[None]:
+    """Texts are not parsed again that the cache knows: for many networks of almost the same document."""
+    global _kept
+    before, _kept = _kept, cache
+    try:
+        yield
+    finally:
+        _kept = before
 
 
 parse_declarations: Callable[[Text], tuple[ast.Declaration, ...]] = partial(_parse, start="declarations")

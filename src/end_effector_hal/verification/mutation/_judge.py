@@ -18,6 +18,7 @@ from timed_automata.mutate import Mutant
 from timed_automata.network import Given
 
 _MORE = 10  # times the states of the file as it is; a mutant that has more is not searched further
+_FEW = 100  # pairs of states that differ: so many are compared before the requirements are asked
 
 
 class MutantOutcome(StrEnum):
@@ -102,8 +103,12 @@ class Baseline:
             raise UsageError(what, todo="`eehal verify` shows a run; mutants are judged by what holds.")
 
     @cached_property
+    def _requirements(self) -> tuple[Requirement, ...]:
+        return requirements_of(self.network)
+
+    @cached_property
     def _found(self) -> _Found:
-        requirements = requirements_of(self.network)
+        requirements = self._requirements
         found = overview(self.network, [each.query for each in requirements], reaction=self.reaction)
         answers = zip(requirements, found.answers, strict=True)
         return _Found(found.states, _idle(found), frozenset(each.id for each, holds in answers if not holds))
@@ -142,26 +147,28 @@ class Baseline:
         into = [edge.place.where(0) for edge in template.edges if edge.target == mutant.location]
         return bool(into) and mutant.location != template.initial and set(off).issuperset(into)
 
-    def asked(self, network: Network) -> tuple[Requirement, ...]:
-        """The requirements of a mutant's network that hold of the file itself."""
-        return tuple(each for each in requirements_of(network) if each.id not in self._found.failing)
+    @cached_property
+    def asked(self) -> tuple[Requirement, ...]:
+        """The requirements that hold of the file itself: of a mutant they ask for what it has, too."""
+        return tuple(each for each in self._requirements if each.id not in self._found.failing)
 
     def more_idle(self, found: Overview) -> list[str]:
         """Checks of coverage that say more of a mutant than of the file itself."""
         return [name for name, count in _idle(found).items() if count > self._found.idle[name]]
 
 
-def judge(mutant: Mutant, baseline: Baseline, *, alike: bool = False) -> MutantVerdict:
-    """Look for a requirement that notices the edit; ``alike``: whether it changes anything is looked at first."""
+def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
+    """Look for a requirement that notices the edit, unless it is proven to change nothing."""
     try:
         network = make_network(mutant.document, baseline.constants)
-        requirements = baseline.asked(network)
     except ModelError:
         return MutantVerdict(mutant, MutantOutcome.INVALID)
-    if baseline.stays_off(mutant, network) or (baseline.off(mutant) and baseline.reached.equivalent(network)):
+    if baseline.stays_off(mutant, network):
         return MutantVerdict(mutant, MutantOutcome.OFF)
-    if alike and baseline.reached.equivalent(network):
-        return MutantVerdict(mutant, MutantOutcome.EQUIVALENT)
+    same = MutantOutcome.OFF if baseline.off(mutant) else MutantOutcome.EQUIVALENT
+    if baseline.reached.equivalent(network, most_pairs=_FEW):  # where it differs this is seen at once
+        return MutantVerdict(mutant, same)
+    requirements = baseline.asked
     try:
         found = _overview(network, requirements, baseline, stop=True)
         by = tuple(_caught(network, requirements, found))
@@ -176,8 +183,7 @@ def judge(mutant: Mutant, baseline: Baseline, *, alike: bool = False) -> MutantV
         return MutantVerdict(mutant, MutantOutcome.CAUGHT, by, baseline.variant)
     if found.ended:
         return MutantVerdict(mutant, MutantOutcome.OPEN)
-    same = not alike and baseline.reached.equivalent(network)
-    return MutantVerdict(mutant, MutantOutcome.EQUIVALENT if same else MutantOutcome.SURVIVES)
+    return MutantVerdict(mutant, same if baseline.reached.equivalent(network) else MutantOutcome.SURVIVES)
 
 
 def _overview(

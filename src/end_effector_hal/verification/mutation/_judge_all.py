@@ -10,12 +10,12 @@ from random import Random
 from end_effector_hal.verification.mutation._judge import Baseline, MutantOutcome, MutantVerdict, judge
 from end_effector_hal.verification.mutation._variants import variants
 from timed_automata import Network, make_network
+from timed_automata.language import parse_cache, parsing_with
 from timed_automata.mutate import Mutant, mutants
 from timed_automata.network import Given
 
 _worker: tuple[Baselines, list[Mutant]]
 _DECIDED = MutantOutcome.CAUGHT, MutantOutcome.INVALID
-_UNNOTICED = MutantOutcome.EQUIVALENT, MutantOutcome.SURVIVES
 
 
 class Baselines:
@@ -34,24 +34,36 @@ class Baselines:
         self._first = Baseline(network, constants, executed)
         self._variants = dict(variants(network, constants))
         self._explored: dict[str, Baseline] = {}
+        self._parsed = parse_cache()
 
     def __iter__(self) -> Iterator[Baseline]:
-        yield self._first
-        for words, constants in self._variants.items():
-            if words not in self._explored:
-                network = make_network(self._first.network.document, constants)
-                self._explored[words] = Baseline(network, constants, self._first.executed, words)
-            yield self._explored[words]
+        """The tool at hand, and its variants; the quickest comes first, and notices most."""
+        for number, words in enumerate(self._variants):
+            yield self._variant(words)
+            if number == 0:
+                yield self._first
+        if not self._variants:
+            yield self._first
+
+    def _variant(self, words: str) -> Baseline:
+        if words not in self._explored:
+            constants = self._variants[words]
+            network = make_network(self._first.network.document, constants)
+            self._explored[words] = Baseline(network, constants, self._first.executed, words)
+        return self._explored[words]
 
     def judge(self, mutant: Mutant) -> MutantVerdict:
         """Judge a mutant with the tool at hand, then with its variants until it is caught."""
+        with parsing_with(self._parsed):
+            return self._judge(mutant)
+
+    def _judge(self, mutant: Mutant) -> MutantVerdict:
         found: list[MutantVerdict] = []
         for baseline in self:
             if found and baseline.stays_off(mutant):  # it is a model, as the first one has shown
                 found.append(MutantVerdict(mutant, MutantOutcome.OFF))
                 continue
-            alike = any(each.outcome in _UNNOTICED for each in found)
-            verdict = judge(mutant, baseline, alike=alike)
+            verdict = judge(mutant, baseline)
             if verdict.outcome in _DECIDED:
                 return verdict
             found.append(verdict)

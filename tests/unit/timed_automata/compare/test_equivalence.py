@@ -15,6 +15,7 @@ from tests.unit.timed_automata.explore.random_networks import LARGEST, networks
 from tests.unit.timed_automata.explore.regions import Region, Regions, Sampled
 from timed_automata import Network, make_network
 from timed_automata.compare import ReachedNetwork
+from timed_automata.compare._edited import edited_places
 from timed_automata.errors import ModelError, RangeError
 from timed_automata.mutate import mutants
 
@@ -168,3 +169,35 @@ def test_the_reference_tells_what_differs_and_what_does_not() -> None:
     texts = "a condition that always holds there", "an edge that stands twice", "the two halves of an edge"
     for name in texts:
         assert bisimilar(lamp(), lamp(**SAME[name]), largest=7), name
+
+
+def test_with_other_constants_every_state_is_looked_at() -> None:
+    """The documents are the same one, and the networks do different things."""
+    model = network(
+        "const int HIGH = 3; int[0, 9] n;", Template("Counter", ["a -> a; guard: n < HIGH; do: n++"])
+    )
+    document, reached = model.document, ReachedNetwork(model, ())
+    assert reached.equivalent(make_network(document, {"HIGH": 3}))
+    assert not reached.equivalent(make_network(document, {"HIGH": 4}))
+
+
+def test_only_states_in_which_something_was_edited_are_looked_at() -> None:
+    model = lamp()
+    reached = ReachedNetwork(model, ["Lamp"])
+    for mutant in mutants(model.document, ["Lamp"]):
+        try:
+            edited = make_network(mutant.document)
+        except ModelError:
+            continue
+        shared = reached.equivalent(edited)
+        alone = ReachedNetwork(lamp(), ["Lamp"]).equivalent(edited)  # of a document that shares nothing
+        assert shared == alone, mutant
+        places = edited_places(model, edited)
+        assert places is not None
+        assert [each.process for each in places] == [0]
+        if mutant.edge is not None:
+            assert places[0].locations == {model.processes[0].edges[mutant.edge].source}
+        else:  # the location, and those from which an edge leads into it
+            (edited_at,) = (at.index for at in model.processes[0].locations if at.drawn.id == mutant.location)
+            into = {edge.source for edge in model.processes[0].edges if edge.target == edited_at}
+            assert places[0].locations == {edited_at, *into}
