@@ -32,15 +32,17 @@ _COMMANDS = {
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",
     "page": "a tool in a browser: live, or as it was recorded",
+    "reset": "clear what the line arbiter of a tool has latched",
     "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
     "report": "a recorded run as one HTML file",
     "run": "one tool in this terminal, without ROS",
+    "stop": "latch a stop: nothing is activated until a reset; no safety function",
     "schema": "the JSON Schema of a description, for editors",
     "tune": "what recorded grips would have become with other thresholds and time-outs",
     "verify": "prove what the automata promise, or show a counterexample",
 }
 _AUDIENCES = {
-    "To run a tool and look at it (operators)": ("run", "page", "arbiter", "doctor"),
+    "To run a tool and look at it (operators)": ("run", "stop", "reset", "page", "arbiter", "doctor"),
     "To describe a tool and connect it (integrators)": (
         "init", "check", "schema", "listen", "tune", "testbench", "board", "export", "completion",
     ),

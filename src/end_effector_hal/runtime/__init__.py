@@ -28,6 +28,7 @@ from .programs import (
     release_is_decided,
 )
 from .tool import (
+    STOP_LATCHED,
     EndEffector,
     GoalRunner,
     PlainOutputs,
@@ -36,9 +37,11 @@ from .tool import (
     RunningGoal,
     changer_is_sensed,
     reset,
+    stop,
 )
 
 __all__ = [
+    "STOP_LATCHED",
     "WORDS",
     "ChangerProgram",
     "EndEffector",
@@ -68,5 +71,6 @@ __all__ = [
     "reset",
     "run_arbiter",
     "sendable",
+    "stop",
     "wired_lines",
 ]

@@ -24,6 +24,8 @@ ARM = "arm"
 """Arms an unlock (IL-02); Table II has no command for it."""
 RESET = "reset"
 """Clears latched faults; Table II has no command for it."""
+STOP = "stop"
+"""Latches a stop (IL-13); Table II has no command for it."""
 SHOWN = ("status", "help")
 """Asked of the session, not of the tool."""
 WAIT = "wait"
@@ -32,13 +34,13 @@ SET = "set"
 LEVELS = {"on": True, "off": False}
 SCENARIO = "scenario"
 """What goes wrong on a simulated tool from now on: ``scenario leak:top_vacuum``."""
-WORDS = (*VERBS, ARM, RESET, *SHOWN, SET, WAIT, SCENARIO)
+WORDS = (*VERBS, ARM, STOP, RESET, *SHOWN, SET, WAIT, SCENARIO)
 LONGEST_WAIT_S = 86_400.0
 
 
 @dataclass(frozen=True)
 class ScriptCommand:
-    """One command; where ``command`` is None a reset, an arming, an output, something to show, a
+    """One command; where ``command`` is None a stop, a reset, an arming, an output, something to show, a
     scenario, or else a wait.
 
     Attributes:
@@ -52,6 +54,7 @@ class ScriptCommand:
     command: Command | None = None
     wait_s: float = 0.0
     background: bool = False
+    stop: bool = False
     reset: bool = False
     arm: bool = False
     show: str = ""
@@ -97,6 +100,8 @@ def read_command(text: str) -> ScriptCommand:
         raise UsageError(f"{text!r}: nothing may follow {verb!r}.", todo=between)
     if verb == ARM:
         return ScriptCommand(arm=True)
+    if verb == STOP:
+        return ScriptCommand(stop=True)
     if verb == RESET:
         return ScriptCommand(reset=True)
     if verb in SHOWN:

@@ -13,7 +13,7 @@ from ._tables import (
     TableState,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, OVER, escaped, hint, is_name, printable
+from ._text import LONGEST_SENTENCE, OVER, STOPPED, escaped, hint, is_name, printable
 from ._time import to_s, to_us
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "OVER",
     "PENDING",
     "SETTLE_US",
+    "STOPPED",
     "ActuatorState",
     "Cause",
     "ChangerFault",

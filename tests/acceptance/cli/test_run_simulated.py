@@ -142,3 +142,28 @@ def test_a_signal_while_it_starts(started: list[Started]) -> None:
     tool.process.communicate(timeout=LONG_S)
     assert tool.process.returncode == 128 + signal.SIGTERM
     assert (tool.others(), list(tool.temporary.iterdir())) == ([], [])
+
+
+def test_a_stop_from_another_terminal_cancels_a_grip_and_stays_until_a_reset(started: list[Started]) -> None:
+    """The line arbiter keeps the stop: any process that may command it may stop the tool."""
+    tool = Started("--scenario", "never-confirms:cylinder")
+    started.append(tool)
+    assert tool.process.stdin is not None
+    tool.process.stdin.write("lock\ngrip\ngrip\nreset\nquit\n")
+    tool.process.stdin.flush()
+    tool.read_until("GRIPPING: Bottom vacuum ON, Cylinder PENDING EXTEND")
+    (description,) = tool.temporary.glob("eehal-run-*/end_effector.yaml")
+
+    def asked(word: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([*EEHAL, word, str(description)], capture_output=True, text=True, check=False)
+
+    stopped = asked("stop")
+    assert stopped.returncode == 0, stopped.stderr
+    assert "This is no safety function." in stopped.stdout
+    tool.read_until("GRIPPING -> RELEASING.*cancelled")
+    tool.read_until("GRIP: cancelled")
+    tool.read_until(r"refused: grip. IL-13: the tool was stopped \(pid [0-9]+, .* stop ")
+    tool.read_until("RESET: succeeded")
+    tool.process.wait(20)
+    unreachable = asked("stop")
+    assert unreachable.returncode == 3 or "no such file" in unreachable.stderr.lower(), unreachable.stderr

@@ -74,6 +74,20 @@ def test_a_reset_says_that_nothing_is_latched(resting: Hal) -> None:
     )
 
 
+def test_a_stop_is_latched_until_a_reset_and_drops_nothing(holding: Hal) -> None:
+    edges = holding.edges()
+    accepted, why = holding.call("StopTool")
+    assert accepted
+    assert why.startswith("The stop is latched")
+    stopped = holding.sees("the stop", lambda state: any("was stopped" in each for each in state["alarms"]))
+    assert stopped["held"]
+    assert holding.edges() == edges, "what is held stays held"
+    holding.do("Drop")
+    assert holding.refused("TriggerGrip").startswith("IL-13: the tool was stopped")
+    assert holding.call("ResetFaults")[0]
+    holding.sees("the reset", lambda state: not any("was stopped" in each for each in state["alarms"]))
+
+
 @pytest.mark.parametrize("lie", ["unlocked-shows:tool_changer:1", "locked-shows:tool_changer:0"])
 def test_a_sensor_fault_is_latched_until_a_reset_with_right_sensors(resting: Hal, lie: str) -> None:
     edges = resting.edges()

@@ -70,6 +70,7 @@ SERVICES = {
     "SetToolChanger": ("std_srvs/SetBool", "ToolChange"),
     "ArmToolChanger": ("std_srvs/Trigger", "ToolChange"),
     "ResetFaults": ("std_srvs/Trigger", "Grip"),
+    "StopTool": ("std_srvs/Trigger", "Grip"),
 }
 INTERNAL_SERVICES = {"grip/command": "Grip", "tool_change/command": "ToolChange"}
 COMMAND = "end_effector_msgs/HalCommand"

@@ -267,7 +267,7 @@ def test_the_keyboard_reaches_everything(chromium: Any, nominal: Live) -> None:
     for _ in range(30):
         page.keyboard.press("Tab")
         reached.add(page.evaluate("() => document.activeElement.id"))
-    words = ("grip", "drop", "cancel", "lock", "arm", "unlock", "reset")
+    words = ("grip", "drop", "cancel", "stop", "lock", "arm", "unlock", "reset")
     assert {"control-take", "log-kind", *(f"command-{word}" for word in words)} <= reached
     page.focus("#control-take")
     page.keyboard.press("Enter")

@@ -23,7 +23,7 @@ def test_the_graph_is_the_policy(system: Any, tmp_path: Path) -> None:
     for program in (*system.programs, *others):
         found = on_graph(system.node, PROGRAMS[program])
         if program == "supervisor":  # it makes a client when it calls
-            found["request"] |= {"/ArmToolChanger", "/ResetFaults"}
+            found["request"] |= {"/ArmToolChanger", "/StopTool", "/ResetFaults"}
         assert found == policy[f"/{system.world.description.name}/{program}"].served(), program
     for child in started:
         child.end()

@@ -35,7 +35,7 @@ _JUNK = (
     b"\x00" * 3000 + b"\n",
     b"q" * 70_000,
 )
-_OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset", "fly")
+_OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset", "stop", "fly")
 
 
 class Grammar:

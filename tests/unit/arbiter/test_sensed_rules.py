@@ -271,3 +271,23 @@ def test_what_it_could_not_read_refuses_in_words_with_the_reason():
     arbiter.rules.predicates.unread = "GPIO7 is held by another process."
     assert "for 0.2 s the line arbiter could not read whether" in refusal(arbiter)
     assert "(GPIO7 is held by another process)" in refusal(arbiter)
+
+
+@pytest.mark.parametrize("policy", [SENSING, POLICY], ids=["with an e-stop input", "without one"])
+def test_il_13_a_stop_latches_as_an_e_stop_does_and_moves_no_line(policy):
+    arbiter = sensing() if policy is SENSING else Arbiter(policy)
+    arbiter.set(arbiter.grip, bottom=True)
+    arbiter.rules.stop("pid 7, eehal stop")
+    assert arbiter.rules.levels[BOTTOM], "what is held stays held"
+    assert refusal(arbiter, line=TOP) == (
+        "IL-13: top is not activated: the tool was stopped; reset the faults first."
+    )
+    arbiter.to(arbiter.now + 100 * MS)
+    arbiter.set(arbiter.grip, bottom=False)
+    assert not arbiter.rules.levels[BOTTOM], "a deactivation is never refused"
+    why = "IL-13: the tool was stopped (pid 7, eehal stop): nothing is activated until a reset."
+    assert arbiter.rules.state.faults == {"stop": why}
+    after = LineArbiter(Lines(), policy, 0, arbiter.rules.state)
+    assert after.predicates.stopped, "it stays through a restart"
+    arbiter.rules.reset(arbiter.now)
+    assert (arbiter.rules.predicates.stopped, arbiter.rules.state.faults) == ("", {})

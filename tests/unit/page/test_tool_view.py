@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -35,7 +36,7 @@ class Watched:
     def __init__(self, description: Description, scenario: str = "nominal") -> None:
         self.description = description
         self.view = ToolView(description, 0)
-        self.now = 0
+        self.now, self.faults = 0, tuple[str, ...]()
         for program in ("grip", "tool_change"):
             self.send(program, "header", 0, header_of(description, program, 0))
 
@@ -47,7 +48,8 @@ class Watched:
     def put(self, program: str, kind: str, at: int, content: object) -> None:
         self.send(program, kind, at, content)
         if isinstance(content, Status):
-            self.send(program, PUBLISHED, at, Published(at, content, {}))
+            told = replace(content, alarms=(*content.alarms, *self.faults))
+            self.send(program, PUBLISHED, at, Published(at, told, {}))
 
     def send(self, program: str, kind: str, at: int, content: object) -> None:
         self.now = max(self.now, at)
@@ -145,6 +147,22 @@ def test_interlocks_say_why(verdin: Description) -> None:
     rows = {row["id"]: row for row in watched.shown()["interlocks"]}
     assert (rows["IL-01"]["state"], rows["IL-01"]["blocks"]) == ("blocking", "unlock")
     assert rows["IL-01"]["why"] == "unlock only in STAND_BY; the end-effector is GRIPPED."
+
+
+def test_a_stop_is_shown_wherever_the_tool_stands(verdin: Description) -> None:
+    """It can be given whatever the programs say, and needs no e-stop input."""
+    watched = Watched(verdin)
+    assert watched.shown()["buttons"]["stop"] == ""
+    watched.tool.run(1.5)
+    assert watched.shown()["stop"].startswith("Latched until a reset")
+    watched.faults = ("IL-13: the tool was stopped (pid 7): nothing is activated until a reset.",)
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(0.2)
+    shown = watched.shown()
+    assert shown["stop"].startswith("Stopped: nothing is activated")
+    row = next(row for row in shown["interlocks"] if row["id"] == "IL-13")
+    assert row["state"] == "blocking"
+    assert row["why"].startswith("the tool was stopped")
 
 
 def test_an_interlock_of_which_nothing_was_heard_is_not_fulfilled(verdin: Description) -> None:

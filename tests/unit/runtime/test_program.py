@@ -21,7 +21,8 @@ from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.runtime.stream import ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.vocabulary import EndEffectorState, LastWillStep
+from end_effector_hal.vocabulary import STOPPED, Cause, EndEffectorState, LastWillStep
+from tests.support.declared import declared
 from tests.support.patience import wait_until
 
 PERIOD = 20_000
@@ -329,3 +330,43 @@ def test_a_step_that_was_looked_ahead_at_is_the_one_that_is_taken() -> None:
         assert tool.command("drop").accepted
         tool.run(100)
     assert prepared.statuses == other.statuses
+
+
+STOP = f"IL-13: {STOPPED} (pid 7, eehal stop): nothing is activated until a reset."
+
+
+@pytest.mark.parametrize(
+    ("cancel", "ends"), [("release", EndEffectorState.STAND_BY), ("hold", EndEffectorState.GRIP_ERROR)]
+)
+def test_a_stop_cancels_a_grip_as_is_declared(cancel: str, ends: EndEffectorState) -> None:
+    tool = Tool(declared({"gripping": {"cancel": cancel}}))
+    tool.run(60)
+    assert tool.command("grip").accepted
+    tool.run(2)
+    assert tool.program.status.ee is EndEffectorState.GRIPPING
+    before = dict(tool.lines.active)
+    tool.program.faults_changed((STOP,))
+    tool.idle()
+    tool.run(40)
+    status = tool.program.status
+    assert (status.ee, status.cause) == (ends, Cause.CANCELLED)
+    assert STOP in status.alarms
+    assert (tool.lines.active == before) is (cancel == "hold")
+
+
+def test_a_stop_holds_what_is_held_and_refuses_a_grip_until_a_reset(tool: Tool) -> None:
+    tool.program.faults_changed((STOP,))
+    tool.idle()
+    assert tool.command("grip") == Answer(False, STOP)
+    tool.program.faults_changed(())
+    tool.idle()
+    assert tool.command("grip").accepted
+    tool.run(60)
+    assert tool.program.status.ee is EndEffectorState.GRIPPED
+    before = dict(tool.lines.active)
+    tool.program.faults_changed((STOP,))
+    tool.idle()
+    tool.run(40)
+    assert tool.program.status.ee is EndEffectorState.GRIPPED
+    assert tool.lines.active == before
+    assert tool.command("drop").accepted, "a stop refuses activations only"

@@ -170,6 +170,10 @@ class ArbiterClient:
         """
         self._call("reset")
 
+    def stop(self) -> None:
+        """Latch a stop (IL-13): nothing is activated until `reset`."""
+        self._call("stop")
+
     def close(self, will: Steps | None = None) -> None:
         """Leave in order: ``will`` is executed at once; none: the lines stay as they are.
 

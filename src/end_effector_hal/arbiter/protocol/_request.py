@@ -13,6 +13,7 @@ Requests have ``op``, and an ``id`` (an integer or a short text) that the reply 
     {"id": 6, "op": "bye", "will": []}
     {"id": 7, "op": "latch", "fault": "sensor_fault", "why": "IL-04: both bits of the tool changer are set."}
     {"id": 8, "op": "reset"}
+    {"id": 9, "op": "stop"}
 
     {"id": 1, "op": "hello", "role": "sensors", "client": "pressure", "token": "0d5f6c6e2b8a4f0d9b7e3a1c5d2f4b68"}
     {"op": "tell", "predicates": {"locked": true}, "at_us": 815000000}
@@ -46,11 +47,12 @@ unless it is refused.
 **Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through a
 restart; ``status`` shows it, and it refuses nothing. What the arbiter latches itself for an interlock (IL-03, IL-13)
 has no limit that a client could use up. ``reset`` clears all faults; it is refused with EE-403 for those whose cause
-persists (an open e-stop).
+persists (an open e-stop). ``stop`` latches what an open e-stop latches (IL-13): until a reset, also through a restart,
+nothing is activated, and no line is changed. A program that hears of it cancels the grip that runs.
 
-``levels``, ``status`` and ``reset`` need no hello: they change no line and no lease, and a reset clears only what is
-over. Such a connection is closed after 10 s without a message, and the oldest of them when there are more than 32:
-connections that write lines or send predicates do not count among these.
+``levels``, ``status``, ``reset`` and ``stop`` need no hello: they change no line and no lease, a reset clears only what
+is over, and a stop only refuses. Such a connection is closed after 10 s without a message, and the oldest of them when
+there are more than 32: connections that write lines or send predicates do not count among these.
 
 Replies: ``{"id", "ok", "error", "levels"}``, levels of all lines, active is true. ``error`` is a sentence,
 with ``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further
@@ -99,7 +101,7 @@ def is_token(given: object) -> TypeGuard[str]:
     return isinstance(given, str) and _TOKEN.fullmatch(given) is not None
 
 
-OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset")
+OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset", "stop")
 SENSORS = "sensors"
 
 

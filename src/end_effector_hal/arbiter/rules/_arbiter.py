@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.rules._predicates import SensorPredicates
+from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
 from end_effector_hal.arbiter.rules._session import ArbiterState, Session, SessionRecord, Write
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
-from end_effector_hal.vocabulary import LastWill, hint
+from end_effector_hal.vocabulary import STOPPED, LastWill, hint
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -207,6 +207,14 @@ class LineArbiter:
             self._lines.remote.withdraw(session.lines, "its program has left")
         self._end_session(session, will, at)
 
+    def stop(self, who: str) -> None:
+        """Latch a stop, as an open e-stop does (IL-13): nothing is activated until a reset, and no line changes.
+
+        Args:
+            who: the process that gave it, for the sentence.
+        """
+        self.predicates.latch(STOP, f"IL-13: {STOPPED} ({who}): nothing is activated until a reset.")
+
     def reset(self, at: int, still: Mapping[str, str] | None = None) -> None:
         """Clear the latched faults and the list of ended activations; ``still``: faults that persist now.
 
@@ -287,17 +295,23 @@ class LineArbiter:
                     f"{interlock}: {called} is not activated within {gap_us // 1000} ms after "
                     f"{self.policy.called(other)}."
                 )
+        for interlock, why in self._objections(line, at):
+            raise LineRefusedError(f"{interlock}: {called} is not activated: {why}.")
+
+    def _objections(self, line: str, at: int) -> Iterator[tuple[str, str]]:
+        """Interlocks that refuse an activation now by what the sensors show or a stop says, each with its reason."""
+        if stopped := self.predicates.stopped:
+            yield "IL-13", stopped
         for need in self.policy.needs.get(line, ()):
             if why := self.predicates.objection(need, at):
-                raise LineRefusedError(f"{need.interlock}: {called} is not activated: {why}.")
+                yield need.interlock, why
 
     def _hear_devices(self, devices: RemoteLines, at: int) -> None:
         """What they have done by now; an activation under way ends where an interlock objects to it by now."""
         self._lines.hear(at)
         for line in devices.activating():
-            for need in self.policy.needs.get(line, ()):
-                if why := self.predicates.objection(need, at):
-                    devices.withdraw((line,), f"{need.interlock}: {why}")
+            for interlock, why in self._objections(line, at):
+                devices.withdraw((line,), f"{interlock}: {why}")
 
     def _may_be_active(self, line: str) -> bool:
         """Whether it is active now, or will be before everything that waits in any queue is applied."""

@@ -7,7 +7,10 @@ from typing import NamedTuple
 
 from end_effector_hal.arbiter.rules._policy import Need
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import hint
+from end_effector_hal.vocabulary import STOPPED, hint
+
+STOP = "stop"
+"""The name of the fault that a stop latches: without an e-stop input as well, it refuses what an open one does."""
 
 
 class ProvenPredicate(NamedTuple):
@@ -89,6 +92,11 @@ class SensorPredicates:
         """
         _check_known(name, self._client_faults, "fault")
         self.latch(name, why)
+
+    @property
+    def stopped(self) -> str:
+        """Why nothing is activated until a reset, a clause; empty: no stop is latched (IL-13)."""
+        return f"{STOPPED}; reset the faults first" if STOP in self.faults else ""
 
     def objection(self, need: Need, at: int) -> str:
         """Why an activation that needs this is refused, a clause; empty: it is not refused."""

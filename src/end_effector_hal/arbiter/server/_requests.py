@@ -86,6 +86,10 @@ class RequestHandler:
                 _log.info("%s resets the faults", connection.process)
                 arbiter.reset(at, self._records.troubles())
                 return {}
+            case "stop":
+                _log.warning("%s stops the tool", connection.process)
+                arbiter.stop(connection.process)
+                return {}
             case "hello":
                 return self._hello(connection, request, at)
             case "tell":

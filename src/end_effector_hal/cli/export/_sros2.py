@@ -20,6 +20,7 @@ from end_effector_hal.nodes.interface import (
     HAL_NODES,
     MANAGER,
     RESET_FAULTS,
+    STOP_TOOL,
     SUPERVISOR,
     Service,
     Topic,
@@ -58,7 +59,7 @@ OF_LIFECYCLE = tuple(
     )
 )
 """What a managed node serves besides."""
-CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, RESET_FAULTS)}
+CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS)}
 """Public services that a node of this package calls."""
 _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/")
 

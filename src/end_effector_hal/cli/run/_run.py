@@ -71,12 +71,14 @@ def command(
     keep_mb: float,
     as_json: bool,
 ) -> None:
-    """Give commands to one tool: lock, unlock, grip, drop, cancel, arm, reset, wait SECONDS, status, help, quit.
+    """Give commands to one tool: lock, unlock, grip, drop, cancel, stop, arm, reset, wait SECONDS, status, help,
+    quit.
 
     The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate nothing must, and the command
     `scenario S` makes something go wrong: a leak, a stuck valve, a silent link (`scenario nominal` ends it). At the
-    prompt of a terminal cancel and status are in reach while a command runs; another command waits for its end. In a
-    script a command followed by `&` goes on in the background, so that it can be cancelled: 'grip &; wait 3; cancel'.
+    prompt of a terminal cancel, stop and status are in reach while a command runs; another command waits for its end.
+    In a script a command followed by `&` goes on in the background, so that it can be cancelled: 'grip &; wait 3;
+    cancel'.
     Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the description declares (`endings: sigterm`).
     """
     from end_effector_hal.cli._progress import Progress

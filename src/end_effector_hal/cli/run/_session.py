@@ -26,6 +26,7 @@ HELP = """\
 lock, unlock     the tool changer; arm: allows an unlock where no sensor shows the tool's stand
 grip, drop       the actuators, in their order and in the reverse order
 cancel           a running grip
+stop             nothing is activated until a reset, a running grip is cancelled, what is held stays; no safety function
 reset            clears latched faults and alarms that are over
 status           the state of everything, with the times of the last grip
 set NAME on|off  a plain output of the tool (`outputs`)
@@ -65,7 +66,7 @@ class RunSession:
                 if (
                     interactive
                     and order.command not in AT_ONCE
-                    and not (order.show or order.output or order.scenario)
+                    and not (order.show or order.output or order.scenario or order.stop)
                 ):
                     self._finish()
                 if order.command is Command.QUIT:
@@ -91,6 +92,8 @@ class RunSession:
             self._answered(SCENARIO, self._chosen(order.scenario))
         elif order.arm:
             self._answered("ARM", self._tool.arm())
+        elif order.stop:
+            self._answered("STOP", self._tool.stop())
         elif order.reset:
             self._answered("RESET", self._tool.reset())
         elif order.command is None:

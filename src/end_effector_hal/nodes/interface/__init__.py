@@ -45,6 +45,7 @@ from ._table import (
     SENSOR_FRAME,
     STARTING_S,
     STATE_HZ,
+    STOP_TOOL,
     SUPERVISOR,
     SUPERVISOR_COMMANDS,
     TOOL_CHANGE,

@@ -90,7 +90,8 @@ ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
 RESET = 100
 """A command of the internal services besides those of Table II."""
 RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
-FIXED_SERVICES = (ARM_TOOL_CHANGER, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+STOP_TOOL = Service("StopTool", "std_srvs/Trigger", GRIP)
+FIXED_SERVICES = (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
 """Services that are called the same for every tool."""
 
 

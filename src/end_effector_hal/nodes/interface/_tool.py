@@ -22,6 +22,7 @@ from ._table import (
     RESET_FAULTS,
     SENSOR_FRAME,
     STATE_HZ,
+    STOP_TOOL,
     SUPERVISOR_COMMANDS,
     TOOL_CHANGE,
     TOOL_CHANGE_COMMAND,
@@ -83,7 +84,7 @@ def services(description: Description) -> tuple[Service, ...]:
     changer = set_tool_changer(description)
     plain = output_services(description).values()
     own = (*set_services(description).values(), *plain, *((changer, ARM_TOOL_CHANGER) if changer else ()))
-    return (*own, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+    return (*own, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
 
 
 def _set(name: str, server: str) -> Service:

@@ -11,19 +11,20 @@ from end_effector_hal.nodes.interface import (
     GRIP_STATE,
     RESET,
     RESET_FAULTS,
+    STOP_TOOL,
     TOOL_CHANGE_COMMAND,
     TOOL_CHANGE_STATE,
     output_services,
     set_services,
 )
 from end_effector_hal.nodes.transport import NodeTransport, StampCheck, StatusMessage
-from end_effector_hal.runtime import GripProgram, PlainOutputs, reset
+from end_effector_hal.runtime import GripProgram, PlainOutputs, reset, stop
 
 from ._program_node import ProgramNode
 
 
 class GripNode:
-    """Serves the actuators and the reset beside the program, which it gives the output of the tool changer."""
+    """Serves the actuators, stop and reset beside the program, which it gives the output of the tool changer."""
 
     def __init__(self, node: NodeTransport) -> None:
         self._description = node.description()
@@ -40,7 +41,14 @@ class GripNode:
             node.serve(service, self._setter(name, self._program.set_actuator))
         for name, service in output_services(self._description).items():
             node.serve(service, self._setter(name, self._outputs.set))
+        node.serve(STOP_TOOL, self._stop)
         node.serve(RESET_FAULTS, self._reset)
+
+    def _stop(self, _request: Any) -> Answer:
+        answer = stop(self._description)
+        if not answer.accepted:
+            self._node.log_refusal("stop", answer)
+        return answer
 
     def _reset(self, _request: Any) -> Answer:
         changer = [self._changer.ask(RESET)] if self._changer else []  # first: see EndEffector.reset

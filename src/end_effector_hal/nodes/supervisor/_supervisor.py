@@ -17,6 +17,7 @@ from end_effector_hal.nodes.interface import (
     PATIENCE_S,
     RESET_FAULTS,
     SCRIPT,
+    STOP_TOOL,
     SUPERVISOR_COMMANDS,
     Service,
 )
@@ -28,7 +29,7 @@ from ._goals import GoalClients
 
 LEAST_PATIENCE_S, MOST_PATIENCE_S = 3.0, 3600.0
 PROMPT = "> "
-HELP = "commands: lock, unlock, grip, drop (or release), cancel, arm, reset, wait <seconds>, quit"
+HELP = "commands: lock, unlock, grip, drop (or release), cancel, stop, arm, reset, wait <seconds>, quit"
 
 
 class Supervisor:
@@ -83,9 +84,14 @@ class Supervisor:
 
     def give(self, order: ScriptCommand, *, wait: bool = True) -> bool:
         """Give one order; False when it was `quit`."""
-        if order.arm or order.reset:
-            self.say(self._call("arm", ARM_TOOL_CHANGER) if order.arm else self._call("reset", RESET_FAULTS))
-            return True
+        for asked, word, service in (
+            (order.arm, "arm", ARM_TOOL_CHANGER),
+            (order.stop, "stop", STOP_TOOL),
+            (order.reset, "reset", RESET_FAULTS),
+        ):
+            if asked:
+                self.say(self._call(word, service))
+                return True
         if order.show or order.output or order.scenario:
             self.say(
                 "status, help, set and scenario exist in `eehal run` only; use the topic EndEffectorState, the "

@@ -9,7 +9,7 @@ from typing import Any
 from end_effector_hal.control import PROGRAMS, Answer
 from end_effector_hal.description import Description
 from end_effector_hal.page.view import ToolView
-from end_effector_hal.runtime import reset
+from end_effector_hal.runtime import reset, stop
 from end_effector_hal.runtime.stream import program_of, program_socket
 from end_effector_hal.wires import now_us
 
@@ -40,7 +40,9 @@ class ToolLink:
         await asyncio.gather(*(link.run() for link in self._links.values()))
 
     async def command(self, word: str, actuator: str = "") -> Answer:
-        """Ask for a command of `PROGRAM_WORDS`, or ``reset``; an answer in any case."""
+        """Ask for a command of `PROGRAM_WORDS`, ``reset`` or ``stop``; an answer in any case."""
+        if word == "stop":
+            return await asyncio.to_thread(stop, self._description)
         if word == "reset":
             return await self._reset()
         return await self._links[program_of(word)].ask(word, actuator)

@@ -1,10 +1,10 @@
 // Buttons. Each is forbidden or not as the HAL says, in its words; a page commands only with the control.
 import { byId, make, put } from "/static/dom.js";
 
-const LABELS = { grip: "Grip", drop: "Drop", cancel: "Cancel", lock: "Lock", arm: "Arm unlock", unlock: "Unlock", reset: "Reset faults" };
-const STYLES = { drop: "danger", cancel: "cancel", lock: "plain", arm: "plain", unlock: "plain", reset: "plain" };
+const LABELS = { grip: "Grip", drop: "Drop", cancel: "Cancel", stop: "Stop", lock: "Lock", arm: "Arm unlock", unlock: "Unlock", reset: "Reset faults" };
+const STYLES = { drop: "danger", cancel: "cancel", stop: "cancel", lock: "plain", arm: "plain", unlock: "plain", reset: "plain" };
 const ASKS = { drop: ["Drop what is held?", "All outputs of the grip are released now, in the declared order. A suspended part will fall."] };
-const NO_STOP = "No emergency stop.";
+const ALWAYS = { cancel: "No emergency stop.", stop: "Not a safety function." };
 const csrf = document.querySelector("meta[name=csrf]").content;
 
 export class Commands {
@@ -34,7 +34,7 @@ export class Commands {
     button.setAttribute("aria-describedby", why.id);
     button.addEventListener("click", () => this.press(word));
     this.buttons[word] = { button, why };
-    return make("div", { className: `command${word === "cancel" ? " for-cancel" : ""}` }, button, why);
+    return make("div", { className: `command${ALWAYS[word] ? " for-cancel" : ""}` }, button, why);
   }
 
   // In maintenance (IL-12) each card has a button of its own.
@@ -80,9 +80,8 @@ export class Commands {
     put(this.take, this.mine ? "Release control" : "Take control");
     this.take.disabled = !this.mine && Boolean(control.holder);
     for (const [word, refusal] of Object.entries(view.buttons)) {
-      const cancel = word === "cancel";
-      const why = refusal || (this.mine || cancel ? "" : "Take control first.");
-      this.set(word, why, cancel ? `${NO_STOP} ${view.cancel}` : why);
+      const why = refusal || (this.mine || ALWAYS[word] ? "" : "Take control first.");
+      this.set(word, why, ALWAYS[word] ? `${ALWAYS[word]} ${view[word]}` : why);
     }
     this.showDrives(view);
   }

@@ -21,7 +21,7 @@ RULES = {
     "IL-10": "A valve is on or off for 50 ms at least",
     "IL-11": "Nothing is activated by itself after a start or a fault",
     "IL-12": "Single outputs in maintenance only",
-    "IL-13": "No activation while the e-stop is open",
+    "IL-13": "No activation while the e-stop is open, or a stop is latched",
 }
 _BLOCKS = {"IL-01": "unlock", "IL-02": "unlock", "IL-05": "grip", "IL-06": "grip", "IL-07": "grip"}
 _AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
@@ -71,7 +71,7 @@ class InterlockTable:
         row = {"id": name, "rule": RULES[name], "blocks": _BLOCKS.get(name, "")}
         if name == "IL-07" and gripping and name not in self._static:
             return {**row, "state": NOT_ASKED, "why": "asked when a grip begins"}
-        if name in self._static:
+        if name in self._static and not (name == "IL-13" and name in said):  # a stop needs no e-stop input
             state, why = self._static[name]
             return {**row, "state": state, "why": why}
         if not known:

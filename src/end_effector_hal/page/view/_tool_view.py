@@ -13,7 +13,7 @@ from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, program_of
 from end_effector_hal.signals import GAUGE_PRESSURE
 from end_effector_hal.verification.proof import Verdict, kept_verdict
-from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import STOPPED, Command, EndEffectorState, display_name
 
 from ._automata import AutomataView
 from ._cards import Cards
@@ -26,7 +26,7 @@ STALE_US = 1_200_000
 """No news for so long: nothing that is shown counts as present."""
 _RATE_US = 2_000_000
 _VERDICT_US = 2_000_000
-_BUTTONS = ("grip", "drop", "cancel", "lock", "arm", "unlock", "reset")
+_BUTTONS = ("grip", "drop", "cancel", "stop", "lock", "arm", "unlock", "reset")
 _CHANGER_WORDS = ("lock", "arm", "unlock")
 _GOING = {
     Command.GRIP: "Grip", Command.RELEASE: "Release", Command.LOCK: "Lock", Command.UNLOCK: "Unlock",
@@ -117,6 +117,8 @@ class ToolView:
 
     def refusal(self, word: str) -> str:
         """Why a button would be refused by the HAL now; empty: it would be accepted."""
+        if word == "stop":
+            return ""  # the line arbiter is asked, whatever the programs say
         if word == "reset":  # both programs and the line arbiter are asked; what is not latched needs none
             silent = next((each.why for each in self._replicas.values() if not each.connected), "")
             status = self.status()
@@ -161,6 +163,7 @@ class ToolView:
             "rate_hz": self._rate_hz(at),
             "buttons": {word: self.refusal(word) for word in self.buttons},
             "cancel": self._cancel_words(self.status()),
+            "stop": self._stop_words(self.status()),
             "maintenance": self._maintenance_now(self.status(), at),
             "verdict": self._verdict(at),
             **self.moment(),
@@ -244,6 +247,12 @@ class ToolView:
             names = ", ".join(map(display_name, kept))
             return f"Now: the grip ends; {names} stay{'s' if len(kept) == 1 else ''} active, as declared."
         return "Now: what runs is cancelled."
+
+    def _stop_words(self, status: Status | None) -> str:
+        """What a stop would do now, or has done."""
+        if status is not None and any(alarm.startswith(f"IL-13: {STOPPED}") for alarm in status.alarms):
+            return "Stopped: nothing is activated until the faults are reset. What is held stays held."
+        return "Latched until a reset: nothing is activated, a running grip is cancelled, what is held stays held."
 
     def _verdict(self, at: int) -> dict[str, Any]:
         if at >= self._verdict_due:  # it is a file, which `eehal verify` may write at any time

@@ -192,8 +192,8 @@ class _Served(NamedTuple):
         if posted is None or not self._known(posted):
             return _malformed()
         at, who = now_us(), self.hub.name_of(posted.page)
-        # whoever sees that a grip must end may end it
-        if posted.word != "cancel" and self.lease.holder(at) != posted.page:
+        # whoever sees that the tool must stop may stop it
+        if posted.word not in ("cancel", "stop") and self.lease.holder(at) != posted.page:
             return _as_json(Answer(False, TAKE_CONTROL))
         what = f"{posted.word} {display_name(posted.actuator)}".rstrip()
         return await self._logged(who, what, self.ask(posted.word, posted.actuator))

@@ -58,6 +58,14 @@ class GripProgram(Program):
         self._maintenance = Maintenance(self._description)
         return GripOutputs(self._description, self._maintenance)
 
+    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
+        """A stop cancels the grip that runs; the automaton refuses a cancel in every other state."""
+        before = self._stopped
+        statuses = super()._keep_faults(faults)
+        if before or not self._stopped or not self._adoption.begun:
+            return statuses
+        return [*statuses, *self._adoption.controller.command("cancel", self._clock())[1]]
+
     def _due(self) -> int | None:
         due, ends_at = super()._due(), self._maintenance.ends_at
         return due if ends_at is None else ends_at if due is None else min(due, ends_at)

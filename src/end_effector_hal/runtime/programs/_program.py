@@ -19,6 +19,7 @@ from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
 from end_effector_hal.runtime.stream import PROGRAM_WORDS, TOO_LATE, ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import STOPPED
 from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
@@ -70,6 +71,7 @@ class Program(ABC):
         self._recorder, self._lines = recorder, recorder.lines(lines)
         self._peer: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
+        self._stopped = ""  # the fault of a stop (IL-13)
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
         self._reset()
@@ -164,6 +166,7 @@ class Program(ABC):
 
     def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
         self._faults = faults
+        self._stopped = next((fault for fault in faults if fault.startswith(f"IL-13: {STOPPED}")), "")
         return []  # only the notices change
 
     def _due(self) -> int | None:
@@ -179,8 +182,10 @@ class Program(ABC):
         adoption = self._adoption
         if not adoption.begun:
             return f"The lines are not adopted yet. {adoption.obstacle}".rstrip()
-        if adoption.outputs.lost and name in ACTIVATING:
-            return "Nothing can be activated while the line arbiter is lost."
+        if name in ACTIVATING:
+            if adoption.outputs.lost:
+                return "Nothing can be activated while the line arbiter is lost."
+            return self._stopped
         return ""
 
     def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:

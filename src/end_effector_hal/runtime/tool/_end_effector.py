@@ -31,7 +31,7 @@ from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._listeners import Audience
 from ._plain_outputs import PlainOutputs
 from ._ready import changer_ready, gripper_ready, missing
-from ._reset import reset
+from ._reset import reset, stop
 
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
@@ -206,6 +206,13 @@ class EndEffector(Closing):
     def cancel(self) -> Answer:
         """Cancel a running grip; returns once it is accepted or refused."""
         return self._grip.command("cancel")
+
+    def stop(self) -> Answer:
+        """Latch a stop: nothing is activated until a :meth:`reset`, a running grip is cancelled, what is held stays.
+
+        It is no safety function; see `end_effector_hal.runtime.stop`.
+        """
+        return stop(self.description)
 
     def reset(self) -> Answer:
         """Clear latched faults and the alarms that are over; never what only a Drop ends."""

@@ -1,4 +1,4 @@
-"""Reset: latched faults are cleared; what is active or held is not touched (section 6 of the contract)."""
+"""Stop and reset: what the line arbiter latches, and what clears it (section 6 of the contract)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import WireError
+
+STOP_LATCHED = (
+    "The stop is latched: nothing is activated until a reset, a running grip is cancelled, and what is held stays "
+    "held. This is no safety function."
+)
 
 
 class AcknowledgingProgram(Protocol):
@@ -36,3 +41,16 @@ def reset(description: Description, grip: AcknowledgingProgram, *others: Answer)
     except WireError as error:
         others = (*others, Answer(False, str(error)))
     return reset_answer(others)
+
+
+def stop(description: Description) -> Answer:
+    """Latch a stop at the line arbiter: until a reset nothing is activated (IL-13), and a grip that runs is cancelled.
+
+    What is held stays held. This is no safety function: it needs the line arbiter and a program that work.
+    """
+    try:
+        with ArbiterClient(socket_path(description), "stop", patience_s=0) as owner:
+            owner.stop()
+    except WireError as error:
+        return Answer(False, f"The stop is not latched: {error}")
+    return Answer(True, STOP_LATCHED)

@@ -1,0 +1,36 @@
+"""``eehal stop``: latches a stop of a tool from any terminal, whatever runs the tool."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ._json_output import print_document
+from ._options import PathName
+
+
+@click.command("stop")
+@click.argument("description", type=PathName())
+@click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+def command(description: Path, as_json: bool) -> None:
+    """Latch a stop of the tool of a DESCRIPTION: nothing is activated until a reset. It is no safety function.
+
+    The line arbiter latches it as it does an open e-stop (IL-13), also through a restart, and refuses every activation
+    from then on. A program that runs a grip cancels it within half a second, and does what the description declares for
+    a cancel (`endings`); what is held stays held. `eehal reset` ends it, and so does a reset at the prompt, through ROS
+    or on the page.
+
+    Exit codes: 0 the stop is latched, 3 the line arbiter cannot be reached.
+    """
+    from end_effector_hal.arbiter import ArbiterClient
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import socket_path
+    from end_effector_hal.runtime import STOP_LATCHED
+
+    with ArbiterClient(socket_path(load_tool(description)), "eehal stop", patience_s=0) as arbiter:
+        arbiter.stop()
+    if as_json:
+        print_document({"ok": True, "stopped": True, "reason": STOP_LATCHED})
+    else:
+        click.echo(f"{STOP_LATCHED} It ends with: eehal reset {description}")
