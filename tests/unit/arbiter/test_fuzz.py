@@ -80,9 +80,8 @@ class Watched:
             "who may not prove latches nothing either"
         )
         done = self.program.ask("set", levels={BOTTOM: active})
-        assert done["ok"] or done["error"].startswith("IL-05: bottom is not activated"), (
-            "unlock may be active"
-        )
+        refusals = tuple(f"{interlock}: bottom is not activated" for interlock in ("IL-05", "IL-13"))
+        assert done["ok"] or done["error"].startswith(refusals), "unlock may be active, or a stranger stopped"
         self.can_go_out(renewed, self.program.ask("status"), done)
 
     def hear(self) -> None:
