@@ -33,6 +33,8 @@ class GeneratedCode:
         self._sites: list[tuple[Span, str]] = []
         self._cache: dict[str, Callable[..., Any]] = {}
         self._count = 0
+        self.formulas: dict[object, Any] = {}
+        """Of queries, compiled once for all networks that have this code."""
         self.elements = 0
         """Scalars and elements of arrays that were declared so far."""
         self.parts = 0

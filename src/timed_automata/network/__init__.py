@@ -2,6 +2,7 @@
 
 from ._loader import export, load_network, make_network
 from ._network import Edge, Given, Location, Network, Process, State, effects_of
+from ._remade import remake_network
 from ._semantics import Fired, Semantics, Transition
 from ._trace import Change, Trace, TraceStep, changes_between
 
@@ -23,4 +24,5 @@ __all__ = [
     "export",
     "load_network",
     "make_network",
+    "remake_network",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,7 +19,7 @@ from timed_automata.compiler import (
     compile_condition,
     number_of,
 )
-from timed_automata.document import DrawnEdge, Span, Template, fault, refused
+from timed_automata.document import DrawnEdge, DrawnLocation, Span, Template, fault, refused
 from timed_automata.language import (
     ast,
     parse_declarations,
@@ -63,11 +63,7 @@ class ParsedTemplate:
         self._numbers = {location.id: number for number, location in enumerate(template.locations)}
         self.initial = self._numbers[template.initial]
         self.location_names = self._names()
-        self.invariants = [
-            parse_expression(location.labels["invariant"].text) if "invariant" in location.labels else None
-            for location in template.locations
-        ]
-        self.edges = tuple(map(self._edge, template.edges))
+        self.edges = tuple(parse_edge(edge, self._numbers) for edge in template.edges)
 
     def _names(self) -> tuple[str, ...]:
         """The id stands for the name of a location that has none."""
@@ -80,18 +76,20 @@ class ParsedTemplate:
             names[name] = None
         return tuple(names)
 
-    def _edge(self, edge: DrawnEdge) -> ParsedEdge:
-        labels = {kind: label.text for kind, label in edge.labels.items()}
-        sync = labels.get("synchronisation")
-        return ParsedEdge(
-            drawn=edge,
-            source=self._numbers[edge.source],
-            target=self._numbers[edge.target],
-            selects=parse_selects(labels["select"]) if "select" in labels else (),
-            guard=parse_expression(labels["guard"]) if "guard" in labels else None,
-            synchronisation=parse_synchronisation(sync) if sync else None,
-            updates=parse_updates(labels["assignment"]) if "assignment" in labels else (),
-        )
+
+def parse_edge(edge: DrawnEdge, numbers: Mapping[str, int]) -> ParsedEdge:
+    """An edge of a template whose locations have these numbers, by their ids."""
+    labels = {kind: label.text for kind, label in edge.labels.items()}
+    sync = labels.get("synchronisation")
+    return ParsedEdge(
+        drawn=edge,
+        source=numbers[edge.source],
+        target=numbers[edge.target],
+        selects=parse_selects(labels["select"]) if "select" in labels else (),
+        guard=parse_expression(labels["guard"]) if "guard" in labels else None,
+        synchronisation=parse_synchronisation(sync) if sync else None,
+        updates=parse_updates(labels["assignment"]) if "assignment" in labels else (),
+    )
 
 
 def make_process(
@@ -108,16 +106,17 @@ def make_process(
     _add_parts(code, len(parsed.location_names), parsed.template.name.whole)
     edges: list[Edge] = []
     for edge in parsed.edges:
-        for expressions, selected in _selections(Expressions(code, Scope(scope)), edge):
+        for each in make_edges(code, scope, edge, index, len(edges)):
             _add_parts(code, 1, edge.drawn.place.whole)
-            edges.append(_edge(expressions, edge, selected, index, len(edges)))
+            edges.append(each)
     return Process(
         name=name,
         template=parsed.name,
         index=index,
         initial=parsed.initial,
         locations=tuple(
-            _location(Expressions(code, scope), parsed, n) for n in range(len(parsed.location_names))
+            make_location(Expressions(code, scope), drawn, parsed.location_names[number], number)
+            for number, drawn in enumerate(parsed.template.locations)
         ),
         edges=tuple(edges),
         scope=scope,
@@ -131,15 +130,27 @@ def _add_parts(code: GeneratedCode, count: int, span: Span) -> None:
         raise fault(span, what, "Take fewer processes, or select fewer values.")
 
 
-def _location(expressions: Expressions, parsed: ParsedTemplate, number: int) -> Location:
-    node, drawn = parsed.invariants[number], parsed.template.locations[number]
-    invariant = compile_condition(expressions, node, "invariant") if node else Condition()
+def make_edges(
+    code: GeneratedCode, scope: Scope, edge: ParsedEdge, process: int, first: int
+) -> Iterator[Edge]:
+    """The edges of a process, one for each combination of selected values, with numbers from ``first`` on."""
+    selections = _selections(Expressions(code, Scope(scope)), edge)
+    for number, (expressions, selected) in enumerate(selections, start=first):
+        yield _edge(expressions, edge, selected, process, number)
+
+
+def make_location(expressions: Expressions, drawn: DrawnLocation, name: str, number: int) -> Location:
+    """A location of a process, with its number."""
+    label = drawn.labels.get("invariant")
+    invariant = (
+        compile_condition(expressions, parse_expression(label.text), "invariant") if label else Condition()
+    )
     for constraint in invariant.clocks:
         if constraint.op == "==":
             what = f"'{constraint.span.snippet}', an invariant that is an equation with a clock"
             raise refused(constraint.span, what, "Expected a lower bound and an upper bound.")
     return Location(
-        name=parsed.location_names[number],
+        name=name,
         index=number,
         urgent=drawn.urgent,
         committed=drawn.committed,

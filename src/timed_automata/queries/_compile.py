@@ -49,7 +49,11 @@ def compile_formula(network: Network, node: ast.Expression, *, negated: bool = F
     Raises:
         ModelError: not well-formed, or with clocks in a way that is outside of the subset.
     """
-    return _QueryExpressions(network).formula(node, not negated)
+    known, key = network.code.formulas, (node, negated)
+    if key not in known:
+        known[key] = _QueryExpressions(network).formula(node, not negated)
+    formula: Formula = known[key]
+    return formula
 
 
 def compile_without_deadlock(network: Network, node: ast.Expression, *, negated: bool = False) -> Formula:

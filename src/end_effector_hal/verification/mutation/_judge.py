@@ -15,7 +15,7 @@ from timed_automata.compare import ReachedNetwork
 from timed_automata.explore import Explorer, Overview, ReactionBound, overview
 from timed_automata.explore.properties import Coverage
 from timed_automata.mutate import Mutant
-from timed_automata.network import Given
+from timed_automata.network import Given, remake_network
 
 _MORE = 10  # times the states of the file as it is; a mutant that has more is not searched further
 _FEW = 100  # pairs of states that differ: so many are compared before the requirements are asked
@@ -160,7 +160,9 @@ class Baseline:
 def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
     """Look for a requirement that notices the edit, unless it is proven to change nothing."""
     try:
-        network = make_network(mutant.document, baseline.constants)
+        network = remake_network(baseline.network, mutant.document) or make_network(
+            mutant.document, baseline.constants
+        )
     except ModelError:
         return MutantVerdict(mutant, MutantOutcome.INVALID)
     if baseline.stays_off(mutant, network):
