@@ -63,3 +63,7 @@ class CheckedPart:
     def missing(self, what: str, todo: str) -> CheckResult:
         """See `Level.MISSING`."""
         return CheckResult(self._name, Level.MISSING, what, todo)
+
+    def lacks(self, what: str, todo: str, *, wanted: bool) -> CheckResult:
+        """Missing where it is wanted, as by a variable that is set; else a warning."""
+        return self.missing(what, todo) if wanted else self.warning(what, todo)

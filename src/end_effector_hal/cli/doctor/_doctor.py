@@ -90,7 +90,7 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
     """What to look at, in this order; without a description only what needs none."""
     from ._machine import look_at_machine
     from ._python import look_at_python
-    from ._ros import look_at_ros
+    from .ros import look_at_ros
 
     looks: dict[str, Callable[[], CheckResults]] = {
         "python": look_at_python,

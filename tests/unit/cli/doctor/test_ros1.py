@@ -9,7 +9,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from end_effector_hal.cli.doctor import _ros1
+from end_effector_hal.cli.doctor.ros import _ros1
 from tests.unit.cli.doctor.parts import Machine
 
 

@@ -9,9 +9,9 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from end_effector_hal.cli.doctor._check_result import CheckedPart, CheckResult, CheckResults
 from end_effector_hal.ros2 import ROS_PACKAGES
 
-from ._check_result import CheckedPart, CheckResult, CheckResults
 from ._importable import is_importable
 from ._shared_memory import look_at_shared_memory
 
@@ -48,11 +48,12 @@ def _absent(names: list[str], wanted: bool) -> CheckResult:
     for prefix in _prefixes():
         for found in sorted(prefix.glob("lib/python3*/site-packages/rclpy")):
             if (other := found.parents[1].name) != own:
-                return _either(
-                    wanted, f"{text}; ROS 2 is for {other}, and this is {own}",
+                return _say.lacks(
+                    f"{text}; ROS 2 is for {other}, and this is {own}",
                     f"Make the environment with it: /usr/bin/{other} -m venv --system-site-packages FOLDER",
+                    wanted=wanted,
                 )  # fmt: skip
-    return _either(wanted, text, _SOURCE)
+    return _say.lacks(text, _SOURCE, wanted=wanted)
 
 
 def _distribution(name: str) -> CheckResult:
@@ -64,7 +65,9 @@ def _distribution(name: str) -> CheckResult:
 def _messages(wanted: bool) -> CheckResult:
     """Whether rclpy can send one of them: those of ROS 1 and of another Python are found by import, too."""
     if not is_importable("end_effector_msgs.msg"):
-        return _either(wanted, "the messages end_effector_msgs are not built, or not sourced", _BUILD)
+        return _say.lacks(
+            "the messages end_effector_msgs are not built, or not sourced", _BUILD, wanted=wanted
+        )
     try:
         from rclpy.type_support import check_for_type_support
 
@@ -152,7 +155,3 @@ def _prefixes() -> list[Path]:
 
 def _indexed(prefix: Path, package: str) -> bool:
     return (prefix / "share/ament_index/resource_index/packages" / package).is_file()
-
-
-def _either(wanted: bool, what: str, todo: str) -> CheckResult:
-    return _say.missing(what, todo) if wanted else _say.warning(what, todo)

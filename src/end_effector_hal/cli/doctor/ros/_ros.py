@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ._check_result import CheckedPart, CheckResults
+from end_effector_hal.cli.doctor._check_result import CheckedPart, CheckResults
+
 from ._importable import is_importable
 from ._ros1 import look_at_ros1
 from ._ros2 import look_at_ros2

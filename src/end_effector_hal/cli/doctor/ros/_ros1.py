@@ -7,9 +7,9 @@ import os
 import shutil
 from pathlib import Path
 
+from end_effector_hal.cli.doctor._check_result import CheckedPart, CheckResult, CheckResults
 from end_effector_hal.errors import RosError
 
-from ._check_result import CheckedPart, CheckResult, CheckResults
 from ._importable import is_importable
 
 PACKAGES = (
@@ -40,7 +40,9 @@ def look_at_ros1() -> CheckResults:
     if is_importable("end_effector_msgs.msg"):
         yield _messages(wanted)
     elif not absent:
-        yield _check_result(wanted, "the messages end_effector_msgs are not built, or not sourced", _BUILD)
+        yield _say.lacks(
+            "the messages end_effector_msgs are not built, or not sourced", _BUILD, wanted=wanted
+        )
     if wanted:
         yield from _look_at_master()
     else:
@@ -53,21 +55,17 @@ def look_at_ros1() -> CheckResults:
 def _absent(names: list[str], wanted: bool) -> CheckResult:
     text = f"not there: {', '.join(names)}"
     if Path("/usr/lib/python3/dist-packages/rospy").is_dir() and "rospy" in names:
-        return _check_result(
-            wanted,
+        return _say.lacks(
             f"{text}; Debian's ROS is installed, and this environment does not see it",
             "Make it with /usr/bin/python3 -m venv --system-site-packages.",
+            wanted=wanted,
         )
-    return _check_result(
-        wanted,
+    return _say.lacks(
         text,
         "deploy/debian.sh installs ROS 1 on Debian 12; ROS 2 is sourced, such as . /opt/ros/jazzy/setup.bash; "
         "without ROS: eehal arbiter, EndEffector.open",
+        wanted=wanted,
     )
-
-
-def _check_result(wanted: bool, what: str, todo: str) -> CheckResult:
-    return _say.missing(what, todo) if wanted else _say.warning(what, todo)
 
 
 def _messages(wanted: bool) -> CheckResult:
@@ -80,10 +78,10 @@ def _messages(wanted: bool) -> CheckResult:
     try:
         return _say.ok(f"{built}; roslaunch finds {rospkg.RosPack().get_path(OURS)}")
     except rospkg.ResourceNotFound:
-        return _check_result(
-            wanted,
+        return _say.lacks(
             f"{built}; roslaunch does not find {OURS}",
             "Source the whole workspace; Debian's package ros-environment sets ROS_PACKAGE_PATH.",
+            wanted=wanted,
         )
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from end_effector_hal.cli.doctor._check_result import CheckedPart, CheckResults
 from end_effector_hal.wires import holders_of
-
-from ._check_result import CheckedPart, CheckResults
 
 FOLDER = Path("/dev/shm")
 _LOCKS = ("fastrtps_*_el", "fastdds_*_el")
